@@ -21,6 +21,7 @@ from typing import Any, Protocol, TypeVar
 
 from mapper.core.errors import LimitError
 from mapper.io.logs.summary import LogSummary, summarise
+from mapper.sensors.planar.options import PlanarCut
 from server.library.log_pack import write_pack
 
 T = TypeVar("T")
@@ -61,6 +62,7 @@ class Job:
     timeout_s: float
     cpu_s: float
     memory_bytes: int  #: of address space
+    cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
     picture: str | None = None
 
     @property
@@ -177,7 +179,7 @@ def _read(job: Job) -> LogSummary:
     from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
-    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic)
+    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
     log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
     note_progress(1.0)  # a cancelled job ends here and leaves no pack
     if job.pack is not None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.model import Contents
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
@@ -306,15 +307,16 @@ class Library:
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
-    async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
+    async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
         """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
         It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several,
         or those that are to be mapped together, with ``SEPARATOR`` between them. Without one it is the lidar with most
-        scans, or all sonars. Raises :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`,
-        :class:`LimitError`), and :class:`ConfigError` for sensors that cannot be mapped together.
+        scans, or all sonars. ``cut`` says how scans are cut out of clouds and depth images. Raises
+        :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`, :class:`LimitError`), and
+        :class:`ConfigError` for sensors that cannot be mapped together.
         """
-        log = await self._loading.load(owner, log_id, topic)
+        log = await self._loading.load(owner, log_id, topic, cut)
         return await self.trajectories.joined(owner, log_id, log)
 
     def opening(self, log_id: str) -> tuple[str, float | None]:

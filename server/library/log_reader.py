@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.summary import LogSummary
+from mapper.sensors.planar.options import PlanarCut
 from server.library import workers
 from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
@@ -54,7 +55,13 @@ class Reader:
         return self._turns.of(owner)
 
     async def read(
-        self, source: Path, pack: Path | None, topic: str | None = None, *, picture: Path | None = None
+        self,
+        source: Path,
+        pack: Path | None,
+        topic: str | None = None,
+        cut: PlanarCut | None = None,
+        *,
+        picture: Path | None = None,
     ) -> LogSummary:
         """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
 
@@ -67,7 +74,7 @@ class Reader:
         timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
         cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
         drawn = None if picture is None else str(picture)
-        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, drawn)
+        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn)
         self._began = time.monotonic()
         return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
 

@@ -82,6 +82,11 @@ class LogInfo(Part):
     """The log of a log session."""
 
     id: Annotated[str, Meta(description="id in the library")]
+    topic: Annotated[str, Meta(description='sensor of the map; " + " between several')]
+    cut: Annotated[
+        Table | None,
+        Meta(description="how the scans are cut out of point clouds or depth images; null for those of a lidar"),
+    ]
     trajectory: Annotated[str, Meta(description="trajectory of the map")]
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
     n_beams: Annotated[int, Meta(description="beams of each scan")]
@@ -278,6 +283,12 @@ class Trajectories(Struct, tag_field="type", tag="trajectories"):
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
 
 
+class NotesMessage(Struct, tag_field="type", tag="notes"):
+    """Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again."""
+
+    changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
+
+
 class WorldMessage(Struct, tag_field="type", tag="world"):
     """Simulations: the true walls and boxes. Sent at the start and after a change."""
 
@@ -307,6 +318,29 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
     without_clamp: Annotated[int | None, Meta(description="the same without clamping")]
     free_with_clamp: Annotated[float, Meta(description="share of the cells that are free with clamping, 0 to 1")]
     free_without_clamp: Annotated[float, Meta(description="the same without clamping")]
+
+
+class LocalizationMessage(Struct, tag_field="type", tag="localization"):
+    """Simulations: where the particle filter takes the robot to be, and how far off that is."""
+
+    is_on: Annotated[bool, Meta(description="whether the robot is localized")]
+    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
+    pose: Annotated[Pose | None, Meta(description="the best estimate")]
+    covariance: Annotated[
+        tuple[float, float, float, float] | None,
+        Meta(
+            description="variances of the estimate: xx, xy, yy in m², yaw in rad²",
+            extra={"labels": ("xx", "xy", "yy", "yaw")},
+        ),
+    ]
+    is_converged: Annotated[bool, Meta(description="whether the particles agree on one place")]
+    share: Annotated[float, Meta(description="weight of the heaviest cluster, 0 to 1")]
+    fit: Annotated[float, Meta(description="how well the last scan that was used fits, 0 to 1")]
+    entropy: Annotated[float, Meta(description="of the histogram of particles in bins of 0.5 m and 10°, bits")]
+    n_particles: Annotated[int, Meta(description="number of particles")]
+    n_updates: Annotated[int, Meta(description="scans that were used")]
+    error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
+    error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
 
 
 class WorkingMessage(Struct, tag_field="type", tag="working"):
@@ -383,10 +417,12 @@ ServerMessage = (
     | FrameMessage
     | Trajectory
     | Trajectories
+    | NotesMessage
     | ParametersMessage
     | ComparisonMessage
     | WorldMessage
     | Forgetting
+    | LocalizationMessage
     | WorkingMessage
     | NoticeMessage
     | ErrorMessage

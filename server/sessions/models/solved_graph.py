@@ -196,19 +196,19 @@ class SolvedGraph:
         return {"poses": [np.round(poses[k], 4).tolist() for k in (i, j)], "points": found}
 
     def _points(self, log: ScanLog, node: int, pose: Float64Array) -> list[list[float]]:
-        ranges = log.ranges[int(self.graph.nodes[node])]
+        scan = int(self.graph.nodes[node])
+        ranges = log.ranges[scan]
         seen = np.flatnonzero((ranges >= log.range_min) & (ranges <= log.range_max) & (ranges > 0.0))
         seen = seen[:: max(1, -(-len(seen) // MAX_POINTS))]
         angles, r = log.angles[seen], ranges[seen].astype(np.float64)
         points = np.stack([r * np.cos(angles), r * np.sin(angles)], axis=1)
-        in_map = transform_points(compose(pose, np.array(log.mount)), points)
+        in_map = transform_points(compose(pose, log.mounts_at(scan)), points)
         return [[float(x), float(y)] for x, y in np.round(in_map, 3)]
 
     def edge(self, log: ScanLog, edge: int) -> dict[str, Any]:
         """Return one edge with both of its scans. Raises :class:`ConfigError` for an edge that there is not."""
         graph = self.graph
-        if not 0 <= edge < len(graph.i):
-            raise ConfigError("graph.edge", f"The graph has {len(graph.i)} edges; there is no number {edge}.")
+        self.check_edge(edge)
         i, j, relative = int(graph.i[edge]), int(graph.j[edge]), graph.relative[edge]
         poses = self.node_poses
         off = compose(inverse(relative), compose(inverse(poses[i]), poses[j]))
@@ -226,6 +226,11 @@ class SolvedGraph:
             }
             | self.pair(log, i, j, relative)
         )
+
+    def check_edge(self, edge: int) -> None:
+        """Raise :class:`ConfigError` for an edge that there is not."""
+        if not 0 <= edge < len(self.graph.i):
+            raise ConfigError("graph.edge", f"The graph has {len(self.graph.i)} edges; there is no number {edge}.")
 
     def near(self, x: float, y: float) -> dict[str, Any]:
         """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.

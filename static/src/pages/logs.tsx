@@ -103,6 +103,7 @@ function Page() {
         onClose={close}
         onGone={() => (log ? void open(log, topic, true) : close())}
         reopens={log !== null}
+        onSensor={(chosen) => go({ log, topic: log && chosen, session }, true)}
       />
     );
   }

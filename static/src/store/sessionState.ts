@@ -19,6 +19,7 @@ import type {
   Frame,
   FrameMessage,
   Hello,
+  LocalizationMessage,
   Point,
   Pose,
   ServerMessage,
@@ -60,6 +61,8 @@ export class SessionState implements Receiver {
   readonly frame = signal<Frame | null>(null);
   readonly world = signal<WorldMessage | null>(null);
   readonly trajectory = signal<Trajectory | null>(null);
+  /** When a note on the log was last written, changed or deleted, s since 1970; null before the first such message. */
+  readonly notesChanged = signal<number | null>(null);
   readonly mapping: Optimistic;
   readonly sensor: Optimistic;
   protected readonly robot: Optimistic;
@@ -145,6 +148,10 @@ export class SessionState implements Receiver {
   mapAt: ((point: Point) => string) | null = null;
   /** How far the maps have forgotten a removed object; null while this is not measured. */
   readonly forgetting = signal<Forgetting | null>(null);
+  /** How the simulated robot is localized; null before the first message. */
+  readonly localization = signal<LocalizationMessage | null>(null);
+  /** The grid layer that the belief shows in place of the map; null for the map. */
+  readonly underlay = signal<string | null>(null);
 
   /** The scan that is stepped through cell by cell; null for none. */
   readonly stepping = signal<Stepping | null>(null);
@@ -322,8 +329,14 @@ export class SessionState implements Receiver {
         this.#hasRobot.value = message.faults !== undefined;
         this.compared.value = message.compare ?? null;
         return;
+      case "notes":
+        this.notesChanged.value = message.changed_s;
+        return;
       case "forgetting":
         this.forgetting.value = message.cells > 0 ? message : null;
+        return;
+      case "localization":
+        this.localization.value = message;
         return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;

@@ -74,6 +74,10 @@ export interface TrajectoryInfo {
 export interface LogInfo {
   /** id in the library */
   readonly id: string;
+  /** sensor of the map; " + " between several */
+  readonly topic: string;
+  /** how the scans are cut out of point clouds or depth images; null for those of a lidar */
+  readonly cut: Table | null;
   /** trajectory of the map */
   readonly trajectory: string;
   /** all trajectories of the log */
@@ -331,6 +335,13 @@ export interface Trajectories {
   readonly trajectories: readonly TrajectoryInfo[];
 }
 
+/** Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again. */
+export interface NotesMessage {
+  readonly type: "notes";
+  /** when, seconds since 1970 */
+  readonly changed_s: number;
+}
+
 /** Present parameters, sent after each change and after a refused change. */
 export interface ParametersMessage {
   readonly type: "parameters";
@@ -391,6 +402,35 @@ export interface Forgetting {
   readonly free_with_clamp: number;
   /** the same without clamping */
   readonly free_without_clamp: number;
+}
+
+/** Simulations: where the particle filter takes the robot to be, and how far off that is. */
+export interface LocalizationMessage {
+  readonly type: "localization";
+  /** whether the robot is localized */
+  readonly is_on: boolean;
+  /** localization parameters that differ from the first ones */
+  readonly values: Values;
+  /** the best estimate */
+  readonly pose: Pose | null;
+  /** variances of the estimate: xx, xy, yy in m², yaw in rad² */
+  readonly covariance: readonly [number, number, number, number] | null;
+  /** whether the particles agree on one place */
+  readonly is_converged: boolean;
+  /** weight of the heaviest cluster, 0 to 1 */
+  readonly share: number;
+  /** how well the last scan that was used fits, 0 to 1 */
+  readonly fit: number;
+  /** of the histogram of particles in bins of 0.5 m and 10°, bits */
+  readonly entropy: number;
+  /** number of particles */
+  readonly n_particles: number;
+  /** scans that were used */
+  readonly n_updates: number;
+  /** distance of the estimate from the true pose, m */
+  readonly error_m: number | null;
+  /** its error in heading, rad */
+  readonly error_rad: number | null;
 }
 
 /** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
@@ -598,6 +638,15 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
+/** Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it. */
+export interface LocalizeCommand {
+  readonly type: "localize";
+  /** whether it is localized */
+  readonly value?: boolean;
+  /** localization parameters that differ from the first ones */
+  readonly values?: Values;
+}
+
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
 export interface DriveCommand {
   readonly type: "drive";
@@ -685,10 +734,12 @@ export type ServerMessage =
   | FrameMessage
   | Trajectory
   | Trajectories
+  | NotesMessage
   | ParametersMessage
   | ComparisonMessage
   | WorldMessage
   | Forgetting
+  | LocalizationMessage
   | WorkingMessage
   | NoticeMessage
   | ErrorMessage
@@ -712,6 +763,7 @@ export type Command =
   | FaultsCommand
   | CompareCommand
   | TeleportCommand
+  | LocalizeCommand
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -747,6 +799,8 @@ const isTrajectoryInfo: Check = isObject({
 });
 const isLogInfo: Check = isObject({
   id: isText,
+  topic: isText,
+  cut: oneOf(isTable, isNull),
   trajectory: isText,
   trajectories: isListOf(isTrajectoryInfo),
   n_beams: isInteger,
@@ -868,6 +922,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   trajectories: {
     trajectories: isListOf(isTrajectoryInfo),
   },
+  notes: {
+    changed_s: isNumber,
+  },
   parameters: {
     values: isValues,
     sensor: oneOf(isValues, isNull),
@@ -896,6 +953,20 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     without_clamp: oneOf(isInteger, isNull),
     free_with_clamp: isNumber,
     free_without_clamp: isNumber,
+  },
+  localization: {
+    is_on: isFlag,
+    values: isValues,
+    pose: oneOf(isPose, isNull),
+    covariance: oneOf(isTuple(isNumber, isNumber, isNumber, isNumber), isNull),
+    is_converged: isFlag,
+    share: isNumber,
+    fit: isNumber,
+    entropy: isNumber,
+    n_particles: isInteger,
+    n_updates: isInteger,
+    error_m: oneOf(isNumber, isNull),
+    error_rad: oneOf(isNumber, isNull),
   },
   working: {
     elapsed_s: oneOf(isNumber, isNull),

@@ -84,10 +84,7 @@ def colours(png: bytes) -> set[tuple[int, ...]]:
         image.load()
         assert max(image.size) <= 340
         assert image.info["transparency"] == 0
-        return {
-            tuple(int(value) for value in one)
-            for one in np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)
-        }
+        return {tuple(colour) for colour in np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0).tolist()}
 
 
 def test_a_log_is_tagged_found_and_has_a_picture(address: str, tmp_path: Path) -> None:

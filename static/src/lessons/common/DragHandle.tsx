@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
+import { zoomOf } from "../../ui/zoom";
 import type { Point } from "../../wire/protocol";
 import type { StageTransform } from "./Stage";
 
@@ -17,6 +18,8 @@ interface DragHandleProps {
   readonly onMove: (point: Point) => void;
   /** Called for arrow keys instead of `onMove`, for example to rotate. `by` is ±1 or ±0.2. */
   readonly onTurn?: (by: number) => void;
+  /** Called when the handle is let go: at the end of a drag, and when the arrow key or the focus leaves it. */
+  readonly onRelease?: () => void;
   readonly children?: ComponentChildren;
 }
 
@@ -38,12 +41,14 @@ export function DragHandle({
   step,
   onMove,
   onTurn,
+  onRelease,
   children,
 }: DragHandleProps) {
   const id = useId();
   const start = useRef<{ readonly px: Point; readonly from: Point } | null>(null);
   const [x, y] = [transform.x(at[0]), transform.y(at[1])];
   const end = (): void => {
+    if (start.current) onRelease?.();
     start.current = null;
   };
   return (
@@ -70,12 +75,14 @@ export function DragHandle({
       onPointerMove={(event) => {
         if (!start.current) return;
         const { px, from } = start.current;
-        const [dx, dy] = [event.clientX - px[0], event.clientY - px[1]];
-        onMove([from[0] + dx / transform.metre, from[1] - dy / transform.metre]);
+        const metre = transform.metre * zoomOf(event.currentTarget);
+        onMove([from[0] + (event.clientX - px[0]) / metre, from[1] - (event.clientY - px[1]) / metre]);
       }}
       onPointerUp={end}
       onPointerCancel={end}
       onLostPointerCapture={end}
+      onKeyUp={(event) => event.key in DIRECTIONS && onRelease?.()}
+      onBlur={() => onRelease?.()}
       onKeyDown={(event) => {
         const direction = DIRECTIONS[event.key];
         if (!direction) return;

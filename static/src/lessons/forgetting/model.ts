@@ -21,6 +21,8 @@ export const ROOM: readonly Wall[] = box(0.5, 0.5, 5.5, 3.5);
 export const TABLE: readonly Wall[] = box(3.1, 1.5, 3.9, 2.5);
 export const SENSOR: Pose = [1.53, 2.07, 0];
 const LIDAR = allRound(150, 8);
+/** Share of the table's cells that have to be free: as in `mapper/simulation/forgetting.py`. */
+const MOST = 0.9;
 
 /** The evidence of a scan for each cell, with the table and without; the robot stands still, so it is constant. */
 const [WITH_TABLE, WITHOUT] = [[...ROOM, ...TABLE], ROOM].map((walls) =>
@@ -35,9 +37,9 @@ export interface Clamp {
 
 /** One map over the scans with the table and without it. */
 export interface MapHistory {
-  /** The log-odds of the cell that stays occupied longest, before the first scan and after each. */
+  /** The log-odds of the cell that becomes free last, before the first scan and after each. */
   readonly path: readonly number[];
-  /** Scans without the table until none of its cells counts as occupied; null if `limit` scans are too few. */
+  /** Scans without the table until nine in ten of its cells are free, as in the lab; null if `limit` are too few. */
   readonly forgottenAfter: number | null;
   /** The map after scan `i`, 0 … seen + limit. */
   mapAfter(i: number): OccupancyGrid;
@@ -68,8 +70,8 @@ export function simulateRemoval(seen: number, limit: number, clamp: Clamp): MapH
   for (let i = 1; i <= limit; i++) {
     putIntoCells(grid, WITHOUT, config);
     maps.push(copyOf(grid));
-    const left = table.filter((index) => stateOf(grid, index) === "occupied");
-    if (left.length > 0) last = left[0] ?? last;
+    const left = table.filter((index) => stateOf(grid, index) !== "free");
+    if (left.length > (1 - MOST) * table.length) last = left[0] ?? last;
     else forgottenAfter ??= i;
   }
   return {

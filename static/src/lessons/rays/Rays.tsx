@@ -13,6 +13,7 @@ import type { Point } from "../../wire/protocol";
 import { DragHandle } from "../common/DragHandle";
 import { Stage, type StageTransform } from "../common/Stage";
 import { useSeen, useSteps } from "../common/useSteps";
+import { rayFrom as from, rayTo as to } from "./ends";
 import "./rays.css";
 
 /** Cells of one unit: the figure counts in cells, not in metres. */
@@ -27,8 +28,6 @@ const named = ([x, y]: Point): string => `column ${Math.floor(x)}, row ${Math.fl
 
 /** Bresenham's line, step by step, between two points that can be dragged; and the exact traversal beside it. */
 export function Rays() {
-  const from = useSignal<Point>([4.4, 3.5]);
-  const to = useSignal<Point>([22.6, 10.7]);
   const fixes = useSignal<Fixes>({ direction: true, steep: true });
   const exact = useSignal(false);
   const step = useSignal(9);
@@ -36,9 +35,9 @@ export function Rays() {
   const root = useRef<HTMLElement>(null);
   const line = useMemo(
     () => computed(() => bresenhamSteps(cellOf(from.value), cellOf(to.value), fixes.value)),
-    [from, to, fixes],
+    [fixes],
   );
-  const crossed = useMemo(() => computed(() => amanatidesWoo(from.value, to.value)), [from, to]);
+  const crossed = useMemo(() => computed(() => amanatidesWoo(from.value, to.value)), []);
   const last = line.value.steps.length - 1;
   const at = Math.min(step.value, last);
   const go = (next: number): void => {

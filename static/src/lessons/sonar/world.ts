@@ -38,14 +38,19 @@ export const POSES: readonly Pose[] = (
 ).map(([x, y]): Pose => [x, y, 0.24]);
 
 /** One scan of a ring of sonars: the nearest surface in each cone, no return if there is none within range. */
-export function sonarScan(pose: Pose, opening: number): SonarScan {
+export function sonarScan(
+  pose: Pose,
+  opening: number,
+  walls: readonly Wall[] = WALLS,
+  rangeMax: number = RANGE_MAX,
+): SonarScan {
   const bearings = Array.from({ length: SONARS }, (_, k) => (k * 2 * Math.PI) / SONARS);
   const ranges = Float32Array.from(bearings, (bearing) => {
     const echoes = Array.from({ length: RAYS }, (_, i) =>
-      castRay(WALLS, pose[0], pose[1], pose[2] + bearing + opening * (i / (RAYS - 1) - 0.5)),
+      castRay(walls, pose[0], pose[1], pose[2] + bearing + opening * (i / (RAYS - 1) - 0.5)),
     );
     const z = Math.min(...echoes);
-    return z <= RANGE_MAX ? z : Number.POSITIVE_INFINITY;
+    return z <= rangeMax ? z : Number.POSITIVE_INFINITY;
   });
-  return { ranges, bearings, range_min: 0.05, range_max: RANGE_MAX };
+  return { ranges, bearings, range_min: 0.05, range_max: rangeMax };
 }

@@ -21,11 +21,12 @@ export function AlgorithmSection({ id, number, title }: { id: string; number: nu
       }
     >
       <p>
-        The algorithm combines the previous sections: which cells a beam crosses, what evidence it gives for each of
-        them, and how a cell adds up the evidence. The program below is part of the mapper’s reference implementation in
-        plain Python: five functions without their docstrings, copied from the source file when this page was built. The
-        current line is highlighted. Step by line, by cell, by <b class="noun-beam">beam</b> or by scan, forwards or
-        backwards. Drag the <b class="noun-robot">robot</b>, and the program runs on the readings from its new position.
+        The same algorithm with the loops turned around: for each beam, along the cells that it crosses. It combines the
+        previous sections: which cells a beam crosses, what evidence it gives for each of them, and how a cell adds up
+        the evidence. The program below is part of the mapper’s reference implementation in plain Python: five functions
+        without their docstrings, copied from the source file when this page was built. The current line is highlighted.
+        Step by line, by cell, by <b class="noun-beam">beam</b> or by scan, forwards or backwards. Drag the{" "}
+        <b class="noun-robot">robot</b>, and the program runs on the readings from its new position.
       </p>
     </Section>
   );

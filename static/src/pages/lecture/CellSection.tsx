@@ -3,10 +3,11 @@ import type { ComponentChildren } from "preact";
 import { type CellEvent, logOddsHistory } from "../../grid/cellUpdate";
 import { probability } from "../../grid/logOdds";
 import { Cell, START } from "../../lessons/cell/Cell";
+import { cellParameters, numbersOf, setParameter } from "../../lessons/common/parameters";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
-import { cellParameters, numbersOf, setParameter } from "./parameters";
 import { Section } from "./Section";
+import { SectionLink } from "./SectionLink";
 
 const events = signal<readonly CellEvent[]>(START);
 const path = computed(() => logOddsHistory(events.value, cellParameters.value));
@@ -19,7 +20,15 @@ const Readings = ({ z }: { z: string }) => (
   </msub>
 );
 
-/** p(m | z₁…z_t), the belief; `m` may be the free cell instead. */
+/** The poses of the sensor, with the same index. */
+const Poses = ({ x }: { x: string }) => (
+  <msub>
+    <mi>x</mi>
+    <mtext>{x}</mtext>
+  </msub>
+);
+
+/** p(m | z₁…z_t, x₁…x_t), the belief; `m` may be the free cell instead. */
 function Given({ what, z, free = false }: { what: "belief" | "one" | "prior"; z?: string; free?: boolean }) {
   const tone = what === "belief" ? "noun-robot" : what === "one" ? "noun-beam" : "noun-prior";
   return (
@@ -32,6 +41,8 @@ function Given({ what, z, free = false }: { what: "belief" | "one" | "prior"; z?
         <>
           <mo>∣</mo>
           <Readings z={z} />
+          <mo>,</mo>
+          <Poses x={z} />
         </>
       )}
       <mo>)</mo>
@@ -50,6 +61,20 @@ function Line({ why, children }: { why: ComponentChildren; children: ComponentCh
   );
 }
 
+/** p(z_t | m, x_t). */
+const Likelihood = () => (
+  <mrow>
+    <mi>p</mi>
+    <mo>(</mo>
+    <Readings z="t" />
+    <mo>∣</mo>
+    <mi>m</mi>
+    <mo>,</mo>
+    <Poses x="t" />
+    <mo>)</mo>
+  </mrow>
+);
+
 /** From Bayes' rule to a sum, one step per line. */
 function Derivation() {
   return (
@@ -57,9 +82,10 @@ function Derivation() {
       <Line
         why={
           <>
-            Bayes’ rule for the newest reading z<sub>t</sub>. The first factor does not contain the older readings: the
-            readings are assumed to be independent given the cell. Strictly, they are independent only given the whole
-            map.
+            Bayes’ rule for the newest reading z<sub>t</sub>, taken from the pose x<sub>t</sub>. Two{" "}
+            <b>Markov assumptions</b>: given the cell, older readings do not help to predict the new one (strictly, that
+            holds only given the whole map); and the new pose alone says nothing about the cell, so it is missing from
+            the belief of t − 1.
           </>
         }
       >
@@ -67,12 +93,7 @@ function Derivation() {
         <mo>=</mo>
         <mfrac>
           <mrow>
-            <mi>p</mi>
-            <mo>(</mo>
-            <Readings z="t" />
-            <mo>∣</mo>
-            <mi>m</mi>
-            <mo>)</mo>
+            <Likelihood />
             <Given what="belief" z="1:t−1" />
           </mrow>
           <mrow>
@@ -81,6 +102,8 @@ function Derivation() {
             <Readings z="t" />
             <mo>∣</mo>
             <Readings z="1:t−1" />
+            <mo>,</mo>
+            <Poses x="1:t" />
             <mo>)</mo>
           </mrow>
         </mfrac>
@@ -89,16 +112,13 @@ function Derivation() {
         why={
           <>
             Bayes’ rule again, in the other direction. Now only the <b class="noun-beam">inverse model</b> is needed:
-            the probability of the cell given one reading alone.
+            the probability of the cell given one reading alone. The <b>independence of map and poses</b> is used here:{" "}
+            <i>p</i>(m ∣ x<sub>t</sub>) = <i>p</i>(m), the <b class="noun-prior">prior</b>. Where the robot stands says
+            nothing about the cell as long as it has not measured.
           </>
         }
       >
-        <mi>p</mi>
-        <mo>(</mo>
-        <Readings z="t" />
-        <mo>∣</mo>
-        <mi>m</mi>
-        <mo>)</mo>
+        <Likelihood />
         <mo>=</mo>
         <mfrac>
           <mrow>
@@ -106,6 +126,8 @@ function Derivation() {
             <mi>p</mi>
             <mo>(</mo>
             <Readings z="t" />
+            <mo>∣</mo>
+            <Poses x="t" />
             <mo>)</mo>
           </mrow>
           <Given what="prior" />
@@ -113,7 +135,10 @@ function Derivation() {
       </Line>
       <Line
         why={
-          <>The same for the free cell ¬m; then divide one by the other. The factors that are hard to know cancel.</>
+          <>
+            The same for the free cell ¬m; then divide one by the other. The factors that are hard to know cancel. What
+            remains: what the new reading says, times what was known before, divided by the odds of the prior.
+          </>
         }
       >
         <mfrac>
@@ -167,6 +192,8 @@ function Derivation() {
               <mi>m</mi>
               <mo>∣</mo>
               <Readings z="t" />
+              <mo>,</mo>
+              <Poses x="t" />
               <mo>)</mo>
             </mrow>
             <mrow>
@@ -176,6 +203,8 @@ function Derivation() {
               <mi>m</mi>
               <mo>∣</mo>
               <Readings z="t" />
+              <mo>,</mo>
+              <Poses x="t" />
               <mo>)</mo>
             </mrow>
           </mfrac>
@@ -247,13 +276,19 @@ export function CellSection({ id, number, title }: { id: string; number: number;
       after={
         <>
           <LastUpdate />
-          <p>Why is it enough to add? For a state that does not change, the Bayes filter reduces to a sum:</p>
+          <p>
+            Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: there is no prediction
+            step, because the cell does not change, and the correction reduces to a sum. m stands for m<sub>i</sub>, one
+            cell:
+          </p>
           <Derivation />
           <p>
-            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. That is the
+            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>, the log-odds
+            of the prior: what was believed before any reading. It is subtracted because the inverse model, too, starts
+            from the prior, which would otherwise be counted again with every reading. For p = 0.5 it is 0. That is the
             whole filter. It stores one number per cell and no readings. The order of the readings does not matter,
             except at the dashed lines: there the mapper <em>clamps</em> ℓ, and evidence beyond the limit is lost.
-            Section 10 shows what the clamp is for.
+            <SectionLink to="forgetting" capital /> shows what the clamp is for.
           </p>
         </>
       }
@@ -261,7 +296,9 @@ export function CellSection({ id, number, title }: { id: string; number: number;
       <p>
         Consider one cell and many readings of it. The world does not change (assumption 2), so the state of the cell is
         constant: either <i>m</i> (occupied) or ¬<i>m</i> (free). The map stores one number for the cell, its log-odds{" "}
-        <b class="noun-robot">ℓ</b>: above 0 the cell is more likely occupied, below 0 more likely free.
+        <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is more likely occupied, below 0 more likely free;
+        p = 1 would be +∞ and p = 0 would be −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the
+        log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b> adds{" "}

@@ -1,10 +1,17 @@
 import { signal } from "@preact/signals";
 import { Counting } from "../../lessons/counting/Counting";
+import { countingUpdate } from "../../lessons/stage/controls";
+import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
 const beams = signal(180);
 const scans = signal(1);
+
+const UPDATES = [
+  { value: "per_beam", label: "per beam" },
+  { value: "per_scan", label: "per scan" },
+];
 
 export function CountingSection({ id, number, title }: { id: string; number: number; title: string }) {
   return (
@@ -12,8 +19,22 @@ export function CountingSection({ id, number, title }: { id: string; number: num
       id={id}
       number={number}
       title={title}
-      figure={<Counting beams={beams} scans={scans} />}
-      sources={[["probabilistic-robotics", "tables 9.1 and 9.2"]]}
+      figure={
+        <>
+          <Counting beams={beams} scans={scans} />
+          <div class="for-stage no-print">
+            <Choice
+              label="On the stage: updates"
+              options={UPDATES}
+              value={countingUpdate.value}
+              onChange={(value) => {
+                countingUpdate.value = value === "per_scan" ? "per_scan" : "per_beam";
+              }}
+            />
+          </div>
+        </>
+      }
+      sources={[["probabilistic-robotics", "section 9.2, tables 9.1 and 9.2"]]}
       after={
         <>
           <p>

@@ -3,8 +3,12 @@ import { Digits } from "../../lessons/digits/Digits";
 import type { Readings } from "../../lessons/digits/model";
 import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
+import { SectionLink } from "./SectionLink";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
+
+/** q¹⁰⁰⁰ as a power of ten. */
+const PRODUCT = (q: number): string => `10 to the power of ${(1000 * Math.log10(q)).toFixed(0).replace("-", "−")}`;
 
 export function DigitsSection({ id, number, title }: { id: string; number: number; title: string }) {
   const { hits, misses, pHit } = readings.value;
@@ -19,12 +23,22 @@ export function DigitsSection({ id, number, title }: { id: string; number: numbe
         ["ieee754", "binary32"],
       ]}
       after={
-        <p>
-          There is another reason to store ℓ: an addition is cheaper than the products and the division that normalises
-          them, and a map takes millions of updates. With the clamp of section 2 none of the three forms fails: at +3.5
-          even <i>p</i> has more than enough digits. Without the clamp <i>p</i> fails first, then the odds; the sum
-          continues to work.
-        </p>
+        <>
+          <p>
+            The product of many probabilities fails earlier still. A thousand readings, each with a probability of{" "}
+            {(1 - pHit).toFixed(2)}, have the product {PRODUCT(1 - pHit)}: the smallest 32-bit number is about 1.4 ·
+            10⁻⁴⁵, so it <b>underflows</b> to 0. The sum of a thousand logarithms is{" "}
+            {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}, an ordinary number.
+          </p>
+          <p>
+            With the clamp none of the three forms fails: at +3.5 even <i>p</i> has more than enough digits. So why
+            log-odds, if the clamp hides the underflow? Because of <b>cost</b> and <b>exactness</b>: one addition in
+            place of two products, a sum and a division, with one rounding in place of four, and a map takes millions of
+            updates. And the clamp is not there against underflow: it limits how long a wrong belief lasts (
+            <SectionLink to="forgetting" />
+            ). Two problems, two remedies.
+          </p>
+        </>
       }
     >
       <p>

@@ -2,8 +2,10 @@ import { signal } from "@preact/signals";
 import { INITIAL_CONFIG } from "../../grid/occupancyGrid";
 import { Forgetting } from "../../lessons/forgetting/Forgetting";
 import type { Clamp } from "../../lessons/forgetting/model";
+import { scansAfter } from "../../lessons/stage/controls";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
 import { Section } from "./Section";
 
 const seen = signal(40);
@@ -16,17 +18,37 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
       id={id}
       number={number}
       title={title}
-      figure={<Forgetting seen={seen} clamp={clamp} />}
+      figure={
+        <>
+          <Forgetting seen={seen} clamp={clamp} />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: scans since the cupboard was removed"
+              sentence="How many scans the robot of the stage has taken since the cupboard was removed."
+              value={scansAfter.value}
+              initial={4}
+              low={0}
+              high={15}
+              step={1}
+              unit="scans"
+              onInput={(value) => {
+                scansAfter.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
       sources={[
         ["octomap", "for the clamp, which keeps a map able to change"],
         ["probabilistic-robotics", "section 4.2: a state that never changes"],
       ]}
       after={
         <p>
-          Without a clamp the misses must outweigh all hits: a table that was seen for one hour needs about two hours to
-          disappear. The clamp limits the certainty of a cell and therefore the number of misses that are needed: from
-          the upper limit down to the threshold it is always the same. The disadvantage is that evidence beyond the
-          limit is lost, so a correct cell can be changed as quickly as a wrong one.
+          Without a clamp the misses must outweigh all hits: with these increments a table that was seen for one hour
+          needs about two hours to disappear. The clamp limits the certainty of a cell and therefore the number of
+          misses that are needed: from the upper limit down to the threshold it is always the same. The disadvantage is
+          that evidence beyond the limit is lost, so a correct cell can be changed as quickly as a wrong one. This is
+          what the clamp is for, and the only thing: it has nothing to do with the digits of a number.
         </p>
       }
     >
@@ -76,9 +98,10 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           }}
           after="."
         />{" "}
-        The table is forgotten when none of its cells counts as occupied any more (p ≤ 0.65). The map is updated per
-        scan (see the next section): each scan adds to a cell either a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a
-        miss, {signed(INITIAL_CONFIG.log_odds_miss)}. First guess the number of scans, then remove the table.
+        The table is <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25), here and in the lab. The map
+        is updated per scan (see the next section): each scan adds to a cell either a hit,{" "}
+        {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss, {signed(INITIAL_CONFIG.log_odds_miss)}. First guess the number
+        of scans, then remove the table.
       </p>
     </Section>
   );

@@ -2,7 +2,9 @@ import { signal } from "@preact/signals";
 import { Independence } from "../../lessons/independence/Independence";
 import type { SensorParameters } from "../../lessons/independence/model";
 import { DragNumber } from "../../ui/DragNumber";
+import { MapProduct } from "./formulas";
 import { Section } from "./Section";
+import { SectionLink } from "./SectionLink";
 
 const sensor = signal<SensorParameters>({ prior: 0.2, sonarError: 0.05, beamError: 0.1 });
 
@@ -48,13 +50,20 @@ export function GridSection({ id, number, title }: { id: string; number: number;
           A cell is either <b class="noun-hit">occupied</b> or <b class="noun-miss">free</b>, as a whole.
         </li>
         <li>The world does not change while it is mapped.</li>
-        <li>
-          The cells are independent, so the probability of a map is the product of the probabilities of its cells.
-        </li>
+        <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        In addition, the pose of the sensor at each reading must be known. Later sections return to the first two
-        assumptions; this figure shows what is lost with the third.
+        Before any reading each cell has the <b class="noun-prior">prior</b> probability <i>p</i>(m<sub>i</sub>),
+        usually 0.5: no knowledge. Occupied is <i>p</i> = 1, free is <i>p</i> = 0. With the third assumption the
+        probability of a whole map is the product over its cells, given all readings z<sub>1:t</sub> and all poses x
+        <sub>1:t</sub> from which they were taken:
+      </p>
+      <MapProduct />
+      <p>
+        The poses are taken as known; <SectionLink to="doubled" /> shows what happens if they are not. Later sections
+        return to the first two assumptions; this figure shows what is lost with the third. Walls are not random: next
+        to an occupied cell there is often another one. Independence is a convenience. It gives up the connectivity of
+        space, and makes the update of each cell a small computation of its own.
       </p>
       <p>
         A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior

@@ -1,4 +1,6 @@
 import { Mount } from "../../lessons/mount/Mount";
+import { mountError } from "../../lessons/stage/controls";
+import { Slider } from "../../ui/Slider";
 import { Section } from "./Section";
 
 /** T with its two frames as indices. */
@@ -19,7 +21,27 @@ export function MountSection({ id, number, title }: { id: string; number: number
       id={id}
       number={number}
       title={title}
-      figure={<Mount />}
+      figure={
+        <>
+          <Mount />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: rotation of the mount"
+              sentence="By how much the mount that the map on the stage is made with is rotated."
+              value={mountError.value}
+              initial={8}
+              low={-20}
+              high={20}
+              step={1}
+              unit="°"
+              tone="beam"
+              onInput={(value) => {
+                mountError.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
       sources={["rep-103", "rep-105"]}
       after={
         <p>
@@ -34,8 +56,10 @@ export function MountSection({ id, number, title }: { id: string; number: number
     >
       <p>
         A reading is measured in the frame of the sensor and must be transformed to the frame of the map. This takes two
-        poses: the pose of the robot in the map, and the pose of the sensor on the robot, its{" "}
-        <b class="noun-beam">mount</b>.
+        poses: the pose of the robot in the map, which comes from SLAM, from localization (AMCL) or from the odometry,
+        and the pose of the sensor on the robot, its <b class="noun-beam">mount</b>, which in ROS comes from the robot’s
+        description (URDF) by way of the transforms (TF). The third part is the grid’s own origin and resolution. If any
+        of the three is wrong, the map is smeared, rotated or mirrored, and doors become walls.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>

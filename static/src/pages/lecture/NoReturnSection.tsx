@@ -1,9 +1,14 @@
-import { signal } from "@preact/signals";
 import { NoReturn } from "../../lessons/noreturn/NoReturn";
+import { noReturn, noReturnRange as rangeMax } from "../../lessons/stage/controls";
+import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
 
-const rangeMax = signal(3);
+const POLICIES = [
+  { value: "ignore", label: "ignored" },
+  { value: "free", label: "free" },
+  { value: "hit", label: "a hit" },
+];
 
 export function NoReturnSection({ id, number, title }: { id: string; number: number; title: string }) {
   return (
@@ -11,17 +16,35 @@ export function NoReturnSection({ id, number, title }: { id: string; number: num
       id={id}
       number={number}
       title={title}
-      figure={<NoReturn rangeMax={rangeMax} />}
+      figure={
+        <>
+          <NoReturn rangeMax={rangeMax} />
+          <div class="for-stage no-print">
+            <Choice
+              label="On the stage: no return is"
+              options={POLICIES}
+              value={noReturn.value}
+              onChange={(value) => {
+                noReturn.value = value === "free" || value === "hit" ? value : "ignore";
+              }}
+            />
+          </div>
+        </>
+      }
       sources={[
         ["rep-117", ""],
-        ["probabilistic-robotics", "section 6.3, for what else a reading can be"],
+        ["probabilistic-robotics", "table 9.2; section 6.3 for what else a reading can be"],
       ]}
       after={
         <>
           <p>
-            <b>Ignored</b>, the mapper’s default, adds no evidence. <b>Taken as free</b> clears large halls quickly and
-            is usually correct; but drag the robot in front of the glass: the beams that pass through it mark the glass
-            as free. <b>Taken as a hit</b> is an error: it happens when a driver writes the max range where there was no
+            What is right? <b>Table 9.2</b> of <cite>Probabilistic Robotics</cite> takes no return <b>as free</b>: the
+            reading is z_max, so all cells up to z_max are free, and none is occupied. This clears large halls quickly
+            and is usually correct; but drag the robot in front of the glass: the beams that pass through it mark the
+            glass as free. <b>Ignored</b> adds no evidence, and is the default of this mapper in the lecture, in the lab
+            and for logs. The reason: in recorded logs a missing return often means glass, a polished wall, black
+            material or a reading that the driver filtered out, and free space that is wrong is the more dangerous
+            error. <b>Taken as a hit</b> is an error: it happens when a driver writes the max range where there was no
             echo. The mapper cannot distinguish that number from a wall at the same distance, and marks a wall all
             around. It offers this error as a setting, so that you can recognise it in your own maps.
           </p>
@@ -48,8 +71,9 @@ export function NoReturnSection({ id, number, title }: { id: string; number: num
           }}
           after=","
         />{" "}
-        or a surface did not reflect the light back. What does that mean for the map? The figure shows the same four
-        scans, interpreted in three ways. Drag the <b class="noun-robot">robot</b>.
+        or a surface did not reflect the light back. The range is this short so that the figure shows it; the mapper’s
+        default is 30 m. What does no return mean for the map? The figure shows the same four scans, interpreted in
+        three ways. Drag the <b class="noun-robot">robot</b>.
       </p>
     </Section>
   );

@@ -1,4 +1,5 @@
 import { Rays } from "../../lessons/rays/Rays";
+import { Worked } from "../../lessons/rays/Worked";
 import { Section } from "./Section";
 
 export function RaysSection({ id, number, title }: { id: string; number: number; title: string }) {
@@ -11,6 +12,15 @@ export function RaysSection({ id, number, title }: { id: string; number: number;
       sources={["bresenham", "amanatides-woo"]}
       after={
         <>
+          <h3>An example with all its numbers</h3>
+          <p>
+            The line from cell (0, 0) to cell (4, 3). The error starts at 0. Each step to the right adds 2dy; when the
+            error is at least dx, the line also goes one cell up, and 2dx is subtracted. All numbers are integers. ∇ in
+            the figure is the same number minus dx, so that it is compared with 0.
+          </p>
+          <Worked />
+          <p>Every cell of the line but the last is free; the last one, with the end point, is occupied.</p>
+          <h3>All eight octants</h3>
           <p>
             Drag the <b class="noun-beam">end of the beam</b> all the way around the <b class="noun-robot">sensor</b>.
             In the form that is usually printed, the algorithm works in one octant only: right and up, not steeper than
@@ -27,9 +37,10 @@ export function RaysSection({ id, number, title }: { id: string; number: number;
       }
     >
       <p>
-        A reading gives evidence for the cells <em>along its beam</em>. Which cells are these? Bresenham’s algorithm
-        finds them with integer additions only. Its line covers <i>a</i> cells along its longer axis and <i>b</i> along
-        the other. Each step goes one cell along the longer axis, and an error term ∇, initially 2<i>b</i> − <i>a</i>,
+        A reading gives evidence for the cells <em>along its beam</em>. Which cells are these? Walking along the beam in
+        steps of one resolution is simple, but slow, and misses cells or visits them twice. Bresenham’s algorithm finds
+        them with integer additions only. Its line covers <i>a</i> cells along its longer axis and <i>b</i> along the
+        other. Each step goes one cell along the longer axis, and an error term ∇, initially 2<i>b</i> − <i>a</i>,
         measures how far the true line has climbed: if ∇ is negative, the next step is <b class="noun-miss">straight</b>
         , otherwise it is <b class="noun-hit">diagonal</b>.
       </p>

@@ -2,10 +2,10 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { Icon } from "../../ui/Icon";
 import { LESSONS } from "./lessons";
-import { sectionInSight } from "./present";
+import { sectionInSight } from "./present/state";
 import "./sectionList.css";
 
-/** The list of sections with the visible one marked: beside the lecture on wide screens, else a bar that unfolds. */
+/** The list of sections with the visible one marked, in a bar that unfolds. */
 export function SectionList() {
   const id = useId();
   const root = useRef<HTMLElement>(null);

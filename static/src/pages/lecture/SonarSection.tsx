@@ -3,6 +3,7 @@ import type { SonarSettings } from "../../lessons/sonar/model";
 import { Sonar } from "../../lessons/sonar/Sonar";
 import { DragNumber } from "../../ui/DragNumber";
 import { Section } from "./Section";
+import { SectionLink } from "./SectionLink";
 
 const DEGREE = Math.PI / 180;
 const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });
@@ -32,10 +33,10 @@ export function SonarSection({ id, number, title }: { id: string; number: number
             is under the cross: arcs from both sides of the open door lie across it, and the map shows a wall there.
           </p>
           <p>
-            <b>Moravec and Elfes</b> stored two numbers per cell and took the problem of section 1 into account. The
-            certainty that the arc is occupied is first cancelled where the cell is known to be{" "}
-            <b class="noun-miss">empty</b>, then scaled so that the whole arc contains just one obstacle, and only then
-            added:
+            <b>Moravec and Elfes</b> stored two numbers per cell and took the problem of independence (
+            <SectionLink to="grid" />) into account. The certainty that the arc is occupied is first cancelled where the
+            cell is known to be <b class="noun-miss">empty</b>, then scaled so that the whole arc contains just one
+            obstacle, and only then added:
           </p>
           <math display="block" class="lesson-formula">
             <mrow>
@@ -78,8 +79,7 @@ export function SonarSection({ id, number, title }: { id: string; number: number
           <p>
             So the remaining cells of the arc get the certainty. This is a heuristic: both numbers can only grow,
             earlier evidence is never revised, and the order of the readings matters. The map shows the greater of the
-            two. By 1989 Elfes had based the grid on Bayes’ rule, and with independent cells the problem of section 1
-            returned.
+            two. By 1989 Elfes had based the grid on Bayes’ rule, and with independent cells that problem returned.
           </p>
         </>
       }

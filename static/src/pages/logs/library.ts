@@ -61,6 +61,8 @@ export interface Upload {
   readonly bytes: number;
   readonly sent: number;
   readonly error: string | null;
+  /** When the present connection began to send (performance.now), and what had been sent before; null while it waits. */
+  readonly since: { readonly at: number; readonly sent: number } | null;
 }
 
 /** Which logs are listed: words and tags that they have, their order, and how many. */
@@ -237,7 +239,7 @@ export function uploadAll(files: readonly File[]): void {
 /** Upload a file after those before it; after an interruption, resume at the server's offset. */
 export function upload(file: File, opens = false): void {
   const key = nextKey++;
-  uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null }];
+  uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null, since: null }];
   if (file.size === 0) {
     patch(key, { error: "The file is empty." });
     return;
@@ -298,6 +300,7 @@ function send(key: number, name: string, file: File, offset: number): Promise<XM
       resolve(request);
     };
     requests.set(key, request);
+    patch(key, { sent: offset, since: { at: performance.now(), sent: offset } });
     request.send(file.slice(offset));
   });
 }

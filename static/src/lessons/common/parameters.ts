@@ -1,13 +1,14 @@
-/** The parameters that sections 2 and 4 share: the cell uses the increments of the profile. */
+/** The parameters that the stage and the sections on a cell and on the sensor model share. */
 
-import { computed, signal } from "@preact/signals";
+import { computed } from "@preact/signals";
 import type { CellParameters } from "../../grid/cellUpdate";
 import { INITIAL_CONFIG } from "../../grid/occupancyGrid";
 import { beamModel, INITIAL_PARAMETERS } from "../../grid/sensorModel";
+import { onPath } from "../stage/path";
 
 const { clamp, log_odds_min, log_odds_max } = INITIAL_CONFIG;
 
-export const parameters = signal<Readonly<Record<string, unknown>>>({
+export const parameters = onPath<Readonly<Record<string, unknown>>>({
   ...INITIAL_PARAMETERS,
   range_max: 8,
   window: 0.2,

@@ -1,0 +1,164 @@
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useRef } from "preact/hooks";
+import { probability } from "../../grid/logOdds";
+import { indexOf } from "../../grid/occupancyGrid";
+import { bayesFilter, evidenceOfBeam } from "../../grid/textbook";
+import { Button } from "../../ui/Button";
+import { signed, written } from "../../ui/numbers";
+import { reducedMotion } from "../../ui/reducedMotion";
+import { Slider } from "../../ui/Slider";
+import { useSeen, useSteps } from "../common/useSteps";
+import { pipelineBeam, pipelineStep } from "../stage/controls";
+import { nowOf } from "../stage/nowOf";
+import { readingOf } from "../stage/reading";
+import { SCENES } from "../stage/scenes";
+import { densityCharacter, stateCharacter } from "./density";
+import "./pipeline.css";
+
+const MS = 1400;
+const LAST = 6;
+const DEGREE = Math.PI / 180;
+
+interface Box {
+  readonly name: string;
+  readonly formula: ComponentChildren;
+  readonly value: ComponentChildren;
+}
+
+/** What each step of the pipeline makes of the selected reading. */
+function boxes(): readonly Box[] {
+  const scene = SCENES.pipeline();
+  const shown = nowOf(scene);
+  const reading = readingOf(scene, shown, pipelineBeam.value);
+  if (!reading) return [];
+  const { geometry } = shown.map;
+  const before = nowOf({ ...scene, poses: scene.poses.slice(0, -1) }).map;
+  const cells = evidenceOfBeam(geometry, reading.scan, reading.beam, reading.pose, scene.config);
+  const index = indexOf(geometry, reading.cell);
+  const l = before.logOdds[index] ?? 0;
+  const after = bayesFilter(l, scene.config.log_odds_hit, scene.config);
+  const free = cells.filter(({ evidence }) => evidence < 0).length;
+  return [
+    {
+      name: "reading",
+      formula: "r, α",
+      value: `${written(reading.range, 2)} m, ${written(reading.bearing / DEGREE, 0)}°`,
+    },
+    {
+      name: "end point",
+      formula: "x + r cos(θ + α), y + r sin(θ + α)",
+      value: `${written(reading.end[0], 2)} m, ${written(reading.end[1], 2)} m`,
+    },
+    {
+      name: "cell",
+      formula: "floor((p − origin) / resolution)",
+      value: `column ${reading.cell.col}, row ${reading.cell.row}`,
+    },
+    { name: "cells of the beam", formula: "Bresenham’s line", value: `${cells.length} cells` },
+    {
+      name: "evidence",
+      formula: "inverse sensor model",
+      value: (
+        <>
+          <span class="noun-miss">
+            {free} × {signed(scene.config.log_odds_miss)}
+          </span>
+          , <span class="noun-hit">1 × {signed(scene.config.log_odds_hit)}</span>
+        </>
+      ),
+    },
+    {
+      name: "log-odds of the last cell",
+      formula: "ℓ + evidence − ℓ₀, clamped",
+      value: `${signed(l)} → ${signed(after)}`,
+    },
+    {
+      name: "shown",
+      formula: "p = 1 − 1/(1 + exp ℓ)",
+      value: (
+        <>
+          {written(probability(after), 2)}, character <kbd>{densityCharacter(after)}</kbd> or{" "}
+          <kbd>{stateCharacter(after)}</kbd>
+        </>
+      ),
+    },
+  ];
+}
+
+/** The whole way of one reading, in the two loops that are around it. */
+export function Pipeline() {
+  const playing = useSignal(false);
+  const root = useRef<HTMLDivElement>(null);
+  const found = boxes();
+  const at = pipelineStep.value;
+  const go = (next: number): void => {
+    pipelineStep.value = Math.min(LAST, Math.max(0, next));
+    if (next >= LAST) playing.value = false;
+  };
+  useSteps(
+    playing,
+    useSeen(root),
+    () => MS,
+    () => go(pipelineStep.peek() + 1),
+  );
+  return (
+    <div class="pipeline" ref={root}>
+      <div class="pipeline-loop">
+        <p class="pipeline-loop-name">for each scan, with its pose x, y, θ</p>
+        <div class="pipeline-loop">
+          <p class="pipeline-loop-name">for each beam of the scan</p>
+          {found.length === 0 ? (
+            <p>This beam has no return and is ignored.</p>
+          ) : (
+            <ol class="pipeline-steps">
+              {found.map(({ name, formula, value }, i) => (
+                <li
+                  key={name}
+                  class={i < at ? "done" : i === at ? "now" : ""}
+                  {...(i === at ? { "aria-current": "step" as const } : {})}
+                >
+                  <b>{name}</b>
+                  <span class="quiet">{formula}</span>
+                  <output class="number">{value}</output>
+                </li>
+              ))}
+            </ol>
+          )}
+        </div>
+      </div>
+      <div class="actions no-print">
+        <Button icon="stepBack" label="Back one step of the pipeline" disabled={at === 0} onClick={() => go(at - 1)} />
+        {!reducedMotion.value && (
+          <Button
+            icon={playing.value ? "pause" : "play"}
+            label={playing.value ? "Pause the reading" : "Let the reading travel"}
+            onClick={() => {
+              if (at >= LAST) pipelineStep.value = 0;
+              playing.value = !playing.value;
+            }}
+          />
+        )}
+        <Button
+          icon="stepForward"
+          label="Forward one step of the pipeline"
+          disabled={at === LAST}
+          onClick={() => go(at + 1)}
+        />
+      </div>
+      <Slider
+        label="Beam of the scan"
+        sentence="Selects the beam whose reading is followed, counter-clockwise from straight ahead."
+        value={pipelineBeam.value}
+        initial={36}
+        low={0}
+        high={239}
+        step={1}
+        tone="beam"
+        onInput={(value) => {
+          pipelineBeam.value = value;
+        }}
+      />
+    </div>
+  );
+}

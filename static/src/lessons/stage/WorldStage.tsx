@@ -1,0 +1,241 @@
+import { effect, type ReadonlySignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useId, useLayoutEffect, useRef } from "preact/hooks";
+import { shownByteAt } from "../../grid/cellValues";
+import { FREE, OCCUPIED } from "../../render/chart/LogOddsBackground";
+import { mapColours, palette } from "../../render/map/palette";
+import { written } from "../../ui/numbers";
+import { isDark } from "../../ui/theme";
+import type { Point } from "../../wire/protocol";
+import { DragHandle, RobotShape } from "../common/DragHandle";
+import type { StageTransform } from "../common/Stage";
+import { type Projection, projection, type Rect } from "./camera";
+import { ownCell } from "./controls";
+import { FLOOR } from "./floor";
+import { Ladder } from "./Ladder";
+import { Marks, World } from "./Marks";
+import { moveRobot, robotOf } from "./robot";
+import type { Scene, Shown } from "./scene";
+import { useCamera } from "./useCamera";
+import { useSize } from "./useSize";
+import { useStageMap } from "./useStageMap";
+import "../common/lesson.css";
+import "./worldStage.css";
+
+/** Log-odds at the ends of the colour scale, as on the other figures of the lecture. */
+const RANGE = { low: -2.5, high: 3.5 };
+/** A box lower than this has the ladder beside the map, CSS pixels. */
+const LOW = 380;
+const GAP = 10;
+/** Height of the line of text above the ladder. */
+const NAME = 22;
+
+interface WorldStageProps {
+  readonly scene: ReadonlySignal<Scene>;
+  /** A picture for print and slides: it neither moves nor can it be changed by a hand, and shows its scene at once. */
+  readonly still?: boolean;
+  readonly children?: ComponentChildren;
+}
+
+/** The one map of the lecture: the floor, the robot and its map, the history of one cell, and what the scene marks. */
+export function WorldStage({ scene, still = false, children }: WorldStageProps) {
+  const clip = useId();
+  const box = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const size = useSize(box);
+  const shown = useStageMap(scene, still);
+  const now = scene.value;
+  const view = useCamera(now.view, still);
+  const { width, height } = size.value;
+  const { map, ladder } = layout(width, height, now.history);
+  const at = projection(view.value, map);
+  useLayoutEffect(
+    () =>
+      effect(() => {
+        void isDark.value;
+        if (canvas.current) paint(canvas.current, shown.value, scene.value, projection(view.value, map));
+      }),
+    [shown, scene, view, width, height],
+  );
+  const transform: StageTransform = {
+    width: map.width,
+    height: map.height,
+    metre: at.metre,
+    cell: at.metre * shown.value.map.geometry.resolution,
+    x: at.x,
+    y: at.y,
+    world: (px, py) => [...at.world(px, py)],
+  };
+  const caption = now.caption(shown.value);
+  return (
+    <div class={`world-stage${still ? " still" : ""}`}>
+      <div class="world-stage-box" ref={box}>
+        <canvas ref={canvas} role="img" aria-label={caption} />
+        <svg width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="presentation">
+          <clipPath id={clip}>
+            <rect x={map.left} y={map.top} width={map.width} height={map.height} />
+          </clipPath>
+          {ladder && <Lead at={at} scene={now} shown={shown.value} ladder={ladder} />}
+          <g clip-path={`url(#${clip})`}>
+            <World transform={transform} scene={now} shown={shown.value} />
+            <Marks transform={transform} scene={now} shown={shown.value} />
+            <Handles transform={transform} scene={now} shown={shown.value} still={still} />
+          </g>
+          {ladder && <Ladder rect={ladder} scene={now} shown={shown.value} />}
+        </svg>
+      </div>
+      <div class="world-stage-caption">
+        <p>{caption}</p>
+        {children}
+      </div>
+    </div>
+  );
+}
+
+/** The map with the ladder below it; in a low box beside it, and there only if it is a part of the point. */
+function layout(width: number, height: number, history: boolean): { map: Rect; ladder: Rect | null } {
+  if (height < LOW && !history) return { map: { left: 0, top: 0, width, height }, ladder: null };
+  if (height < LOW) {
+    const left = Math.round(width * 0.6);
+    return {
+      map: { left: 0, top: 0, width: left - GAP, height },
+      ladder: { left, top: NAME, width: width - left, height: height - NAME },
+    };
+  }
+  const tall = Math.round(Math.min(200, 0.26 * height));
+  return {
+    map: { left: 0, top: 0, width, height: height - tall - GAP - NAME },
+    ladder: { left: 0, top: height - tall, width, height: tall },
+  };
+}
+
+/** The map, one pixel for a cell, then the part in view enlarged without smoothing. */
+function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projection): void {
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const { rows, cols, resolution } = shown.map.geometry;
+  const colours = palette(RANGE, mapColours());
+  const image = new ImageData(cols, rows);
+  for (let row = 0; row < rows; row++)
+    for (let col = 0; col < cols; col++) {
+      const index = row * cols + col;
+      const l = shown.map.logOdds[index] ?? 0;
+      const state = l > OCCUPIED ? RANGE.high : l < FREE ? RANGE.low : 0;
+      const byte = Math.round(shownByteAt(scene.trinary ? state : l, RANGE));
+      const isSeen = shown.map.observed[index] === 1 && !(scene.trinary && state === 0);
+      const from = isSeen ? 4 * byte : 0;
+      image.data.set(colours.subarray(from, from + 4), 4 * ((rows - 1 - row) * cols + col));
+    }
+  const whole = new OffscreenCanvas(cols, rows);
+  whole.getContext("2d")?.putImageData(image, 0, 0);
+  const ratio = Math.min(2, devicePixelRatio || 1);
+  const { rect } = at;
+  canvas.width = Math.round(rect.width * ratio);
+  canvas.height = Math.round(rect.height * ratio);
+  canvas.style.width = `${rect.width}px`;
+  canvas.style.height = `${rect.height}px`;
+  context.imageSmoothingEnabled = false;
+  context.scale(ratio, ratio);
+  context.fillStyle = `rgb(${colours[0]} ${colours[1]} ${colours[2]})`;
+  context.fillRect(0, 0, rect.width, rect.height);
+  if (scene.bare) return;
+  context.drawImage(
+    whole,
+    at.x(0) - rect.left,
+    at.y(rows * resolution) - rect.top,
+    cols * resolution * at.metre,
+    rows * resolution * at.metre,
+  );
+}
+
+interface PartProps {
+  readonly scene: Scene;
+  readonly shown: Shown;
+}
+
+/** Lines from the selected cell to its history: while the view comes nearer they widen. */
+function Lead({ at, scene, shown, ladder }: PartProps & { at: Projection; ladder: Rect }) {
+  if (shown.index < 0 || scene.grid || scene.bare) return null;
+  const { resolution } = shown.map.geometry;
+  const [x, y] = cornerOf(scene.cell, resolution);
+  const side = resolution * at.metre;
+  const [left, top] = [at.x(x), at.y(y + resolution)];
+  const { rect } = at;
+  if (left > rect.left + rect.width || left + side < rect.left) return null;
+  const d =
+    ladder.left === 0
+      ? `M${left} ${top + side}L${ladder.left} ${ladder.top}H${ladder.left + ladder.width}L${left + side} ${top + side}Z`
+      : `M${left + side} ${top}L${ladder.left} ${ladder.top}V${ladder.top + ladder.height}L${left + side} ${top + side}Z`;
+  return <path class="world-stage-lead" d={d} />;
+}
+
+const cornerOf = ([x, y]: Point, resolution: number): Point => [
+  Math.floor(x / resolution) * resolution,
+  Math.floor(y / resolution) * resolution,
+];
+
+const limited = (value: number, most: number): number => Math.min(most - 0.01, Math.max(0.01, value));
+
+/** The robot, and the selected cell. */
+function Handles({ transform, scene, shown, still }: PartProps & { transform: StageTransform; still: boolean }) {
+  const pose = robotOf(scene, shown);
+  const { resolution } = shown.map.geometry;
+  const [x, y] = cornerOf(scene.cell, resolution);
+  const selected = (
+    <rect
+      class="world-stage-selected"
+      x={transform.x(x)}
+      y={transform.y(y + resolution)}
+      width={transform.cell}
+      height={transform.cell}
+    />
+  );
+  const robot = Math.max(8, Math.min(26, 0.22 * transform.metre));
+  if (still)
+    return (
+      <>
+        {!scene.grid && !scene.bare && selected}
+        {pose && (
+          <g transform={`translate(${transform.x(pose[0])} ${transform.y(pose[1])})`}>
+            <RobotShape yaw={pose[2]} size={robot} />
+          </g>
+        )}
+      </>
+    );
+  return (
+    <>
+      {!scene.grid && !scene.bare && (
+        <>
+          {selected}
+          <DragHandle
+            transform={transform}
+            at={[x + resolution / 2, y + resolution / 2]}
+            label="Selected cell"
+            sentence="Selects the cell whose history is drawn beside the map."
+            text={`${written(scene.cell[0], 2)} m, ${written(scene.cell[1], 2)} m`}
+            tone="neutral"
+            step={resolution}
+            onMove={([px, py]) => {
+              ownCell.value = [limited(px, FLOOR.width), limited(py, FLOOR.height)];
+            }}
+          >
+            <path class="probe" d="M-13 0H-7M7 0H13M0 -13V-7M0 7V13" />
+          </DragHandle>
+        </>
+      )}
+      {pose && (
+        <DragHandle
+          transform={transform}
+          at={[pose[0], pose[1]]}
+          label="Robot"
+          sentence="Moves the robot; it adds a scan to the map at every quarter of a metre."
+          text={`${written(pose[0], 2)} m, ${written(pose[1], 2)} m`}
+          step={0.25}
+          onMove={(point) => moveRobot(point, pose)}
+        >
+          <RobotShape yaw={pose[2]} size={robot} />
+        </DragHandle>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,116 @@
+/** What the stage shows at one place of the lecture. */
+
+import { cellAt } from "../../grid/lattice";
+import { INITIAL_CONFIG, indexOf, type MappingConfig, type OccupancyGrid } from "../../grid/occupancyGrid";
+import type { Point, Pose } from "../../wire/protocol";
+import { cellParameters } from "../common/parameters";
+import type { View } from "./camera";
+import { ownCell, ownPoses } from "./controls";
+import { DRIVE, FLOOR } from "./floor";
+import type { MapHistory, Plan } from "./history";
+import { type Conditions, geometryOf, USUAL } from "./sensing";
+
+/** What is drawn over the map. */
+export type Mark =
+  | "lines" // borders of the cells
+  | "beams" // the newest scan
+  | "beam" // the cells of one beam of it
+  | "reading" // the same, as far as the pipeline has come
+  | "corners" // landmarks in place of cells
+  | "field" // the loop of table 9.1
+  | "counts" // how many beams of one scan pass each cell
+  | "frame" // the grid's origin, and the way from a reading to its cell
+  | "noise" // the distribution of a range at the wall
+  | "odometry" // the poses that the map is made with
+  | "cones" // the newest sonar readings
+  | "low-table"
+  | "values"; // numbers in large cells
+
+export interface Scene {
+  readonly view: View;
+  readonly poses: readonly Pose[];
+  readonly resolution: number;
+  readonly conditions: Conditions;
+  readonly config: MappingConfig;
+  /** A point of the cell whose history is drawn. */
+  readonly cell: Point;
+  readonly marks: readonly Mark[];
+  /** Three states in place of log-odds. */
+  readonly trinary: boolean;
+  /** Without the map. */
+  readonly bare: boolean;
+  /** Another grid in place of the map. */
+  readonly grid: OccupancyGrid | null;
+  /** The history of the selected cell is a part of the point: it is drawn also where there is little room. */
+  readonly history: boolean;
+  /** Other values in place of the history of the selected cell. */
+  readonly ladder: readonly number[] | null;
+  /** The point that the scene makes, in one or two sentences. */
+  readonly caption: (now: Shown) => string;
+}
+
+/** The map that the stage shows: of a history, after some of its scans. */
+export interface Shown {
+  readonly history: MapHistory;
+  readonly count: number;
+  readonly map: OccupancyGrid;
+  /** Index of the selected cell, −1 outside the map. */
+  readonly index: number;
+}
+
+/** The whole floor. */
+export const WHOLE: View = { x: FLOOR.width / 2, y: FLOOR.height / 2, width: FLOOR.width, height: FLOOR.height };
+
+interface SceneParts {
+  readonly view?: View;
+  /** Number of scans of the drive, or other poses. */
+  readonly scans?: number;
+  readonly poses?: readonly Pose[];
+  readonly resolution?: number;
+  readonly conditions?: Partial<Conditions>;
+  readonly config?: Partial<MappingConfig>;
+  readonly cell?: Point;
+  readonly marks?: readonly Mark[];
+  readonly trinary?: boolean;
+  readonly bare?: boolean;
+  readonly grid?: OccupancyGrid;
+  readonly history?: boolean;
+  readonly ladder?: readonly number[];
+  readonly caption: string | ((now: Shown) => string);
+}
+
+/** A cell of the wall between the corridor and the left room: first passed and hit by turns, then certain. */
+export const WALL_CELL: Point = [5.55, 3.235];
+
+/** A scene with the lecture's parameters; the reader's own poses follow those of the drive. */
+export function scene(parts: SceneParts): Scene {
+  const { log_odds_hit, log_odds_miss, clamp, log_odds_min, log_odds_max } = cellParameters.value;
+  const { caption } = parts;
+  return {
+    view: parts.view ?? WHOLE,
+    poses: [...(parts.poses ?? DRIVE.slice(0, parts.scans ?? 0)), ...ownPoses.value],
+    resolution: parts.resolution ?? 0.1,
+    conditions: { ...USUAL, ...parts.conditions },
+    config: { ...INITIAL_CONFIG, log_odds_hit, log_odds_miss, clamp, log_odds_min, log_odds_max, ...parts.config },
+    cell: ownCell.value ?? parts.cell ?? WALL_CELL,
+    marks: parts.marks ?? [],
+    trinary: parts.trinary ?? false,
+    bare: parts.bare ?? false,
+    grid: parts.grid ?? null,
+    history: parts.history ?? false,
+    ladder: parts.ladder ?? null,
+    caption: typeof caption === "string" ? () => caption : caption,
+  };
+}
+
+export const planOf = ({ resolution, conditions, config, poses }: Scene): Plan => ({
+  geometry: geometryOf(resolution, FLOOR.width, FLOOR.height),
+  conditions,
+  config,
+  poses,
+});
+
+export function shownOf(history: MapHistory, count: number, { cell, grid }: Scene): Shown {
+  const map = grid ?? history.after(count);
+  return { history, count, map, index: indexOf(map.geometry, cellAt(map.geometry, cell[0], cell[1])) };
+}

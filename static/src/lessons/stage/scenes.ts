@@ -1,0 +1,311 @@
+/** The scenes of the stage in the order of the lecture. Each continues the one before it: the same floor and drive. */
+
+import { probability } from "../../grid/logOdds";
+import { signed, written } from "../../ui/numbers";
+import { cellsOf, phantoms } from "../common/counts";
+import { cellParameters } from "../common/parameters";
+import {
+  cellSide,
+  countingUpdate,
+  driftError,
+  laserHeight,
+  mapKind,
+  mountError,
+  noReturn,
+  noReturnRange,
+  peopleOn,
+  peopleScans,
+  polishedOn,
+  scansAfter,
+  visited,
+  wallNoise,
+  wallWindow,
+} from "./controls";
+import { CORNERS, sightings } from "./corners";
+import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
+import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
+import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
+import { lookOfWall, STRETCH } from "./wall";
+
+const DEGREE = Math.PI / 180;
+/** Scan at which the cupboard is taken away. */
+const REMOVED = 62;
+
+/** Everything that is really there. */
+const SOLID = [...WALLS, POLISHED, ...TABLE];
+
+const plural = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
+
+/** ℓ and p of the selected cell. */
+function cellInWords({ map, index }: Shown): string {
+  if (index < 0 || map.observed[index] !== 1) return "The marked cell has not been observed.";
+  const l = map.logOdds[index] ?? 0;
+  return `The marked cell has ℓ = ${signed(l)}, which is p = ${written(probability(l), 2)}.`;
+}
+
+const WALL_WORDS = {
+  thin: "The wall is thin and whole",
+  torn: "The wall is torn: beams that measured too much erase the hits of others",
+  fat: "The wall is fat: the window marks cells that are free",
+} as const;
+
+const POLICY_WORDS = {
+  ignore: "Ignored: beams without a return add nothing, so the middle of the room stays unknown.",
+  free: "Taken as free: all cells up to the max range are cleared, also where a surface only reflects the light away.",
+  hit: "Taken as a hit: a ring of walls appears where there is nothing.",
+} as const;
+
+export const SCENES = {
+  start: () =>
+    scene({
+      scans: 12,
+      marks: ["beams"],
+      caption:
+        "A robot drives through a building and measures distances. Cells that its beams passed are free, cells in which they ended are occupied; of the rest it knows nothing.",
+    }),
+  grid: () =>
+    scene({
+      scans: 18,
+      marks: ["lines"],
+      view: { x: 3.4, y: 4.4, width: 4.6, height: 4.6 },
+      caption: (now) =>
+        `The floor as a grid of ${now.map.logOdds.length.toLocaleString("en")} cells with a side of 0.1 m, one number for each: ${plural(cellsOf(now.map, "occupied").length, "cell")} occupied, ${cellsOf(now.map, "free").length.toLocaleString("en")} free, the others unknown.`,
+    }),
+  landmarks: () =>
+    scene({
+      scans: 18,
+      marks: mapKind.value === "corners" ? ["corners"] : [],
+      bare: mapKind.value === "corners",
+      caption: (now) => {
+        if (mapKind.value === "grid")
+          return `As a grid: ${now.map.logOdds.length.toLocaleString("en")} cells, one number for each. Walls, free space, and what is not yet known.`;
+        const seen = sightings(DRIVE.slice(0, 18)).filter((count) => count > 0).length;
+        return `The same drive with landmarks: ${seen} of ${CORNERS.length} corners were seen, ${2 * seen} numbers in all. Each further sighting shrinks its circle. Walls and free space are not in this map.`;
+      },
+    }),
+  cell: () =>
+    scene({
+      history: true,
+      scans: 27,
+      marks: ["lines", "beams", "values"],
+      view: { x: WALL_CELL[0], y: 3.25, width: 0.32, height: 0.32 },
+      caption: (now) => `One cell of the wall. Each beam that ends in it or passes it moves ℓ. ${cellInWords(now)}`,
+    }),
+  "log-odds": () =>
+    scene({
+      history: true,
+      scans: 27,
+      marks: ["lines", "values"],
+      view: { x: WALL_CELL[0], y: 3.25, width: 0.44, height: 0.44 },
+      caption: "In every cell: p, and below it ℓ. Each scan only adds to ℓ; p is computed to be shown.",
+    }),
+  model: () =>
+    scene({
+      scans: 28,
+      marks: ["lines", "beam"],
+      view: { x: 5.5, y: 2.5, width: 1.9, height: 2.2 },
+      config: { window: Number(cellParameters.value.window) },
+      caption: () => {
+        const { window: r } = cellParameters.value;
+        return `One beam and what it says: free up to the window, occupied in the window of ${written(Number(r), 2)} m around the reading, nothing about the cells behind it.`;
+      },
+    }),
+  window: () =>
+    scene({
+      history: true,
+      poses: DRIVE.slice(22, 34),
+      resolution: 0.05,
+      marks: ["noise"],
+      view: { x: (STRETCH.from + STRETCH.to) / 2 + 0.3, y: 3.2, width: 2.7, height: 1.7 },
+      conditions: { noise: wallNoise.value, beams: 120 },
+      config: { window: wallWindow.value },
+      caption: (now) => {
+        const { look, thickness, torn } = lookOfWall(now.map);
+        return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * torn)} % of it with holes or jumps. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
+      },
+    }),
+  endpoint: () =>
+    scene({
+      scans: 29,
+      resolution: 0.1,
+      marks: ["frame"],
+      view: { x: 5, y: 3, width: 10.4, height: 6.6 },
+      caption: () =>
+        `From pose and reading to the end point, and from there to a cell: column and row are counted from the origin, in cells of ${written(cellSide.value, 2)} m.`,
+    }),
+  rays: () =>
+    scene({
+      scans: 30,
+      resolution: 0.2,
+      marks: ["lines", "beam"],
+      view: { x: 6.5, y: 2.5, width: 2.6, height: 2.3 },
+      caption: "Bresenham’s line from the robot’s cell to the cell of the end point: every cell but the last is free.",
+    }),
+  table: () => {
+    const at = visitOf(Math.max(0, visited.value - 1));
+    return scene({
+      history: true,
+      ladder: [at.before, at.after],
+      scans: 30,
+      marks: ["lines", "field"],
+      resolution: LOOP_GEOMETRY.resolution,
+      grid: loopMap(visited.value),
+      view: WHOLE,
+      caption: `Table 9.1 visits all cells. ${FIELD.length} of ${LOOP_GEOMETRY.rows * LOOP_GEOMETRY.cols} lie in the perceptual field of this scan, the outlined part. The current cell is ${at.inField ? `in the field: ℓ ${signed(at.before)} becomes ${signed(at.after)}.` : "outside it: ℓ stays."}`,
+    });
+  },
+  algorithm: () =>
+    scene({
+      scans: 30,
+      marks: ["beams"],
+      caption:
+        "The loops turned around: beam by beam, along its cells. The map after the 30 scans of the drive so far.",
+    }),
+  pipeline: () =>
+    scene({
+      poses: DRIVE.slice(25, 30),
+      resolution: 0.2,
+      marks: ["lines", "reading"],
+      view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
+      caption: "One reading on its way into the map; it ends as a change of the numbers of a few cells.",
+    }),
+  characters: () =>
+    scene({
+      scans: 31,
+      resolution: 0.2,
+      caption: "The map in cells of 0.2 m. Printed as characters it has one character for each cell.",
+    }),
+  sonar: () =>
+    scene({
+      scans: 32,
+      conditions: { sensor: "sonar" },
+      marks: ["cones"],
+      caption:
+        "The same drive with 16 sonars in place of the laser. An echo says how far, not where on its arc: walls become thick and doors narrow.",
+    }),
+  "no-return": () =>
+    scene({
+      scans: 46,
+      conditions: { reach: noReturnRange.value },
+      config: { no_return: noReturn.value },
+      marks: ["beams"],
+      caption: () => `Max range ${written(noReturnRange.value, 1)} m. ${POLICY_WORDS[noReturn.value]}`,
+    }),
+  mount: () =>
+    scene({
+      scans: 56,
+      conditions: { mountYaw: mountError.value * DEGREE },
+      caption: (now) => {
+        const wrong = phantoms(now.map, SOLID, 0.25).length;
+        return `The map of the same readings, made with a mount that is rotated by ${written(mountError.value, 0)}°: ${plural(wrong, "occupied cell")} where no wall is.`;
+      },
+    }),
+  forgetting: () =>
+    scene({
+      history: true,
+      scans: REMOVED + scansAfter.value,
+      view: { x: 8.9, y: 4.6, width: 5.6, height: 4 },
+      cell: [9.2, 4.935],
+      conditions: { tableUntil: REMOVED },
+      marks: ["beams"],
+      caption: (now) =>
+        `The cupboard was taken away ${plural(scansAfter.value, "scan")} ago, and the map still shows ${scansAfter.value > 12 ? "what is left of it" : "it"}. ${cellInWords(now)}`,
+    }),
+  counting: () =>
+    scene({
+      scans: 64,
+      resolution: 0.1,
+      view: { x: 7.76, y: 3.4, width: 1.7, height: 1.3 },
+      config: { update: countingUpdate.value },
+      marks: ["lines", "counts"],
+      caption:
+        countingUpdate.value === "per_beam"
+          ? "In each cell: the number of beams of this one scan that pass it. Near the robot one scan counts many times."
+          : "In each cell: one update by the scan, whatever the number of its beams.",
+    }),
+  doubled: () =>
+    scene({
+      scans: 77,
+      conditions: { drift: driftError.value * DEGREE },
+      marks: ["odometry"],
+      caption: (now) => {
+        const wrong = phantoms(now.map, SOLID, 0.25).length;
+        return driftError.value === 0
+          ? "With the true poses every wall is drawn once."
+          : `The heading is off by ${written(driftError.value, 2)}° more at each scan: walls are drawn again at another place, ${plural(wrong, "cell")} in all.`;
+      },
+    }),
+  polished: () =>
+    scene({
+      scans: 27,
+      conditions: { polished: polishedOn.value },
+      view: { x: 5.6, y: 1.9, width: 8.6, height: 3.8 },
+      cell: [7.05, 0.435],
+      marks: ["beams"],
+      caption: (now) =>
+        polishedOn.value
+          ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away: the robot looks along metres of wall, and the map shows only the part in front of which it has been."
+          : `Not polished, the wall scatters the light, and all of it is mapped. ${cellInWords(now)}`,
+    }),
+  people: () =>
+    scene({
+      scans: peopleScans.value,
+      conditions: { people: peopleOn.value },
+      view: { x: 5, y: 1.9, width: 7, height: 4.2 },
+      cell: [5.15, 1.75],
+      marks: ["beams"],
+      caption: (now) => {
+        const trail = phantoms(now.map, SOLID, 0.25).length;
+        if (!peopleOn.value) return "Nobody walks, and the corridor is free.";
+        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map, hidden from later beams by whoever left ${trail === 1 ? "it" : "them"}.`;
+      },
+    }),
+  "low-table": () => {
+    const seen = laserHeight.value <= LOW_TABLE_HEIGHT;
+    return scene({
+      scans: 20,
+      conditions: { lowTable: seen },
+      view: { x: 2.7, y: 5.3, width: 4.8, height: 4.8 },
+      cell: [1.85, 5.335],
+      marks: ["low-table"],
+      caption: seen
+        ? "The laser’s plane cuts the low table: it is in the map, and looks like a table of any height."
+        : "The dashed table is lower than the laser’s plane. The map calls its place free, and the robot would drive into it.",
+    });
+  },
+  resolution: () =>
+    scene({
+      scans: 77,
+      view: { x: 8.4, y: 2.6, width: 3.2, height: 2.4 },
+      marks: ["lines"],
+      caption: "The door and the pillar in cells of 10 cm. Beside it the same corner in cells of 1, 5 and 10 cm.",
+    }),
+  matching: () =>
+    scene({
+      scans: 77,
+      marks: [],
+      caption: "The map of the same readings with corrected poses: each wall is drawn once again.",
+    }),
+  file: () =>
+    scene({
+      scans: 77,
+      trinary: true,
+      caption: (now) =>
+        `What the file keeps of the map: ${plural(cellsOf(now.map, "occupied").length, "cell")} occupied, ${cellsOf(now.map, "free").length.toLocaleString("en")} free, the others unknown.`,
+    }),
+  next: () =>
+    scene({
+      scans: 77,
+      caption: "This map is the starting point of localization, of costmaps and of path planning.",
+    }),
+  log: () =>
+    scene({
+      scans: 77,
+      caption: () =>
+        `The whole drive: ${DRIVE.length} scans with 240 readings each. The log of a real robot has thousands.`,
+    }),
+} as const satisfies Record<string, () => Scene>;
+
+export type SceneId = keyof typeof SCENES;
+
+export const isScene = (id: string | undefined): id is SceneId => id !== undefined && id in SCENES;

@@ -1,0 +1,125 @@
+/** What the robot of the stage measures under the conditions of a scene, and the poses that its map is made with. */
+
+import { compose } from "../../grid/lattice";
+import type { GridGeometry, LaserScan, MappingConfig, OccupancyGrid } from "../../grid/occupancyGrid";
+import { occupancyGridMapping } from "../../grid/textbook";
+import type { Pose } from "../../wire/protocol";
+import { allRound, castRay, scanFrom, seeded, type Wall } from "../common/world";
+import { type SonarSettings, updateCone } from "../sonar/model";
+import { sonarScan } from "../sonar/world";
+import { LOW_TABLE, POLISHED, TABLE, WALLS, walker } from "./floor";
+
+/** What differs from an exact lidar with known poses in a world that stands still. */
+export interface Conditions {
+  readonly sensor: "lidar" | "sonar";
+  readonly beams: number;
+  /** Largest range that the lidar measures, metres. */
+  readonly reach: number;
+  /** Standard deviation of a range, metres. */
+  readonly noise: number;
+  /** The south wall is polished: a beam that meets it more than 30° off its normal does not come back. */
+  readonly polished: boolean;
+  readonly people: boolean;
+  /** Scan from which the cupboard is gone. */
+  readonly tableUntil: number;
+  /** The laser's plane cuts the low table. */
+  readonly lowTable: boolean;
+  /** Error of the odometry: radians of heading for each scan. */
+  readonly drift: number;
+  /** Error of the mount that the map is made with, radians. */
+  readonly mountYaw: number;
+}
+
+export const USUAL: Conditions = {
+  sensor: "lidar",
+  beams: 240,
+  reach: 12,
+  noise: 0.01,
+  polished: false,
+  people: false,
+  tableUntil: Number.POSITIVE_INFINITY,
+  lowTable: false,
+  drift: 0,
+  mountYaw: 0,
+};
+
+/** Angle to the normal beyond which a polished surface reflects a beam away: as in the lab. */
+const SPECULAR = Math.PI / 6;
+/** Opening of the sonars' cones and their largest range, metres. */
+export const SONAR: SonarSettings = { opening: Math.PI / 6, window: 0.2, profile: "flat", no_return: "ignore" };
+export const SONAR_REACH = 3.5;
+
+export function wallsAt(index: number, conditions: Conditions): readonly Wall[] {
+  return [
+    ...WALLS,
+    POLISHED,
+    ...(index < conditions.tableUntil ? TABLE : []),
+    ...(conditions.lowTable ? LOW_TABLE : []),
+    ...(conditions.people ? walker(index) : []),
+  ];
+}
+
+/** Scan number `index`, taken at a true pose. Equal arguments give equal scans. */
+export function scanAt(pose: Pose, index: number, conditions: Conditions): LaserScan {
+  const walls = wallsAt(index, conditions);
+  const lidar = {
+    ...allRound(conditions.beams, conditions.reach),
+    noise: { sigma: conditions.noise, random: seeded(index + 1) },
+  };
+  const scan = scanFrom(walls, pose, lidar);
+  if (!conditions.polished) return scan;
+  const [ax, ay, bx, by] = POLISHED;
+  const length = Math.hypot(bx - ax, by - ay);
+  const [nx, ny] = [(ay - by) / length, (bx - ax) / length];
+  const others = walls.filter((wall) => wall !== POLISHED);
+  const ranges = scan.ranges.map((range, beam) => {
+    const angle = pose[2] + scan.angle_increment * beam;
+    const pane = castRay([POLISHED], pose[0], pose[1], angle);
+    const meets = pane < Math.min(castRay(others, pose[0], pose[1], angle), conditions.reach);
+    const cosine = Math.abs(nx * Math.cos(angle) + ny * Math.sin(angle));
+    return meets && cosine < Math.cos(SPECULAR) ? Number.POSITIVE_INFINITY : range;
+  });
+  return { ...scan, ranges };
+}
+
+/** The pose that the map is made with: the true one, turned and shifted by the errors so far. */
+export function believed(pose: Pose, index: number, conditions: Conditions, drive: readonly Pose[]): Pose {
+  if (conditions.drift === 0) return pose;
+  // Dead reckoning: each step of the true drive, in the frame of a heading that is off by more each time.
+  let now: Pose = drive[0] ?? pose;
+  const way = [...drive.slice(1, index), pose];
+  let before = drive[0] ?? pose;
+  way.forEach((next, i) => {
+    const error = conditions.drift * (i + 1);
+    const [dx, dy] = [next[0] - before[0], next[1] - before[1]];
+    const [c, s] = [Math.cos(error), Math.sin(error)];
+    now = [now[0] + c * dx - s * dy, now[1] + s * dx + c * dy, next[2] + error];
+    before = next;
+  });
+  return now;
+}
+
+/** Add one scan to a map. */
+export function addScan(
+  grid: OccupancyGrid,
+  truePose: Pose,
+  index: number,
+  conditions: Conditions,
+  config: MappingConfig,
+  drive: readonly Pose[],
+): void {
+  const pose = compose(believed(truePose, index, conditions, drive), [0, 0, conditions.mountYaw]);
+  if (conditions.sensor === "sonar") {
+    const scan = sonarScan(truePose, SONAR.opening, wallsAt(index, conditions), SONAR_REACH);
+    updateCone(grid, scan, pose, SONAR);
+    return;
+  }
+  occupancyGridMapping(grid, scanAt(truePose, index, conditions), pose, config);
+}
+
+export const geometryOf = (resolution: number, width: number, height: number): GridGeometry => ({
+  resolution,
+  rows: Math.round(height / resolution),
+  cols: Math.round(width / resolution),
+  origin: [0, 0, 0],
+});

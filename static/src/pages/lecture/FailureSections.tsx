@@ -1,0 +1,163 @@
+/** What goes wrong with maps of real buildings, each with its scene. */
+
+import { SideView } from "../../lessons/heights/SideView";
+import { driftError, peopleOn, peopleScans, polishedOn } from "../../lessons/stage/controls";
+import { Slider } from "../../ui/Slider";
+import { Toggle } from "../../ui/Toggle";
+import { OnStage } from "./OnStage";
+import { Section } from "./Section";
+import { SectionLink } from "./SectionLink";
+
+interface Props {
+  readonly id: string;
+  readonly number: number;
+  readonly title: string;
+}
+
+export function PolishedSection({ id, number, title }: Props) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="polished" label="A polished wall and the map of it">
+          <Toggle
+            label="polished wall"
+            checked={polishedOn.value}
+            onChange={(on) => {
+              polishedOn.value = on;
+            }}
+          />
+        </OnStage>
+      }
+      sources={[["probabilistic-robotics", "section 6.3.1: failures, of which specular reflection is a cause"]]}
+      after={
+        <p>
+          Glass and polished metal or stone do the same. A beam that is reflected to another surface and back reports a
+          distance that is too long, and the cells of the wall count as passed: in front of such a wall the values go up
+          and down, they <b>oscillate</b>. More readings do not help; another kind of sensor does, or a strip of tape on
+          the glass.
+        </p>
+      }
+    >
+      <p>
+        A laser sees a surface because the surface scatters light in all directions. A <b>polished</b> wall reflects it
+        like a mirror: unless the beam meets it almost at a right angle, nothing comes back to the sensor. To the mapper
+        such a beam has no return (<SectionLink to="no-return" />
+        ), and the wall is missing wherever the robot never stood in front of it.
+      </p>
+    </Section>
+  );
+}
+
+export function PeopleSection({ id, number, title }: Props) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="people" label="Someone walks behind the robot">
+          <Toggle
+            label="someone walks"
+            checked={peopleOn.value}
+            onChange={(on) => {
+              peopleOn.value = on;
+            }}
+          />
+          <Slider
+            label="Scans of the drive"
+            sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
+            value={peopleScans.value}
+            initial={32}
+            low={24}
+            high={77}
+            step={1}
+            onInput={(value) => {
+              peopleScans.value = value;
+            }}
+          />
+        </OnStage>
+      }
+      sources={[["reflection-maps", "for maps of places with people"]]}
+      after={
+        <p>
+          A trail disappears where later beams pass, and stays where none do. Robots that work among people therefore
+          keep two maps: a static one, and on top of it a layer of the current readings that is cleared all the time. In
+          Nav2 these are the static layer and the obstacle layer of its costmap.
+        </p>
+      }
+    >
+      <p>
+        The second assumption says that the world does not change. Someone who follows the robot is measured at a new
+        place in every scan, and leaves a <b>trail</b> of occupied cells, hidden from the next scan by the body itself.
+        Move the slider: when the robot looks at the corridor again from elsewhere, its beams clear most of the trail.
+      </p>
+    </Section>
+  );
+}
+
+export function LowTableSection({ id, number, title }: Props) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="low-table" label="A table below the plane of the laser">
+          <SideView />
+        </OnStage>
+      }
+      sources={[["octomap", "for maps with height"]]}
+      after={
+        <p>
+          A cell has no height: a low table, a high table and a wall project onto the same cells. What is traversable is
+          decided by the height at which the laser is mounted. A three-dimensional map, for example OctoMap’s tree of
+          cells, stores height and needs more memory and time.
+        </p>
+      }
+    >
+      <p>
+        A planar laser measures in one plane, at the height of its mount. A table that is lower than this plane is not
+        in any reading. The map is correct about what the laser saw, and wrong about where the robot can drive. Drag the{" "}
+        <b class="noun-beam">laser</b> up and down.
+      </p>
+    </Section>
+  );
+}
+
+export function DoubledSection({ id, number, title }: Props) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="doubled" label="The map made with drifting odometry">
+          <Slider
+            label="Error of the heading"
+            sentence="How much the heading of the odometry is off after each scan, added up."
+            value={driftError.value}
+            initial={0.15}
+            low={-1}
+            high={1}
+            step={0.05}
+            unit="° per scan"
+            onInput={(value) => {
+              driftError.value = value;
+            }}
+          />
+        </OnStage>
+      }
+      sources={[["probabilistic-robotics", "section 5.4, the odometry motion model"]]}
+    >
+      <p>
+        Occupancy grid mapping takes the poses as known. Wheels slip, and dead reckoning adds up every error. When the
+        robot comes back to a place, its pose is off, and the same wall is drawn a second time beside the first:{" "}
+        <b>duplicated walls</b> are the sign of drifting poses. The <b class="noun-robot">solid</b> line is the true
+        path, the <b class="noun-beam">dashed</b> one is the odometry with which the map is made.
+      </p>
+    </Section>
+  );
+}
