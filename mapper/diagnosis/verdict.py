@@ -127,7 +127,8 @@ def judge(
     if config is not None:
         over = log.upside_down != config.mount_upside_down
         x, y, yaw = (float(value) for value in compose(log.mount, config.mount))
-        log = replace(log, mount=(x, y, yaw), upside_down=over)
+        mounts = None if log.mounts is None else compose(log.mounts, config.mount)
+        log = replace(log, mount=(x, y, yaw), mounts=mounts, upside_down=over)
     findings: tuple[Finding, ...] | None = None
     compared: list[Contradiction] = []
     if limits.max_drift is not None or limits.no_findings:

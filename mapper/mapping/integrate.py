@@ -20,12 +20,12 @@ from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
-from mapper.mapping.joint_scans import SensorOrder, planned_batches
+from mapper.mapping.joint_scans import PlannedBatch, SensorOrder, planned_parts, turns_of
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import scan_batch_of_scan, scan_batches_of_log
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.sensor_model import InverseSensorModel
-from mapper.mapping.update import update_grid
+from mapper.mapping.update import update_grid, update_in_turns
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import RangeScan, ScanLog
@@ -52,7 +52,16 @@ class Change:
 
 
 def _add(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> Change:
-    count, box = update_grid(grid, batch, plan)
+    return _change(*update_grid(grid, batch, plan))
+
+
+def _add_parts(grid: OccupancyGrid, parts: Sequence[PlannedBatch]) -> Change:
+    if len(parts) == 1:
+        return _add(grid, parts[0].batch, parts[0].plan)
+    return _change(*update_in_turns(grid, parts[0].plan, [turns_of(parts, grid.geometry)]))
+
+
+def _change(count: int, box: NDArray[np.int64]) -> Change:
     touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
     return Change(touched, geometry_changed=False, cells_updated=count)
 
@@ -170,8 +179,7 @@ def integrate_order(
     grid: OccupancyGrid, order: SensorOrder, config: MappingConfig, trajectory: str | None, start: int, stop: int
 ) -> Change:
     """Add the scans [start, stop) of several sensors, as :func:`integrate_scans`."""
-    batches = planned_batches(order, config, trajectory, start, stop)
-    return _all(_add(grid, one.batch, one.plan) for one in batches)
+    return _all(_add_parts(grid, parts) for parts in planned_parts(order, config, trajectory, start, stop))
 
 
 def _integration(

@@ -1,8 +1,8 @@
 """The scans of several sensors in the order of their times, in few batches.
 
-Scans of sensors whose beams are alike, of beams that are deskewed, and of thin beams are rows of one batch, so that a
-map of two sensors takes twice the time of one; otherwise a batch ends where another sensor's scan comes. The map is
-that of the scans one after another, bit for bit, in any case.
+Scans of sensors whose beams are alike, of beams that are deskewed, and of thin beams are rows of one batch; otherwise
+each sensor has a batch, and their scans are drawn by turns (:class:`mapper.mapping.turns.Turns`). The map is that of
+the scans one after another, bit for bit, in any case.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.grid import GridGeometry
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import bearings, is_deskewed, scan_batches_of_log, sensor_poses_of_readings
 from mapper.mapping.scan_batch import ScanBatch
+from mapper.mapping.turns import Run, Turns
 from mapper.mapping.update_plan import UpdatePlan, plan_update
 from mapper.sensors.joint_log import JointLog, scan_order
 from mapper.sensors.scan import ScanLog
@@ -62,21 +64,51 @@ class PlannedBatch:
         rows, cols = np.divmod(readings, max(1, self.batch.ranges.shape[1]))
         return np.asarray(self.scans[rows] * n_beams + self.beams[rows] + cols)
 
+    def rows(self, first: int, stop: int) -> PlannedBatch:
+        """Return the rows [first, stop)."""
+        batch = replace(
+            self.batch, ranges=self.batch.ranges[first:stop], sensor_poses=self.batch.sensor_poses[first:stop]
+        )
+        return PlannedBatch(batch, self.plan, self.scans[first:stop], self.beams[first:stop])
 
-def planned_batches(
+
+def planned_parts(
     order: SensorOrder, config: MappingConfig, trajectory: str | None, start: int, stop: int
-) -> Iterator[PlannedBatch]:
-    """Yield the scans [start, stop) in parts that bound the memory, at least one part."""
+) -> Iterator[list[PlannedBatch]]:
+    """Yield the scans [start, stop) in parts that bound the memory, at least one part.
+
+    Each part is one batch, or one of each sensor where their scans cannot be rows of one: :func:`runs_of`.
+    """
     logs = order.logs
     plans = [plan_update(config, log.range_min, log.range_max) for log in logs]
     is_swept = [is_deskewed(log, plan, trajectory) for log, plan in zip(logs, plans, strict=True)]
     step = max(1, _READINGS // max(1, *(log.n_beams for log in logs)))
     edges = [*range(start, stop, step), stop] if start < stop else [start, stop]
-    if not _share_batches(logs, plans, is_swept):
-        changes = np.flatnonzero(np.diff(order.part_of_scan[start:stop])) + start + 1
-        edges = np.unique([*edges, *changes.tolist()]).tolist() if start < stop else edges
+    share = _share_batches(logs, plans, is_swept)
     for first, last in pairwise(edges):
-        yield _joined(order, plans, is_swept, trajectory, first, last)
+        parts = _of_sensors(order, plans, is_swept, trajectory, first, last)
+        yield [_interleaved(parts)] if share and len(parts) > 1 else parts
+
+
+def runs_of(parts: Sequence[PlannedBatch]) -> list[Run]:
+    """Return in which runs of rows the batches of several sensors follow one another, by the order of their scans."""
+    numbers = np.repeat(np.arange(len(parts)), [len(part.scans) for part in parts])
+    # A stable sort keeps the beams of a deskewed scan in their order.
+    number = numbers[np.argsort(np.concatenate([part.scans for part in parts]), kind="stable")]
+    edges = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist(), len(number)]
+    done = [0] * len(parts)
+    runs = []
+    for first, last in pairwise(edges):
+        if first < last:
+            k = int(number[first])
+            runs.append((k, done[k], done[k] + last - first))
+            done[k] += last - first
+    return runs
+
+
+def turns_of(parts: Sequence[PlannedBatch], geometry: GridGeometry) -> Turns:
+    """Return the scans of several sensors as updates take them, on the lattice of ``geometry``."""
+    return Turns([(part.batch.scans_on(geometry), part.plan) for part in parts], runs_of(parts))
 
 
 def _share_batches(logs: Sequence[ScanLog], plans: Sequence[UpdatePlan], is_swept: Sequence[bool]) -> bool:
@@ -96,15 +128,15 @@ def _alike(a: ScanLog, b: ScanLog) -> bool:
     return a.n_beams == b.n_beams and np.array_equal(a.fields(), b.fields()) and np.array_equal(a.angles, b.angles)
 
 
-def _joined(
+def _of_sensors(
     order: SensorOrder,
     plans: Sequence[UpdatePlan],
     is_swept: Sequence[bool],
     trajectory: str | None,
     start: int,
     stop: int,
-) -> PlannedBatch:
-    """Return the scans [start, stop) as one batch."""
+) -> list[PlannedBatch]:
+    """Return the scans [start, stop), a batch for each sensor that has some, at least one."""
     parts: list[PlannedBatch] = []
     for number in np.unique(order.part_of_scan[start:stop]).tolist() or [0]:
         log, plan = order.logs[number], plans[number]
@@ -112,7 +144,7 @@ def _joined(
         first = int(order.scan_of_part[scans[0]]) if len(scans) else 0
         (batch,) = _whole(log, plan, trajectory, first, first + len(scans))
         parts.append(_of_one(batch, plan, scans, log.n_beams if is_swept[number] else 1))
-    return parts[0] if len(parts) == 1 else _interleaved(parts)
+    return parts
 
 
 def _whole(log: ScanLog, plan: UpdatePlan, trajectory: str | None, first: int, last: int) -> tuple[ScanBatch]:

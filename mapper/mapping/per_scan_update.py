@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import prod
@@ -17,7 +18,8 @@ from mapper.mapping.bands import Draw, draw_in_bands
 from mapper.mapping.kernels.bitmask_fill import MAX_SIDE, PLANES, observe
 from mapper.mapping.kernels.perceptual_field import Plan, draw_fields, plan_fields
 from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter, Scans
-from mapper.mapping.scan_batch import ScanBatch, part_of
+from mapper.mapping.scan_batch import part_of
+from mapper.mapping.turns import Run, Turns
 from mapper.mapping.update_plan import UpdatePlan
 
 Span = tuple[int, int]
@@ -51,8 +53,7 @@ class PlannedFields:
 
 def draw_field_evidence(
     grid: OccupancyGrid,
-    batch: ScanBatch,
-    plan: UpdatePlan,
+    turns: Turns,
     log_odds_update: LogOddsUpdate,
     threads: int,
     box: NDArray[np.int64],
@@ -61,13 +62,33 @@ def draw_field_evidence(
 
     Raises :class:`ConfigError` for a grid of MAX_SIDE rows or columns.
     """
-    count = 0
-    for scans in batch.chunks_on(grid.geometry):
-        fields = plan_of_fields(scans, grid.geometry, plan, threads)
-        if fields.rows[0] < fields.rows[1] and fields.words[0] < fields.words[1]:
-            draw = drawer_of_fields(fields, grid, log_odds_update)
-            count += draw_in_bands(draw, fields.work, fields.rows, threads, box)
-    return count
+    fields = _in_turns([plan_of_fields(scans, grid.geometry, plan, threads) for scans, plan in turns.sensors], turns)
+    if fields.rows[0] >= fields.rows[1] or fields.words[0] >= fields.words[1]:
+        return 0
+    return draw_in_bands(drawer_of_fields(fields, grid, log_odds_update), fields.work, fields.rows, threads, box)
+
+
+def _in_turns(planned: Sequence[PlannedFields], turns: Turns) -> PlannedFields:
+    """Return what each sensor's scans will draw as what all will draw in their order."""
+    if len(planned) == 1:
+        return planned[0]
+    parts = [part for run in turns.runs for part in _of_run(planned[run[0]].parts, run)]
+    views = np.concatenate([one.views for one in planned])
+    work = np.sum([one.work for one in planned], axis=0)
+    return PlannedFields(parts, views, work, *_seen(views))
+
+
+def _of_run(parts: Sequence[PlannedScans], run: Run) -> Iterator[PlannedScans]:
+    """Yield the scans of a run out of a sensor's, which follow one another in ``parts``."""
+    _, first, stop = run
+    for part in parts:
+        n = len(part.scans.ranges)
+        a, b = max(first, 0), min(stop, n)
+        if a < b:
+            starts, sure, views = part.plan
+            own = (starts[a:b], sure[a:b], views[a:b])
+            yield PlannedScans(part_of(part.scans, a, b), part.frame, part.reading_filter, own, part.toggles)
+        first, stop = first - n, stop - n
 
 
 def plan_of_fields(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threads: int) -> PlannedFields:

@@ -38,7 +38,7 @@ def placed_scan(log: ScanLog, config: MappingConfig, trajectory: str | None, ind
         return placed_scan(part, config, trajectory, int(log.scan_of_part[index]))
     plan = plan_update(config, log.range_min, log.range_max)
     scan, base = log.scan(index), base_pose(log, plan, trajectory, index)
-    sensor = compose(base, np.array(log.mount))
+    sensor = compose(base, log.mounts_at(index))
     if is_deskewed(log, plan, trajectory):
         ranges, angles = deskewed_beams(log, plan, trajectory, index)
         if plan.upside_down:
@@ -65,7 +65,7 @@ def deskewed_beams(
     beams = np.arange(log.n_beams)
     poses = sensor_poses_of_readings(log, plan, trajectory, np.full(log.n_beams, index), beams)
     base = base_pose(log, plan, trajectory, index)
-    here = compose(compose(base, np.array(log.mount)), np.array(plan.mount))
+    here = compose(compose(base, log.mounts_at(index)), np.array(plan.mount))
     x, y, yaw = compose(inverse(here), poses).T
     readings, angles = log.ranges[index].astype(np.float64), yaw + bearings(log, plan)
     measured = np.isfinite(readings)

@@ -67,7 +67,7 @@ def sensor_poses_of_readings(
         poses = _poses_of_beams(log, plan, trajectory, scans, beams[:, np.newaxis])[:, 0]
     else:
         poses = base_poses(log, plan, trajectory)[scans]
-    return compose(compose(poses, np.array(log.mount)), np.array(plan.mount))
+    return compose(compose(poses, log.mounts_at(scans)), np.array(plan.mount))
 
 
 def _poses_of_beams(
@@ -102,12 +102,13 @@ def scan_batch_of_log(log: ScanLog, plan: UpdatePlan, trajectory: str | None, st
     """
     ranges = _covered_ranges(log, plan, trajectory, start, stop)
     if not is_deskewed(log, plan, trajectory):
-        poses = compose(base_poses(log, plan, trajectory)[start:stop], np.array(log.mount))
+        poses = compose(base_poses(log, plan, trajectory)[start:stop], log.mounts_at(slice(start, stop)))
         return _batch(log, ranges, compose(poses, np.array(plan.mount)), plan)
     poses = _poses_of_beams(log, plan, trajectory, np.arange(start, stop), np.arange(log.n_beams)[np.newaxis])
     turns = np.zeros((log.n_beams, 3))
     turns[:, 2] = bearings(log, plan)
-    poses = compose(poses, compose(compose(np.array(log.mount), np.array(plan.mount)), turns))
+    mounts = compose(log.mounts_at(slice(start, stop)), np.array(plan.mount))
+    poses = compose(poses, compose(mounts[..., np.newaxis, :], turns))
     ahead = np.zeros(1)
     return ScanBatch(
         _readings(ranges, plan).reshape(-1, 1),

@@ -6,7 +6,7 @@ Recomputed from the log and the parameters at each request, so the map stores no
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TypeAlias
@@ -20,7 +20,7 @@ from mapper.mapping.cell_statistics import begin, shown
 from mapper.mapping.certainty_update import update_certainties
 from mapper.mapping.contributions import contributions
 from mapper.mapping.integrate import scans_at_once
-from mapper.mapping.joint_scans import SensorOrder, planned_batches
+from mapper.mapping.joint_scans import PlannedBatch, SensorOrder, planned_parts, runs_of
 from mapper.mapping.kernels.contributions import running_sum
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import scan_batch_of_log
@@ -123,18 +123,31 @@ class _Batches:
     pause: Callable[[], object]
 
     def joined(
-        self, look: Callable[[ScanBatch, UpdatePlan], tuple[NDArray[np.int64], NDArray[np.float32]]]
+        self,
+        look: Callable[[ScanBatch, UpdatePlan], tuple[NDArray[np.int64], NDArray[np.float32]]],
+        *,
+        by_turns: bool = False,
     ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-        """Return what ``look`` returns of each part, touches and a value for each, as of the whole log."""
+        """Return what ``look`` returns of each part, touches and a value for each, as of the whole log.
+
+        With ``by_turns`` it gets the scans of several sensors in their order.
+        """
         touches: list[NDArray[np.int64]] = []
         values: list[NDArray[np.float32]] = []
         start, count = 0, max(1, _FIRST_READINGS // max(1, self.log.n_beams))
         while start < self.stop or not touches:  # of a log without scans one part, to have the right shapes
             last = min(start + count, self.stop)
             began = time.thread_time()
-            for batch, plan, named in self._batches(start, last):
-                part, value = look(batch, plan)
-                part[:, 0] = named(part[:, 0])
+            for parts in self._batches(start, last, by_turns=by_turns):
+                found = []
+                for batch, plan, named in parts:
+                    part, value = look(batch, plan)
+                    part[:, 0] = named(part[:, 0])
+                    found.append((part, value))
+                part, value = (np.concatenate(several) for several in zip(*found, strict=True))
+                if len(found) > 1:
+                    order = np.argsort(part[:, 0] // max(1, self.log.n_beams), kind="stable")
+                    part, value = part[order], value[order]
                 touches.append(part)
                 values.append(value)
             count = scans_at_once(max(1, last - start), time.thread_time() - began)
@@ -142,16 +155,29 @@ class _Batches:
             self.pause()
         return np.concatenate(touches), np.concatenate(values)
 
-    def _batches(self, start: int, stop: int) -> Iterator[tuple[ScanBatch, UpdatePlan, _Named]]:
-        """Yield scans [start, stop) with their plan, and what numbers a batch's readings as those of the log."""
+    def _batches(
+        self, start: int, stop: int, *, by_turns: bool
+    ) -> Iterator[Sequence[tuple[ScanBatch, UpdatePlan, _Named]]]:
+        """Yield scans [start, stop) with their plan, and what numbers a batch's readings as those of the log.
+
+        Batches that come together are those of several sensors whose scans take turns.
+        """
         log, n_beams = self.log, self.log.n_beams
+
+        def told(part: PlannedBatch) -> tuple[ScanBatch, UpdatePlan, _Named]:
+            return part.batch, part.plan, partial(part.named, n_beams=n_beams)
+
         if isinstance(log, JointLog):
-            for one in planned_batches(SensorOrder.of(log), self.config, self.trajectory, start, stop):
-                yield one.batch, one.plan, partial(one.named, n_beams=n_beams)
+            for parts in planned_parts(SensorOrder.of(log), self.config, self.trajectory, start, stop):
+                if by_turns and len(parts) > 1:
+                    for k, first, last in runs_of(parts):
+                        yield [told(parts[k].rows(first, last))]
+                else:
+                    yield [told(part) for part in parts]
             return
         plan = plan_update(self.config, log.range_min, log.range_max)
         batch = scan_batch_of_log(log, plan, self.trajectory, start, stop)
-        yield batch, plan, lambda readings: readings + start * n_beams
+        yield [(batch, plan, lambda readings: readings + start * n_beams)]
 
 
 def _of_certainties(
@@ -166,7 +192,9 @@ def _of_certainties(
     if before.cell_statistics is not None:
         grid.cell_statistics = before.cell_statistics.copy()
     box, number = np.zeros(4, dtype=np.int64), geometry.cols * cell[0] + cell[1]
-    touches, certainties = batches.joined(lambda batch, plan: update_certainties(grid, batch, plan, box, number)[1:])
+    touches, certainties = batches.joined(
+        lambda batch, plan: update_certainties(grid, batch.scans_on(geometry), plan, box, number)[1:], by_turns=True
+    )
     assert grid.cell_statistics is not None  # noqa: S101 - begun above
     return touches, shown(plan, certainties[:, 0], certainties[:, 1], before.prior), grid.cell_statistics
 

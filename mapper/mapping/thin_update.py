@@ -18,7 +18,8 @@ from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
 from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
 from mapper.mapping.kernels.smooth_ramp import draw_ramps
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate, Scans
-from mapper.mapping.scan_batch import ScanBatch, part_of
+from mapper.mapping.scan_batch import part_of
+from mapper.mapping.turns import Turns
 from mapper.mapping.update_plan import UpdatePlan
 
 _ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
@@ -60,17 +61,17 @@ def plan_beams(scans: Scans, geometry: GridGeometry, plan: UpdatePlan, threads: 
 
 def draw_beam_evidence(
     grid: OccupancyGrid,
-    batch: ScanBatch,
-    plan: UpdatePlan,
+    turns: Turns,
     log_odds_update: LogOddsUpdate,
     threads: int,
     box: NDArray[np.int64],
 ) -> int:
     """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
     cells = Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
-    frame, smooth, evidence = grid.geometry.frame, plan.strategy.smooth, plan.evidence
+    frame = grid.geometry.frame
     count = 0
-    for scans in batch.chunks_on(grid.geometry):
+    for scans, plan in turns.pieces:
+        smooth, evidence = plan.strategy.smooth, plan.evidence
         beams = plan_beams(scans, grid.geometry, plan, threads)
         if plan.exact_rays:
             draw = partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update)

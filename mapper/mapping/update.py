@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from mapper.mapping.parameters import Statistics
 from mapper.mapping.per_scan_update import draw_field_evidence
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.thin_update import draw_beam_evidence
+from mapper.mapping.turns import Turns
 from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 
 _WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more time than it saves
@@ -25,46 +26,54 @@ _ONE_MISS, _ONE_HIT = (
     for miss in (1.0, 0.0)
 )
 
-#: Adds a batch, on so many threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
-Update = Callable[[OccupancyGrid, ScanBatch, UpdatePlan, int, NDArray[np.int64]], int]
+#: Adds scans, on so many threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
+Update = Callable[[OccupancyGrid, Turns, int, NDArray[np.int64]], int]
 
 
 def update_grid(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> tuple[int, NDArray[np.int64]]:
-    """Add all scans; what falls outside the grid is clipped.
+    """Add all scans of a batch, as :func:`update_in_turns`."""
+    chunks = batch.chunks_on(grid.geometry)
+    return update_in_turns(grid, plan, [Turns.of_one(scans, plan) for scans in chunks])
 
-    Return the number of cell updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is empty
-    where row1 ≤ row0. Raises :class:`mapper.core.errors.ConfigError` for cells so small that a beam crosses too many
-    of them, and for a grid that holds the statistics of another kind of model.
+
+def update_in_turns(grid: OccupancyGrid, plan: UpdatePlan, chunks: Sequence[Turns]) -> tuple[int, NDArray[np.int64]]:
+    """Add all scans, one chunk after another; what falls outside the grid is clipped.
+
+    ``plan`` is that of any sensor: those of all differ in the limits of their readings only. Return the number of cell
+    updates and the box (row0, row1, col0, col1) of what was touched, half-open; it is empty where row1 ≤ row0. Raises
+    :class:`mapper.core.errors.ConfigError` for cells so small that a beam crosses too many of them, and for a grid that
+    holds the statistics of another kind of model.
     """
-    check_beam_length(plan.beam_length, grid.geometry.resolution)
-    threads = cores() if batch.ranges.size >= _WORTH_SHARING else 1
+    for length in {one.beam_length for turns in chunks for _, one in turns.sensors}:
+        check_beam_length(length, grid.geometry.resolution)
+    threads = cores() if sum(turns.readings for turns in chunks) >= _WORTH_SHARING else 1
     rows, cols = grid.geometry.shape
     box = np.array([rows, 0, cols, 0], dtype=np.int64)
     cell_statistics.begin(grid, plan.strategy)
-    count = _UPDATES[plan.strategy.statistics](grid, batch, plan, threads, box)
+    update = _UPDATES[plan.strategy.statistics]
+    count = sum(update(grid, turns, threads, box) for turns in chunks)
     cell_statistics.show(grid, plan, box)
     return count, box
 
 
-def _add_log_odds(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan, threads: int, box: NDArray[np.int64]) -> int:
-    return _draw(grid, batch, plan, plan.log_odds_update, threads, box)
+def _add_log_odds(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[np.int64]) -> int:
+    _, plan = turns.sensors[0]
+    return _draw(grid, turns, plan.log_odds_update, threads, box)
 
 
-def _count(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan, threads: int, box: NDArray[np.int64]) -> int:
+def _count(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[np.int64]) -> int:
     """Count the hits and the misses of each cell: two maps, in each of which one of them adds 1 and the other 0."""
-    _draw(grid.with_statistic(0), batch, plan, _ONE_HIT, threads, box)
-    return _draw(grid.with_statistic(1), batch, plan, _ONE_MISS, threads, box)
+    _draw(grid.with_statistic(0), turns, _ONE_HIT, threads, box)
+    return _draw(grid.with_statistic(1), turns, _ONE_MISS, threads, box)
 
 
 def _add_certainties(
     grid: OccupancyGrid,
-    batch: ScanBatch,
-    plan: UpdatePlan,
+    turns: Turns,
     threads: int,  # noqa: ARG001 - an arc may be anywhere in the grid, so one thread adds all
     box: NDArray[np.int64],
 ) -> int:
-    count, _, _ = update_certainties(grid, batch, plan, box)
-    return count
+    return sum(update_certainties(grid, scans, plan, box)[0] for scans, plan in turns.pieces)
 
 
 _UPDATES: Mapping[Statistics, Update] = {
@@ -75,15 +84,11 @@ _UPDATES: Mapping[Statistics, Update] = {
 
 
 def _draw(
-    grid: OccupancyGrid,
-    batch: ScanBatch,
-    plan: UpdatePlan,
-    log_odds_update: LogOddsUpdate,
-    threads: int,
-    box: NDArray[np.int64],
+    grid: OccupancyGrid, turns: Turns, log_odds_update: LogOddsUpdate, threads: int, box: NDArray[np.int64]
 ) -> int:
     """Add all scans by ``log_odds_update``; return the number of cell updates and widen ``box`` (4,)."""
+    _, plan = turns.sensors[0]
     if plan.draws_cones:
-        return draw_cone_evidence(grid, batch, plan, log_odds_update, threads, box)
+        return draw_cone_evidence(grid, turns, log_odds_update, threads, box)
     draw = draw_field_evidence if plan.per_scan else draw_beam_evidence
-    return draw(grid, batch, plan, log_odds_update, threads, box)
+    return draw(grid, turns, log_odds_update, threads, box)

@@ -2,13 +2,52 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from mapper.core.array_types import Float64Array
+from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
+from mapper.matching.kernels.types import NO_POINT
 from mapper.matching.match import Match, match_scan
 from mapper.matching.parameters import MAP_CONFIG, MatchConfig
-from mapper.matching.target import map_points, map_target
+from mapper.matching.target import check_points, map_points, map_target
+
+WINDOW_M = 5.0  #: around a guess
+COARSE, COARSE_TURN = 0.2, math.radians(2.0)  #: metres, radians: of the search of a whole map
+MODES = 6  #: places that are looked at more closely
+
+
+def place_map(first: OccupancyGrid, second: OccupancyGrid, guess: Float64Array | None = None) -> Match:
+    """Return where the second map lies in the first: a match with several candidates, the best first.
+
+    The poses are ``T_first_second``. Without a ``guess`` (3,) the middle of the second map's walls is searched for
+    everywhere within the first one's walls, in all directions; with one, within 5 m of where it puts that middle.
+    Raises what :func:`match_maps` raises, and :class:`LimitError` for maps that are too large to be searched.
+    """
+    target, walls = map_target(map_points(first)), map_points(second)
+    theirs, ours = target.points, walls.points[0, walls.kind[0] != NO_POINT]
+    check_points(walls, np.zeros(1, dtype=np.int64), "the map")
+    middle = np.array([*ours.mean(axis=0), 0.0])
+    if guess is None:
+        low, high = theirs.min(axis=0), theirs.max(axis=0)
+        begin, window = np.array([*(0.5 * (low + high)), 0.0]), max(WINDOW_M, float(np.max(high - low)) / 2.0)
+    else:
+        begin, window = compose(np.asarray(guess, dtype=np.float64), middle), WINDOW_M
+    # Turned about the middle, the walls stay within the window.
+    points = walls.points - middle[:2].astype(np.float32)
+    config = MAP_CONFIG.with_values(
+        {
+            "window_m": window, "field_resolution": COARSE, "field_sigma": COARSE, "turn_step": COARSE_TURN,
+            "modes": MODES, "mode_share": 0.5,
+        }
+    )  # fmt: skip
+    found = match_scan(walls._replace(points=points), 0, target, begin, config)
+    order = np.argsort(-found.scores, kind="stable")
+    candidates = compose(found.candidates[order], inverse(middle))
+    return replace(found, pose=candidates[0], candidates=candidates, scores=found.scores[order])
 
 
 def match_maps(

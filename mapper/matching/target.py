@@ -9,6 +9,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.grid import OCCUPIED_THRESHOLD, OccupancyGrid
+from mapper.matching.beams import scan_rows
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 from mapper.sensors.timed_poses import check_poses
 
@@ -66,8 +67,7 @@ def scan_target(scans: ScanArrays, index: int) -> Target:
     """Return one scan as a target, in whose base frame the match is stated."""
     if not 0 <= index < len(scans.kind):
         raise ConfigError("matching.scan", f"There is no scan {index} among {len(scans.kind)}.")
-    part = slice(index, index + 1)
-    one = scans._replace(points=scans.points[part], normals=scans.normals[part], kind=scans.kind[part])
+    one = scan_rows(scans, index, index + 1)
     return Target(one, np.zeros(1, dtype=np.int64), np.zeros((1, 3)))
 
 
@@ -83,7 +83,9 @@ def map_points(grid: OccupancyGrid, most: int = MOST_MAP_POINTS) -> ScanArrays:
     if len(cells):
         points[0] = grid.geometry.cell_to_world(cells)
     kind: UInt8Array = np.full((1, points.shape[1]), POINT if len(cells) else NO_POINT, dtype=np.uint8)
-    return ScanArrays(points, np.zeros_like(points), kind, 0.0, 1.0, wraps=False, sensor_x=0.0, sensor_y=0.0)
+    n = np.array([points.shape[1]])
+    one = np.ones(1)
+    return ScanArrays(points, np.zeros_like(points), kind, n, 0.0 * one, one, one < 0.0, np.zeros((1, 2)))
 
 
 def map_target(points: ScanArrays) -> Target:

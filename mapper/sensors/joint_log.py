@@ -99,6 +99,7 @@ class JointLog(ScanLog):
                 "topic": SEPARATOR.join(log.topic for log in logs),
                 "notes": tuple(notes),
                 "odometry": None,
+                "mounts": None,
             },
             parts=tuple(logs),
             part_of_scan=part_of_scan,

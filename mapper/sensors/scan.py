@@ -198,7 +198,8 @@ class ScanLog:
     """A whole log of one sensor, packed once, so that it can be mapped again and again in milliseconds.
 
     ``ranges`` (n_scans, n_beams) float32; ``stamps_ns`` (n_scans,) int64, as recorded (they may jump backwards);
-    ``trajectories`` name → :class:`Trajectory`, the first being the default; ``mount`` (3,) is ``T_base_laser``;
+    ``trajectories`` name → :class:`Trajectory`, the first being the default; ``mount`` (3,) is ``T_base_laser``, of a
+    sensor that moves on the robot at its first scan, and ``mounts`` (n_scans, 3) float64 at each (None: it is fixed);
     ``upside_down`` says that the laser hangs with its z axis down, so its beams run clockwise seen from above.
     A log of sonars has ``bearings`` (n_beams,) in the sensor frame, radians, where theirs are not even (``angle_min``
     and ``angle_increment`` say nothing then), and a ``beam_width``, the angle of their cones; it is 0 for a lidar.
@@ -228,6 +229,7 @@ class ScanLog:
     scan_time: float = 0.0
     notes: tuple[str, ...] = ()  #: one sentence each on what the reader noticed: skipped lines, jumps in time
     odometry: OdometryRecords | None = None
+    mounts: NDArray[np.float64] | None = None
     limits: Limits = field(default=DEFAULT_LIMITS, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -271,6 +273,9 @@ class ScanLog:
             object.__setattr__(self, "bearings", checked_bearings(self.bearings, self.ranges.shape[1:]))
         if np.shape(self.mount) != (3,) or not np.isfinite(self.mount).all():
             raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
+        if self.mounts is not None:
+            object.__setattr__(self, "mounts", np.ascontiguousarray(self.mounts, dtype=np.float64))
+            check_poses(self.mounts, (len(self.ranges), 3), self.limits)
 
     @property
     def n_scans(self) -> int:
@@ -323,7 +328,11 @@ class ScanLog:
 
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
         """Return ``T_map_laser`` of every scan (n_scans, 3): the base's pose composed with the mount."""
-        return compose(self.trajectory(trajectory).poses, np.array(self.mount))
+        return compose(self.trajectory(trajectory).poses, self.mounts_at(slice(None)))
+
+    def mounts_at(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice | int) -> NDArray[np.float64]:
+        """Return ``T_base_laser`` at some scans: (n, 3) of a sensor that moves on the robot, else (3,) for all."""
+        return np.array(self.mount) if self.mounts is None else self.mounts[scans]
 
     def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> ScanLog:
         """Return the log of some of its scans: a mask (n_scans,), their indices, or a slice."""
@@ -333,6 +342,7 @@ class ScanLog:
             stamps_ns=self.stamps_ns[scans],
             trajectories={name: replace(one, poses=one.poses[scans]) for name, one in self.trajectories.items()},
             odometry=None if self.odometry is None else self.odometry.take(scans),
+            mounts=None if self.mounts is None else self.mounts[scans],
         )
 
     def scan(self, index: int) -> RangeScan:

@@ -320,12 +320,13 @@ class LiveMap:
         if self.vanishing is not None and not watch:
             self.compare(None)
         vanishing = Vanishing.of(self.grid, self.config, before, after) if watch else None
+        if vanishing is not None:
+            self.compare({"clamp": not self.config.clamp}, with_faults=True)
         moved = self.simulation.alter_world(after)
         self.edits = edits
         if moved:
             self._odometer.place(self.simulation.pose)
         if vanishing is not None:
-            self.compare({"clamp": not self.config.clamp}, with_faults=True)
             self.vanishing = vanishing
         return moved
 

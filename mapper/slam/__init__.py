@@ -3,6 +3,7 @@
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
 from mapper.slam.estimate import SlamEstimate, estimate
+from mapper.slam.merge import MergeCancelled, MergedLogs, MergeProgress, map_along, merge_logs
 from mapper.slam.optimise import optimise
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
 from mapper.slam.slam import Slam, slam_log
@@ -12,6 +13,9 @@ __all__ = [
     "ODOMETRY",
     "SLAM_PARAMETERS",
     "LoopCandidates",
+    "MergeCancelled",
+    "MergeProgress",
+    "MergedLogs",
     "PoseGraph",
     "Slam",
     "SlamCancelled",
@@ -20,6 +24,8 @@ __all__ = [
     "SlamProgress",
     "SlamResult",
     "estimate",
+    "map_along",
+    "merge_logs",
     "optimise",
     "slam_log",
 ]

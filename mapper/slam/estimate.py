@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
-from mapper.slam.odometry import matched_scans, odometry_name
+from mapper.slam.odometry import matched_scans, odometry_name, sensor_of_scan
 
 MS_PER_SCAN, MS_PER_BEAM = 1.0, 0.009  #: of processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind
@@ -27,7 +27,9 @@ def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | N
     """Return what :func:`mapper.slam.slam_log` will take, on a processor of 2020. Raises :class:`ConfigError`."""
     config = config or SlamConfig()
     name = odometry_name(log) if trajectory is None else trajectory
-    n = log.n_scans and len(matched_scans(log.n_scans, None if name is None else log.trajectory(name).poses, config))
+    n = log.n_scans and len(
+        matched_scans(sensor_of_scan(log), None if name is None else log.trajectory(name).poses, config)
+    )
     beams = min(log.n_beams, int(config.n_beams))
     return SlamEstimate(
         n,

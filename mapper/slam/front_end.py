@@ -36,6 +36,7 @@ BETTER = 0.03  #: by how much the agreement of a searched pose must exceed that 
 WIDER = 3.0  #: the second window beside the first
 WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: of any window, to each side
 MARGIN = 5.0  #: metres around what the first scan of a submap saw
+LONGEST = 3.0  #: of the last step's time: the motion goes on as before for so long at most
 LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
 
 
@@ -45,12 +46,14 @@ class Step:
 
     Of its points that agree with the scans before or contradict them, ``inliers`` is the share that agree;
     ``is_aligned`` says that they were enough, otherwise the motion is the correlation's or the predicted one.
+    ``agreement`` is ``inliers`` times the share of all points that agree.
     """
 
     relative: Float64Array
     information: Float64Array
     inliers: float
     is_aligned: bool
+    agreement: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +81,15 @@ class FrontEnd:
         self._config = config
         self._poses = np.zeros((512, 3))
         self._n = 0
-        self._half = int(config.submap_scans)
+        self._half = int(config.submap_scans) * store.n_sensors
         self._seen: list[int] = []  # scans with points
-        self._rule = pair_rule(store.arrays)
+        self._rule = pair_rule(store.least_step)
         self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
         self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
         self._motion = np.zeros(3)
+        self._seconds: float | None = None  # in which that was
+        self._is_reliable = False  # whether the last scan fitted well
+        self._many = store.n_sensors  # of whose scans as many are needed to see all around
         self.submaps: list[tuple[int, int]] = []  #: finished ones: first scan and the one after the last
 
     def __len__(self) -> int:
@@ -94,15 +100,37 @@ class FrontEnd:
         """Return the poses so far (n, 3), ``T_local_base``."""
         return self._poses[: self._n]
 
-    def add(self, ranges: NDArray[np.float32], motion: Float64Array | None) -> Step:
-        """Align the next scan; ``motion`` (3,) is the odometry's since the one before, None for no odometry."""
-        i = self._store.append(ranges)
+    @property
+    def velocity(self) -> Float64Array | None:
+        """The velocity (3,) of the last step, metres and radians a second; None where it is not known well."""
+        return self._motion / self._seconds if self._seconds and self._is_reliable else None
+
+    def add(
+        self,
+        ranges: NDArray[np.float32],
+        motion: Float64Array | None,
+        *,
+        sensor: int = 0,
+        seconds: float | None = None,
+        velocity: Float64Array | None = None,
+    ) -> Step:
+        """Align the next scan; ``motion`` (3,) is the odometry's since the one before, None for no odometry.
+
+        ``seconds`` is the time since the one before, None where it is not known. ``sensor`` and ``velocity`` are as in
+        :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
+        """
+        expected = self._expected(seconds) if motion is None else motion
+        if velocity is None and seconds:
+            velocity = expected / seconds
+        i = self._store.append(ranges, sensor, velocity)
         if self._n == len(self._poses):
             self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
         if i == 0:
-            step = Step(np.zeros(3), np.eye(3), 1.0, True)
+            step = Step(np.zeros(3), np.eye(3), 1.0, True, 1.0)
         else:
-            step = self._align(i, motion)
+            step = self._align(i, expected, has_odometry=motion is not None)
+            self._motion, self._seconds = step.relative if step.is_aligned else expected, seconds
+            self._is_reliable = step.is_aligned and step.agreement >= FAIR
             self._poses[i] = compose_one(self._poses[i - 1].tolist(), step.relative.tolist())
         self._n += 1
         if self._store.count(i) >= LEAST_PAIRS:
@@ -110,13 +138,17 @@ class FrontEnd:
         self._divide()
         return step
 
-    def _align(self, i: int, motion: Float64Array | None) -> Step:
-        # Without odometry the robot is taken to move on as before.
-        expected = self._motion if motion is None else motion
+    def _expected(self, seconds: float | None) -> Float64Array:
+        """Return the motion in ``seconds`` if the robot moves on as before."""
+        if not seconds or not self._seconds:
+            return self._motion
+        return self._motion * min(seconds / self._seconds, LONGEST)
+
+    def _align(self, i: int, expected: Float64Array, *, has_odometry: bool) -> Step:
         way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
         before = self._poses[i - 1]
         predicted = np.array(compose_one(before.tolist(), expected.tolist()))
-        if motion is None:
+        if not has_odometry:
             window, turn_window = 0.25 + 0.5 * way, 0.15 + 0.5 * turned
             spread = np.array([0.05 + 0.5 * way] * 2 + [0.03 + 0.5 * turned])
         else:
@@ -124,7 +156,7 @@ class FrontEnd:
             spread = np.array([0.03 + 0.15 * way] * 2 + [0.02 + 0.15 * way + 0.1 * turned])
         # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
         # fits as well, the prediction counts. Without odometry it is too poor for that.
-        if motion is None:
+        if not has_odometry:
             enough, best = RELIABLE, self._searched(i, predicted, spread, window, turn_window)
         else:
             enough, best = FAIR, self._refined(i, predicted, predicted, spread, 0.0)
@@ -138,8 +170,7 @@ class FrontEnd:
             pose = best.start if best.score > LEAST_SCORE else predicted
             information = np.diag(1.0 / (3.0 * spread) ** 2)
         relative = np.array(between_one(before.tolist(), pose.tolist()))
-        self._motion = relative if best.is_aligned else expected
-        return Step(relative, information, best.inliers, best.is_aligned)
+        return Step(relative, information, best.inliers, best.is_aligned, best.agreement)
 
     def _searched(
         self, i: int, predicted: Float64Array, spread: Float64Array, window: float, turn_window: float
@@ -155,7 +186,7 @@ class FrontEnd:
     ) -> _Attempt:
         scans = self._store.arrays
         pose, hessian, prior = start.copy(), np.empty((3, 3)), NOISE**2 / CORRELATION / spread**2
-        others = np.array(self._seen[-int(self._config.neighbours) :], dtype=np.int64)
+        others = np.array(self._seen[-int(self._config.neighbours) * self._many :], dtype=np.int64)
         pairs = refine_pose(
             scans, i, scans, others, self._poses, predicted, prior, self._rule, FRONT_ITERATIONS, pose, hessian
         )[0]

@@ -3,60 +3,26 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import compose, inverse
-from mapper.matching.kernels.point_to_line import refine_pose
 from mapper.slam.config import SlamConfig
-from mapper.slam.fields import ScoreField
 from mapper.slam.front_end import FrontEnd
-from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
-from mapper.slam.matching_rules import LOOP_ITERATIONS, information_of, pair_rule
+from mapper.slam.loop_test import Loop, Place, try_loop
+from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 
 Float64Array = NDArray[np.float64]
 
-RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025
-LEVELS = 4
-KEPT_FIELDS = 24  #: of submaps, searched last
+KEPT_PLACES = 24  #: submaps, searched last
 WINDOW, DRIFT = 1.0, 0.03  #: metres, and metres for each metre of the way in the graph, that a pose may be off
 TURN_WINDOW, TURN_DRIFT = 0.15, 0.003  #: radians, and radians for each metre
 SIGHT = 3.0  #: metres: a scan sees as much of a place from so far away
 LEAST_WAY = 8.0  #: metres driven since the last scan of a submap, for it to be a loop
 CANDIDATES = 2  #: submaps that are searched in one attempt
-SCANS = 6  #: of the submap that a found pose is aligned with
-LEAST_PAIRS = 30  #: of points
-GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
-MOST_CONTRADICTED = 0.15  #: share of the points
-PRIOR = np.full(3, 1e-3)  #: weight of the correlation's pose in the alignment, in pairs of points
-FARTHEST_SHIFT = 0.4  #: metres, between the correlation's pose and the aligned one
-
-
-@dataclass(frozen=True, slots=True)
-class Loop:
-    """A loop that was tried, from node ``i`` to node ``j``, the later one.
-
-    ``score`` is the correlation's, 0 … 1, ``inliers`` the share of points on the walls of the earlier scans.
-    ``reason`` says why it was refused, "" for an accepted one, of which ``relative`` (3,) and ``information`` (3, 3)
-    are the edge.
-    """
-
-    i: int
-    j: int
-    score: float
-    inliers: float
-    reason: str
-    relative: Float64Array
-    information: Float64Array
-
-    @property
-    def accepted(self) -> bool:
-        """Whether it became an edge."""
-        return not self.reason
 
 
 class LoopCloser:
@@ -64,7 +30,8 @@ class LoopCloser:
 
     def __init__(self, store: ScanStore, front_end: FrontEnd, config: SlamConfig) -> None:
         self._store, self._front_end, self._config = store, front_end, config
-        self._pyramids: OrderedDict[int, tuple[ScoreField, NDArray[np.uint8]]] = OrderedDict()
+        self._rule = pair_rule(store.least_step)
+        self._places: OrderedDict[int, Place] = OrderedDict()
         self._way_of_last_attempt = -np.inf
 
     def try_at(self, j: int, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> list[Loop]:
@@ -105,59 +72,19 @@ class LoopCloser:
         return [(int(k), int(nearest[k]), float(drift[nearest[k]])) for k in order]
 
     def _search(self, submap: int, anchor: int, j: int, poses: Float64Array, drift: float) -> Loop:
-        begin, end = self._front_end.submaps[submap]
-        local = self._front_end.poses
-        guess = compose(local[anchor], compose(inverse(poses[anchor]), poses[j]))
+        guess = compose(self._front_end.poses[anchor], compose(inverse(poses[anchor]), poses[j]))
         window = min(WINDOW + DRIFT * drift, self._config.loop_window)
         turn_window = min(TURN_WINDOW + TURN_DRIFT * drift, 0.6)
-        field, levels = self._pyramid(submap)
-        scans = self._store.arrays
-        least = self._config.loop_score
-        found, score = field.search_pyramid(levels, scans, j, guess, window, turn_window, TURN, 3, least)
+        place = self._place(submap)
+        return try_loop(self._store, self._config, self._rule, place, anchor, j, guess, window, turn_window)
 
-        def refused(reason: str, inliers: float = 0.0) -> Loop:
-            return Loop(anchor, j, score, inliers, reason, np.zeros(3), np.zeros((3, 3)))
-
-        if score <= 0.0:
-            return refused(f"no pose in the window scores {least:.2f}")
-        members = np.arange(begin, end)
-        common = np.empty(len(members), dtype=np.int64)
-        count_common(scans, j, found, members, local, 2.0 * GATE, 4, common)
-        others = members[np.argsort(-common, kind="stable")[:SCANS]]
-        pose, hessian = found.copy(), np.empty((3, 3))
-        pairs = refine_pose(
-            scans, j, scans, others, local, found, PRIOR, pair_rule(scans), LOOP_ITERATIONS, pose, hessian
-        )[0]
-        counts = np.empty(3, dtype=np.int64)
-        count_agreement(scans, j, pose, members, local, GATE, 1, counts)
-        points, agreeing, contradicting = counts.tolist()
-        inliers = agreeing / max(points, 1)
-        if pairs < LEAST_PAIRS or agreeing < LEAST_PAIRS:
-            return refused(f"only {min(pairs, agreeing)} points correspond", inliers)
-        if inliers < self._config.loop_inliers:
-            return refused(f"only {100 * inliers:.0f} % of the points are on walls of the earlier scans", inliers)
-        if contradicting > MOST_CONTRADICTED * points:
-            part = 100 * contradicting / points
-            return refused(f"{part:.0f} % of the points are where the earlier scans saw free space", inliers)
-        if np.hypot(*(pose - found)[:2]) > FARTHEST_SHIFT:
-            return refused("the alignment leaves the place that the correlation found", inliers)
-        first = int(others[0])
-        information = information_of(hessian, float(pose[2]), PRIOR)
-        return Loop(first, j, score, inliers, "", compose(inverse(local[first]), pose), information)
-
-    def _pyramid(self, submap: int) -> tuple[ScoreField, NDArray[np.uint8]]:
-        if submap in self._pyramids:
-            self._pyramids.move_to_end(submap)
-            return self._pyramids[submap]
-        begin, end = self._front_end.submaps[submap]
-        local = self._front_end.poses
-        places = local[begin:end, :2]
-        centre = 0.5 * (places.min(axis=0) + places.max(axis=0))
-        reach = max(self._store.farthest(k) for k in range(begin, end)) + 0.5 * float(np.ptp(places, axis=0).max())
-        field = ScoreField(centre, min(reach, self._config.range_max) + 1.0, RESOLUTION, SIGMA)
-        for k in range(begin, end):
-            field.add(self._store.arrays, k, local[k])
-        self._pyramids[submap] = field, field.pyramid(LEVELS)
-        if len(self._pyramids) > KEPT_FIELDS:
-            self._pyramids.popitem(last=False)
-        return self._pyramids[submap]
+    def _place(self, submap: int) -> Place:
+        if submap in self._places:
+            self._places.move_to_end(submap)
+            return self._places[submap]
+        members = np.arange(*self._front_end.submaps[submap])
+        place = Place.of(self._store, members, self._front_end.poses, self._config.range_max)
+        self._places[submap] = place
+        if len(self._places) > KEPT_PLACES:
+            self._places.popitem(last=False)
+        return place

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule, ScanArrays
+from mapper.matching.kernels.types import CAUCHY, Iterations, PairRule
 from mapper.slam.kernels.information import write_information
 
 Float64Array = NDArray[np.float64]
@@ -23,9 +23,9 @@ LOOP_ITERATIONS = Iterations(8, 0.4, 0.12, 0.6, 1e-3, 5e-4)
 LEAST_PAIRS = 40  #: of points, for an alignment to count
 
 
-def pair_rule(scans: ScanArrays, stride: int = 1) -> PairRule:
-    """Return which points of two scans correspond."""
-    return PairRule(MIN_COSINE, int(WIDEST_SEARCH / scans.step) + 1, CAUCHY, NOISE, stride)
+def pair_rule(least_step: float) -> PairRule:
+    """Return which points of two scans correspond, for the least angle between beams, radians."""
+    return PairRule(MIN_COSINE, int(WIDEST_SEARCH / least_step) + 1, CAUCHY, NOISE, 1)
 
 
 def information_of(hessian: Float64Array, heading: float, prior: Float64Array) -> Float64Array:

@@ -49,7 +49,7 @@ def refine(
     iterations = int(config.refinement)
     if m < 3 or iterations == 0:
         return poses
-    scans, rule = store.arrays, pair_rule(store.arrays)
+    scans, rule = store.arrays, pair_rule(store.least_step)
     edges = graph.i, graph.j, graph.relative
     e = len(graph.i)
     errors, blocks, sides = np.empty((e, 3)), np.empty((e, 6, 6)), np.empty((e, 6))

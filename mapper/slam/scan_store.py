@@ -2,94 +2,135 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.matching.kernels.scan_points import write_normals, write_points
+from mapper.matching.beams import Beams, scan_rows
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
-from mapper.matching.prepare import HALF_WIDTH, LEAST_GAP, MAX_THICKNESS, MOST_BEAMS, REACH
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
-FULL_TURN = 2.0 * np.pi
+
+Float64Array = NDArray[np.float64]
+Kind = TypeVar("Kind", bound=np.generic)
+
+
+def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
+    """Return the logs of a log's sensors: its parts, or itself."""
+    return log.parts if isinstance(log, JointLog) else (log,)
 
 
 class ScanStore:
-    """Scans of one sensor, prepared for matching, in the order in which they were appended.
+    """Scans of one sensor or several, prepared for matching, in the order in which they were appended.
 
     Beams are turned into the order of their bearing in the base frame, seen from above; of more than ``max_beams``
     each second, third … is taken. Readings from ``range_max`` metres on are left out. Raises :class:`ConfigError` for
-    sonars and for a sensor of one beam.
+    sonars and for a sensor of fewer than three beams.
     """
 
-    def __init__(self, log: ScanLog, range_max: float, max_beams: int) -> None:
-        if log.bearings is not None or log.beam_width > 0.0:
-            raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar's readings are too wide to be matched.")
-        if log.n_beams < 2:
-            raise ConfigError("slam.beams", f"SLAM needs scans of more than one beam, not of {log.n_beams}.")
-        angle_min, increment = log.sweep
-        turn = int(np.floor(FULL_TURN / abs(increment) + 1e-6))
-        used = min(log.n_beams, max(turn, 2))
-        stride = -(-used // max(2, max_beams))
-        self._beams = np.arange(0, used, stride)
-        x, y, yaw = log.mount
-        bearings = yaw + angle_min + increment * self._beams
-        if increment < 0.0:
-            self._beams, bearings = self._beams[::-1], bearings[::-1]
-        self._directions = np.stack([np.cos(bearings), np.sin(bearings)], axis=-1)
-        self._first, self._step = float(bearings[0]), abs(float(increment)) * stride
-        self._wraps = len(bearings) * self._step > FULL_TURN - 0.5 * self._step
-        self._x, self._y = float(x), float(y)
-        self._range_min = max(float(log.range_min), 0.01)
-        self._range_max = min(range_max, np.nextafter(log.range_max, np.inf))
+    def __init__(self, logs: Sequence[ScanLog], range_max: float, max_beams: int) -> None:
+        for log in logs:
+            if log.bearings is not None or log.beam_width > 0.0:
+                raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar's readings are too wide to be matched.")
+        below = float(np.nextafter(range_max, 0.0))
+        self._beams = [Beams.of(log, range_max=below, most=max_beams) for log in logs]
+        self.can_deskew = any(one.times.any() for one in self._beams)  #: whether the times of beams are known
         self._n = 0
-        self._points = np.empty((FIRST_ROWS, len(bearings), 2), dtype=np.float32)
-        self._normals = np.empty_like(self._points)
-        self._kind = np.empty(self._points.shape[:2], dtype=np.uint8)
-        self.arrays = self._slice(0, FIRST_ROWS)  #: of all scans; valid until the next :meth:`append`
+        self._n_beams = max(len(one) for one in self._beams)
+        self._rows = ScanArrays(
+            np.empty((FIRST_ROWS, self._n_beams, 2), dtype=np.float32),
+            np.empty((FIRST_ROWS, self._n_beams, 2), dtype=np.float32),
+            np.zeros((FIRST_ROWS, self._n_beams), dtype=np.uint8),
+            np.empty(FIRST_ROWS, dtype=np.int64),
+            np.empty(FIRST_ROWS),
+            np.empty(FIRST_ROWS),
+            np.empty(FIRST_ROWS, dtype=np.bool_),
+            np.empty((FIRST_ROWS, 2)),
+        )
+        self._sensor = np.zeros(FIRST_ROWS, dtype=np.int64)
+        # Ranges are kept where points are to be moved later.
+        self._ranges = np.empty((FIRST_ROWS if self.can_deskew else 0, self._n_beams), dtype=np.float32)
 
     def __len__(self) -> int:
         return self._n
 
     @property
-    def n_beams(self) -> int:
-        """Beams of each scan that are used."""
-        return len(self._directions)
+    def n_sensors(self) -> int:
+        """Number of sensors."""
+        return len(self._beams)
 
-    def append(self, ranges: NDArray[np.float32]) -> int:
-        """Add a scan of the log's ranges (n_beams,); return its number here."""
-        if self._n == len(self._points):
-            for name in ("_points", "_normals", "_kind"):
-                old = getattr(self, name)
-                grown = np.empty((2 * len(old), *old.shape[1:]), dtype=old.dtype)
-                grown[: len(old)] = old
-                setattr(self, name, grown)
-            self.arrays = self._slice(0, len(self._points))
-        one = self._slice(self._n, self._n + 1)
-        taken = np.ascontiguousarray(ranges[self._beams], dtype=np.float32)[np.newaxis]
-        write_points(taken, self._directions, self._x, self._y, self._range_min, self._range_max, one.points, one.kind)
-        write_normals(one, HALF_WIDTH, REACH, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
+    @property
+    def arrays(self) -> ScanArrays:
+        """Return all scans; valid until the next :meth:`append`. Rows from the number of scans on are not used."""
+        return self._rows
+
+    @property
+    def least_step(self) -> float:
+        """The least angle between the beams of a sensor, radians."""
+        return min(one.step for one in self._beams)
+
+    def append(self, ranges: NDArray[np.float32], sensor: int = 0, velocity: Float64Array | None = None) -> int:
+        """Add a scan of the ranges (n_beams,) of a log, whose number is ``sensor``; return the scan's number here.
+
+        ``velocity`` (3,) is the base's, in its own frame, during the scan, metres and radians a second.
+        """
+        if self._n == len(self._sensor):
+            self._grow()
+        n, beams = self._n, self._beams[sensor]
+        self._sensor[n] = sensor
+        self._rows.n_beams[n], self._rows.first[n], self._rows.step[n] = len(beams), beams.first, beams.step
+        self._rows.wraps[n], self._rows.sensor[n] = beams.wraps, beams.sensor
+        self._rows.kind[n] = NO_POINT
+        taken = np.ascontiguousarray(ranges[beams.indices], dtype=np.float32)
+        if self.can_deskew:
+            self._ranges[n, : len(beams)] = taken
+        self._write(n, taken, velocity)
         self._n += 1
-        return self._n - 1
+        return n
+
+    def deskew(self, velocities: Float64Array) -> None:
+        """Write the points and normals of all scans anew for these velocities (n, 3) of the base, see :meth:`append`.
+
+        Nothing is done where no sensor states the times of its beams.
+        """
+        if self.can_deskew:
+            for n in range(self._n):
+                self._write(n, self._ranges[n, : self._rows.n_beams[n]], velocities[n])
+
+    def _write(self, n: int, ranges: NDArray[np.float32], velocity: Float64Array | None) -> None:
+        one = scan_rows(self._rows, n, n + 1)
+        velocities = None if velocity is None else velocity[np.newaxis]
+        self._beams[self._sensor[n]].write(ranges[np.newaxis], one, velocities)
+
+    def _grow(self) -> None:
+        rows = self._rows
+        self._rows = ScanArrays(
+            _doubled(rows.points),
+            _doubled(rows.normals),
+            _doubled(rows.kind),
+            _doubled(rows.n_beams),
+            _doubled(rows.first),
+            _doubled(rows.step),
+            _doubled(rows.wraps),
+            _doubled(rows.sensor),
+        )
+        self._sensor, self._ranges = _doubled(self._sensor), _doubled(self._ranges)
 
     def count(self, scan: int) -> int:
         """Return the number of points of a scan."""
-        return int(np.count_nonzero(self._kind[scan] != NO_POINT))
+        return int(np.count_nonzero(self._rows.kind[scan] != NO_POINT))
 
     def farthest(self, scan: int) -> float:
         """Return the distance of a scan's farthest point from the base, metres; 0 for a scan without points."""
-        points = self._points[scan][self._kind[scan] != NO_POINT]
+        points = self._rows.points[scan][self._rows.kind[scan] != NO_POINT]
         return float(np.sqrt((points.astype(np.float64) ** 2).sum(axis=-1).max())) if len(points) else 0.0
 
-    def _slice(self, begin: int, end: int) -> ScanArrays:
-        return ScanArrays(
-            self._points[begin:end],
-            self._normals[begin:end],
-            self._kind[begin:end],
-            self._first,
-            self._step,
-            self._wraps,
-            self._x,
-            self._y,
-        )
+
+def _doubled(old: NDArray[Kind]) -> NDArray[Kind]:
+    """Return an array with as many more rows of zeros."""
+    return np.concatenate([old, np.zeros_like(old)])

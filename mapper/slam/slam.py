@@ -12,16 +12,27 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, compose_one, inverse, wrap_angle
+from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
-from mapper.slam.loop_closure import Loop, LoopCloser
-from mapper.slam.odometry import carry, matched_scans, motions, odometry_name
+from mapper.slam.loop_closure import LoopCloser
+from mapper.slam.loop_test import Loop
+from mapper.slam.odometry import (
+    carry,
+    matched_scans,
+    motions,
+    next_scan,
+    odometry_name,
+    sensor_of_scan,
+    sweep_velocities,
+    velocities_along,
+)
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
-from mapper.slam.scan_store import ScanStore
+from mapper.slam.scan_store import ScanStore, sensors_of
 
 Float64Array = NDArray[np.float64]
 
@@ -34,13 +45,13 @@ EVERY = 25  #: scans between two reports
 class Slam:
     """SLAM of scans that come one after another.
 
-    ``log`` states the sensor: its beams, ranges and mount; its scans are not used. ``add_scan`` takes a scan,
+    ``log`` states the sensors: their beams, ranges and mounts; its scans are not used. ``add_scan`` takes a scan,
     ``poses`` are all so far, corrected. Not for use from two threads at once.
     """
 
     def __init__(self, log: ScanLog, config: SlamConfig | None = None) -> None:
         self.config = config or SlamConfig()
-        self.store = ScanStore(log, self.config.range_max, int(self.config.n_beams))
+        self.store = ScanStore(sensors_of(log), self.config.range_max, int(self.config.n_beams))
         self.front_end = FrontEnd(self.store, self.config)
         self.tried: list[Loop] = []
         self._closer = LoopCloser(self.store, self.front_end, self.config)
@@ -66,19 +77,28 @@ class Slam:
         return len(self._loops)
 
     def add_scan(
-        self, ranges: NDArray[np.float32], motion: Float64Array | None, start: Float64Array | None = None
+        self,
+        ranges: NDArray[np.float32],
+        motion: Float64Array | None,
+        start: Float64Array | None = None,
+        *,
+        sensor: int = 0,
+        seconds: float | None = None,
+        velocity: Float64Array | None = None,
     ) -> bool:
-        """Add a scan (n_beams,); return whether a loop closed and moved earlier poses.
+        """Add a scan (n_beams,) of a sensor of the log; return whether a loop closed and moved earlier poses.
 
-        ``motion`` (3,) is the odometry's since the scan before, None without odometry; ``start`` (3,) is the pose of
-        the first scan.
+        ``motion`` (3,) is the odometry's since the scan before, None without odometry, and ``seconds`` the time since
+        then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
+        while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
+        log states the time between beams.
         """
         n = len(self)
         if n == len(self._poses):
             for name in ("_poses", "_way", "_relative", "_information"):
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
-        step = self.front_end.add(ranges, motion)
+        step = self.front_end.add(ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity)
         self.n_unaligned += not step.is_aligned
         if n == 0:
             if start is not None:
@@ -94,6 +114,11 @@ class Slam:
         closed = [loop for loop in tried if loop.accepted]
         self._loops += closed
         return bool(closed) and self._settle(closed[0])
+
+    def following(self, k: int, times: Float64Array) -> int:
+        """Return which of the scans at ``times`` (n,), seconds, to add after scan k, the last one, without odometry."""
+        velocity = self.front_end.velocity
+        return k + 1 if velocity is None else next_scan(k, times, velocity)
 
     def _settle(self, loop: Loop) -> bool:
         """Optimise the graph if the new loop does not fit it, or if many that fit wait."""
@@ -133,6 +158,19 @@ class Slam:
         )
 
 
+def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_sensor: int = 0) -> None:
+    """Append the matched scans of a log to a store, deskewed along the result's poses.
+
+    ``first_sensor`` is the number of the log's first sensor in the store.
+    """
+    nodes, sensor = result.graph.nodes, sensor_of_scan(log)
+    velocities = velocities_along(seconds(log)[nodes], result.graph.poses)
+    if result.odometry is not None and store.can_deskew:
+        velocities = sweep_velocities(log, result.odometry)[nodes]
+    for scan, velocity in zip(nodes.tolist(), velocities, strict=True):
+        store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity)
+
+
 def slam_log(
     log: ScanLog,
     config: SlamConfig | None = None,
@@ -153,29 +191,46 @@ def slam_log(
         raise ConfigError("slam.no_scans", "The log has no scans.")
     name = odometry_name(log) if trajectory is None else trajectory
     odometry = None if name is None else log.trajectory(name).poses
-    nodes = matched_scans(log.n_scans, odometry, config)
-    moved = None if odometry is None else motions(odometry[nodes])
     if not ((log.ranges >= max(log.range_min, 0.01)) & (log.ranges <= log.range_max)).any():
         raise ConfigError(
             "slam.no_returns", "There is nothing to align: no scan has a reading within the range limits."
         )
+    sensor, times = sensor_of_scan(log), seconds(log)
+    wanted = matched_scans(sensor, odometry, config)
+    moved = None if odometry is None else motions(odometry[wanted])
     start = log.trajectory(name).poses[0]
     slam = Slam(log, config)
+    sweeps = None if name is None or not slam.store.can_deskew else sweep_velocities(log, name)
     share = 0.8 if config.refinement else 1.0
+    matched: list[int] = []
 
     def report(fraction: float, stage: str, done: int, poses: Float64Array) -> None:
         if progress is not None and progress(SlamProgress(fraction, stage, done, poses, slam.n_loops)) is False:
             raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
 
     def all_poses(node_poses: Float64Array) -> Float64Array:
-        known = nodes[: len(node_poses)]
-        return node_poses.copy() if len(known) == known[-1] + 1 else carry(known, node_poses, odometry)
+        known = np.array(matched[: len(node_poses)])
+        whole = len(known) == known[-1] + 1
+        return node_poses.copy() if whole else carry(known, node_poses, odometry, times)
 
-    for k, scan in enumerate(nodes.tolist()):
-        moved_poses = slam.add_scan(log.ranges[scan], None if moved is None or k == 0 else moved[k - 1], start)
-        if progress is not None and (moved_poses or k % EVERY == 0):
+    k = 0
+    while k < len(wanted):
+        scan = int(wanted[k])
+        passed = times[scan] - times[matched[-1]] if matched else 0.0
+        motion = None if moved is None or k == 0 else moved[k - 1]
+        velocity = None if sweeps is None else sweeps[scan]
+        matched.append(scan)
+        moved_poses = slam.add_scan(
+            log.ranges[scan], motion, start, sensor=int(sensor[scan]), seconds=passed if passed > 0.0 else None,
+            velocity=velocity,
+        )  # fmt: skip
+        if progress is not None and (moved_poses or len(matched) % EVERY == 1):
             stage = "loop closure" if moved_poses else "front end"
-            report(share * (k + 1) / len(nodes), stage, scan + 1, all_poses(slam.poses))
+            report(share * (k + 1) / len(wanted), stage, scan + 1, all_poses(slam.poses))
+        k = k + 1 if odometry is not None else slam.following(k, times[wanted])
+    nodes = np.array(matched)
+    if odometry is None:
+        slam.store.deskew(velocities_along(times[nodes], slam.poses))
     graph = slam.optimised()
 
     def refined(fraction: float, poses: Float64Array) -> None:
@@ -187,7 +242,7 @@ def slam_log(
     graph = replace(graph, nodes=nodes, poses=poses)
     tried = slam.tried
     notes = []
-    if len(nodes) == int(config.max_nodes) and odometry is None:
+    if len(wanted) < log.n_scans and odometry is None:
         notes.append(f"Of {log.n_scans} scans {len(nodes)} were matched; the poses of the others lie between.")
     unaligned = slam.n_unaligned
     if unaligned:

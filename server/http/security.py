@@ -31,7 +31,8 @@ TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
 YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
 BODY_S = 30.0  #: seconds within which it must arrive
-UPLOADS = "/api/logs"  #: PUT here limits its body itself while it arrives
+#: PUT here limits its body itself while it arrives.
+UPLOADS = re.compile(r"/api/logs|/api/(logs|sessions)/[^/]+/trajectories/[^/]+")
 
 CSP = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'; "
@@ -181,7 +182,9 @@ class Security:
 
     @staticmethod
     def _takes_small_body(scope: Scope) -> bool:
-        return scope["method"] not in _SAFE_METHODS and not (scope["method"] == "PUT" and scope["path"] == UPLOADS)
+        return scope["method"] not in _SAFE_METHODS and not (
+            scope["method"] == "PUT" and UPLOADS.fullmatch(scope["path"])
+        )
 
 
 def _same_origin(origins: list[str], host: str) -> bool:

@@ -90,10 +90,10 @@ class Catalogue:
             _log.warning("the store of blobs could not be tidied")
 
     def _remove_unreferenced_packs(self) -> None:
-        """Remove half packs, and those that belong to no record."""
+        """Remove half packs and pictures, and those that belong to no record."""
         for path in self._packs.iterdir():
             log_id = path.name.partition(".")[0]
-            if path.suffix != ".npz" or not (log_id in self._records or log_id in self.folder_logs):
+            if path.suffix not in (".npz", ".png") or not (log_id in self._records or log_id in self.folder_logs):
                 path.unlink(missing_ok=True)
 
     # -- looking ------------------------------------------------------------------------------------------------
@@ -131,6 +131,10 @@ class Catalogue:
     def contents(self, log_id: str) -> Path:
         """Return where the contents of a log's recording are, or will be."""
         return self._packs / f"{log_id}.contents.npz"
+
+    def picture(self, log_id: str) -> Path:
+        """Return where the picture of a log's map is, or will be."""
+        return self._packs / f"{log_id}.map.png"
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""
@@ -176,6 +180,7 @@ class Catalogue:
             self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
             self.pack(log_id).unlink(missing_ok=True)
             self.contents(log_id).unlink(missing_ok=True)
+            self.picture(log_id).unlink(missing_ok=True)
             if record is not None and record.source == "upload":
                 await self._delete_unused_blob(record.sha256)
         if self._forgotten is not None:

@@ -21,6 +21,7 @@ from typing import Any, Protocol, TypeVar
 
 from mapper.core.errors import LimitError
 from mapper.io.logs.summary import LogSummary, summarise
+from mapper.sensors.planar.options import PlanarCut
 from server.library.log_pack import write_pack
 
 T = TypeVar("T")
@@ -50,7 +51,10 @@ class WorkerJob(Protocol[R_co]):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors."""
+    """Read the log file ``source``, pack it into ``pack`` if there is one; ``topic`` names one of several sensors.
+
+    A picture of its map is drawn into ``picture`` if there is one.
+    """
 
     source: str
     pack: str | None
@@ -58,6 +62,8 @@ class Job:
     timeout_s: float
     cpu_s: float
     memory_bytes: int  #: of address space
+    cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
+    picture: str | None = None
 
     @property
     def work(self) -> Callable[[Job], LogSummary]:
@@ -173,7 +179,7 @@ def _read(job: Job) -> LogSummary:
     from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
-    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic)
+    selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
     log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
     note_progress(1.0)  # a cancelled job ends here and leaves no pack
     if job.pack is not None:
@@ -182,6 +188,11 @@ def _read(job: Job) -> LogSummary:
         except OSError as error:
             message = "What was read of the log could not be stored; the server's disk may be full."
             raise LimitError("log.storage", message) from error
+    if job.picture is not None:
+        from server.library.log_picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
+            write_picture(log.first, Path(job.picture))
     return summarise(log.first)
 
 

@@ -96,7 +96,8 @@ class Jobs:
                 started = time.monotonic()
                 async with self._catalogue.source(record) as source:
                     try:
-                        summary = await self._reader.read(source, pack)
+                        picture = self._catalogue.picture(record.id)
+                        summary = await self._reader.read(source, pack, picture=picture)
                     except MapperError as error:
                         raise without_paths(error, source, record.name) from None
             done = replace(record, state="ready", progress=1.0, summary=summary)
@@ -110,9 +111,9 @@ class Jobs:
             _log.exception("log reader failed", log=record.id)
         finally:
             self._jobs.pop(record.id, None)
-            if pack is not None:
-                for half in pack.parent.glob(f"{pack.name}.*.new"):
-                    half.unlink(missing_ok=True)
+            picture = self._catalogue.picture(record.id)
+            for half in picture.parent.glob(f"{record.id}.*.new"):
+                half.unlink(missing_ok=True)
         if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
             self._catalogue.save(replace(done, attempts=0))
 

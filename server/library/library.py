@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import MapperError
 from mapper.io.contents.model import Contents
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
@@ -22,6 +23,7 @@ from server.library.inspections import Inspections
 from server.library.jobs import Jobs
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
+from server.library.log_picture import read_picture
 from server.library.log_reader import Reader
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.records import Failure, Record
@@ -78,6 +80,7 @@ class Library:
         from server.library.log_rows import LogRows  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.slam_jobs import SlamJobs  # noqa: PLC0415
+        from server.library.tags import Tags  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
         self._limits = limits or LibraryLimits().with_room_for(settings.max_upload_bytes)
@@ -86,7 +89,6 @@ class Library:
         )
         self._own_reader = reader is None
         self._cache = LogCache(self._limits.cache_bytes)
-        self._sample = Sample(self._cache)
         root = settings.data_dir / "library"
         scratch = root / "incoming"
         for folder in (root, root / "packs", scratch):
@@ -102,10 +104,12 @@ class Library:
         self._database = Database.open(settings.database_url, root)
         self.links = Links(self._database)
         self.notes = Notes(self._database)
+        self.tags = Tags(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         max_bytes = settings.max_upload_bytes
         self._intake = UploadReceiver(blobs, max_bytes=max_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
+        self._sample = Sample(self._cache, self._catalogue.picture(SAMPLE_ID))
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         places = Places(self._limits, max_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
@@ -132,6 +136,7 @@ class Library:
         stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
         await self._catalogue.start(stores_match=stores_match)
         await self.links.start()
+        await self.tags.start()
         # As with blobs: the files may belong to another database, or this database may be new.
         await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
@@ -161,6 +166,7 @@ class Library:
         """Remove what was added to a log that was deleted."""
         await self.slam.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
+        self.tags.drop(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
@@ -229,7 +235,8 @@ class Library:
             raise LogReadOnlyError("log.read_only", "This log belongs to the server and cannot be deleted here.")
         await self._catalogue.delete(record.id)  # and what was added to it
         if await self._jobs.stop(record.id):
-            self._catalogue.pack(record.id).unlink(missing_ok=True)
+            for path in (self._catalogue.pack(record.id), self._catalogue.picture(record.id)):
+                path.unlink(missing_ok=True)
 
     async def cancel(self, owner: str, log_id: str) -> Record:
         """Stop reading an upload of ``owner``; its bytes stay, and it can be read again. Return its record."""
@@ -283,19 +290,33 @@ class Library:
         is_read = record.state == "reading"
         progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
         added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
-        return replace(record, progress=progress, reading_s=reading_s, added=added)
+        has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
+        tags = self.tags.of(owner, record.id)
+        return replace(record, progress=progress, reading_s=reading_s, has_picture=has_picture, tags=tags, added=added)
+
+    async def map_picture(self, owner: str, log_id: str, *, dark: bool = False) -> bytes:
+        """Return the picture of a log's map as PNG, in the colours of a light or a dark page.
+
+        Raises :class:`LogNotFoundError`, also where there is no picture.
+        """
+        record = self.get(owner, log_id)
+        try:
+            return await asyncio.to_thread(read_picture, self._catalogue.picture(record.id), dark=dark)
+        except OSError:
+            raise LogNotFoundError("log.no_picture", "There is no picture of this log's map yet.") from None
 
     # -- the log itself -----------------------------------------------------------------------------------------
 
-    async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
+    async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
         """Return a log with what ``owner`` has added to it; waits for a job that is under way.
 
         It comes from memory, from its pack, or from the reader. ``topic`` names the sensor where the log has several,
         or those that are to be mapped together, with ``SEPARATOR`` between them. Without one it is the lidar with most
-        scans, or all sonars. Raises :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`,
-        :class:`LimitError`), and :class:`ConfigError` for sensors that cannot be mapped together.
+        scans, or all sonars. ``cut`` says how scans are cut out of clouds and depth images. Raises
+        :class:`LogNotFoundError`, what the reader raised (:class:`ReadError`, :class:`LimitError`), and
+        :class:`ConfigError` for sensors that cannot be mapped together.
         """
-        log = await self._loading.load(owner, log_id, topic)
+        log = await self._loading.load(owner, log_id, topic, cut)
         return await self.trajectories.joined(owner, log_id, log)
 
     def opening(self, log_id: str) -> tuple[str, float | None]:

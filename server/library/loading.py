@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.sensors.joint_log import SEPARATOR, JointLog
+from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
@@ -36,9 +37,11 @@ class Loading:
     scans: Scans
     cache: LogCache
 
-    async def load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+    async def load(self, owner: str, log_id: str, topic: str | None, cut: PlanarCut | None) -> ScanLog:
         """Return one sensor of a log, or several as one log; see :meth:`Library.load`."""
-        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic)
+        if cut == PlanarCut():
+            cut = None
+        log = None if topic is not None and SEPARATOR in topic else await self._load(owner, log_id, topic, cut)
         names = [] if topic is None else topic.split(SEPARATOR)
         if log is not None and topic is None and log.beam_width > 0.0:
             names = [one.name for one in log.topics if one.type == SONAR and one.beams][:MAX_TOGETHER]
@@ -46,11 +49,11 @@ class Loading:
             return log
         if len(names) > MAX_TOGETHER:
             raise LimitError("log.sensors", f"At most {MAX_TOGETHER} sensors are mapped together here.")
-        key = f"{log_id}#{SEPARATOR.join(names)}"
+        key = f"{log_id}#{SEPARATOR.join(names)}#{'' if cut is None else cut.values}"
         kept = self.cache.get(key)
         if kept is not None:
             return kept
-        parts = [await self._load(owner, log_id, name) for name in dict.fromkeys(names)]
+        parts = [await self._load(owner, log_id, name, cut) for name in dict.fromkeys(names)]
         try:
             joint = await asyncio.to_thread(JointLog.of, parts)
         except ConfigError:
@@ -60,12 +63,17 @@ class Loading:
         self.cache.put(key, joint)
         return joint
 
-    async def _load(self, owner: str, log_id: str, topic: str | None) -> ScanLog:
+    async def _load(self, owner: str, log_id: str, topic: str | None, cut: PlanarCut | None) -> ScanLog:
         record = self.get(owner, log_id)
         if record.source == "upload" and time.time() - record.used_s > DAY_S:
             record = self.catalogue.mark_used(record)
         if record.source == "sample":
             return await self.sample.load()
+        if cut is not None:
+            record = await self._settled(owner, log_id)
+            found = _cut_topic(record, topic)
+            if found is not None:
+                return await self.scans.of_sensor(record, found, cut)
         if topic is not None:
             record = await self._settled(owner, log_id)
             if topic not in [one.name for one in (record.summary.topics if record.summary else ()) if one.chosen]:
@@ -86,6 +94,8 @@ class Loading:
         record = self.catalogue.get(log_id)
         if record is not None and record.state == "reading":
             return "Reading the log", self.reader.progress
+        if self.scans.read_now == log_id:
+            return "Reading the sensor's scans", self.reader.progress
         if record is not None and record.state == "queued":
             return "Waiting until other logs are read", None
         return "Loading the log", None
@@ -97,3 +107,11 @@ class Loading:
         if record.error is not None:
             raise ReadError(record.error.code, record.error.message)
         return record
+
+
+def _cut_topic(record: Record, topic: str | None) -> str | None:
+    """Return the topic if scans are cut out of its messages, the log's own for None; else None."""
+    for one in record.summary.topics if record.summary else ():
+        if is_cut(one.type) and (one.chosen if topic is None else one.name == topic):
+            return one.name
+    return None

@@ -25,7 +25,7 @@ from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 VERSION = 4
 
-_ARRAYS = ("ranges", "stamps_ns", "bearings")
+_ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON
 
 Array = NDArray[Any]
@@ -188,7 +188,7 @@ def topic_from_json(values: dict[str, Any]) -> Topic:
 def nbytes(log: ScanLog) -> int:
     """Return how much memory the log's arrays take."""
     timed = [one.timed for one in log.trajectories.values() if one.timed is not None]
-    arrays: list[Array | None] = [log.ranges, log.stamps_ns]
+    arrays: list[Array | None] = [log.ranges, log.stamps_ns, log.mounts]
     arrays += [one.poses for one in log.trajectories.values()]
     if log.odometry is not None:
         timed.append(log.odometry.messages)

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from mapper.core.errors import ReadError
 from mapper.io.logs.summary import LogSummary
+from mapper.sensors.planar.options import PlanarCut
 from server.library import workers
 from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
@@ -53,8 +54,18 @@ class Reader:
         """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
         return self._turns.of(owner)
 
-    async def read(self, source: Path, pack: Path | None, topic: str | None = None) -> LogSummary:
-        """Have ``source`` read, and packed into ``pack`` if there is one; the caller holds :meth:`turn`.
+    async def read(
+        self,
+        source: Path,
+        pack: Path | None,
+        topic: str | None = None,
+        cut: PlanarCut | None = None,
+        *,
+        picture: Path | None = None,
+    ) -> LogSummary:
+        """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
+
+        The caller holds :meth:`turn`.
 
         Raises :class:`ReadError` or :class:`LimitError`, also for a worker that died or took too long.
         """
@@ -62,7 +73,8 @@ class Reader:
         size = await asyncio.to_thread(_size_of, source)
         timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
         cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
-        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes)
+        drawn = None if picture is None else str(picture)
+        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn)
         self._began = time.monotonic()
         return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
 

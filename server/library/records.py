@@ -26,8 +26,9 @@ class Record:
     """One log. ``owner`` is the visitor who uploaded it, empty for the logs that all visitors see.
 
     ``sha256`` names the stored bytes (uploads only); ``progress`` goes from 0 to 1 while the log is read;
-    ``summary`` is None until it was; ``attempts`` counts the readings that started and did not finish. The sample is
-    ``ready`` before that: it is created on first use.
+    ``summary`` is None until it was; ``attempts`` counts the readings that started and did not finish;
+    ``has_picture`` says whether there is a picture of its map. The sample is ``ready`` before that: it is created on
+    first use.
     """
 
     id: str
@@ -44,6 +45,8 @@ class Record:
     error: Failure | None = None
     attempts: int = 0
     summary: LogSummary | None = field(default=None, repr=False)
+    has_picture: bool = False
+    tags: tuple[str, ...] = ()  #: that the asking visitor has given to it
     added: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
 
     @property
@@ -63,6 +66,8 @@ class Record:
             "progress": round(self.progress, 3),
             "reading_s": None if self.reading_s is None else round(self.reading_s, 1),
             "error": None if self.error is None else asdict(self.error),
+            "has_picture": self.has_picture,
+            "tags": list(self.tags),
             "scans": summary.scans if summary else None,
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,

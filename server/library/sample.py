@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from dataclasses import replace
+from pathlib import Path
 
 from mapper.io.logs.summary import summarise
 from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
+from server.library.log_picture import write_picture
 from server.library.records import Record
 
 SAMPLE_ID = "sample-office"
@@ -15,10 +18,14 @@ SAMPLE_NAME = "A simulated office (sample)"
 
 
 class Sample:
-    """The sample and its record; the log is kept in ``cache`` like the others. Used from the event loop."""
+    """The sample and its record; the log is kept in ``cache`` like the others, and its map is drawn into ``picture``.
 
-    def __init__(self, cache: LogCache) -> None:
+    Used from the event loop.
+    """
+
+    def __init__(self, cache: LogCache, picture: Path) -> None:
         self._cache = cache
+        self._picture = picture
         self.record = Record(SAMPLE_ID, "", SAMPLE_NAME, "sample", "ready", 0)
         self._job: asyncio.Task[ScanLog] | None = None
 
@@ -44,6 +51,8 @@ class Sample:
         finally:
             self._job = None
         self._cache.put(SAMPLE_ID, log)
+        with contextlib.suppress(OSError):  # of a full disk
+            await asyncio.to_thread(write_picture, log, self._picture)
         self.record = replace(self.record, summary=summarise(log), bytes=int(log.ranges.nbytes))
         return log
 

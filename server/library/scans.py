@@ -10,6 +10,7 @@ from pathlib import Path
 
 from mapper.core.errors import MapperError
 from mapper.io.logs.summary import summarise
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
@@ -28,6 +29,7 @@ class Scans:
         self._cache = cache
         self._scratch = scratch
         self._unpacking = asyncio.Lock()
+        self.read_now: str | None = None  #: the log whose file is read for one of its sensors
 
     async def packed(self, record: Record) -> ScanLog:
         """Return the log in its pack. Raises :class:`StalePackError` for a missing or outdated pack."""
@@ -42,19 +44,22 @@ class Scans:
             self._catalogue.save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
         return log
 
-    async def of_sensor(self, record: Record, topic: str) -> ScanLog:
-        """Return one of several sensors: of the pack, else read on request, and then kept in memory only."""
-        key = f"{record.id}#{topic}"
+    async def of_sensor(self, record: Record, topic: str, cut: PlanarCut | None = None) -> ScanLog:
+        """Return one of several sensors: of the pack, else read on request, and then kept in memory only.
+
+        ``cut`` says how its scans are cut out of clouds or depth images; those of the pack are cut as by default.
+        """
+        key = f"{record.id}#{topic}#{'' if cut is None else cut.values}"
         async with self._unpacking:
             kept = self._cache.get(key)
             if kept is not None:
                 return kept
-            with suppress(StalePackError, NotPackedError):
-                log = replace(
-                    await asyncio.to_thread(read_pack, self._catalogue.pack(record.id), topic), name=record.name
-                )
-                self._cache.put(key, log)
-                return log
+            if cut is None:
+                with suppress(StalePackError, NotPackedError):
+                    log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id), topic)
+                    log = replace(log, name=record.name)
+                    self._cache.put(key, log)
+                    return log
         async with self._reader.turn(record.owner):
             kept = self._cache.get(key)
             if kept is not None:
@@ -62,10 +67,13 @@ class Scans:
             pack = self._scratch / f"{secrets.token_hex(10)}.npz"
             try:
                 async with self._catalogue.source(record) as source:
+                    self.read_now = record.id
                     try:
-                        await self._reader.read(source, pack, topic)
+                        await self._reader.read(source, pack, topic, cut)
                     except MapperError as error:
                         raise without_paths(error, source, record.name) from None
+                    finally:
+                        self.read_now = None
                 log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
             except StalePackError:
                 raise unstored() from None

@@ -70,6 +70,15 @@ trajectories = Table(
     Index("trajectories_by_log_id", "log_id"),
 )
 
+#: One row for each tag that a visitor has given to a log. It goes with its log.
+log_tags = Table(
+    "log_tags",
+    metadata,
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
+    Column("owner", String(64), primary_key=True),
+    Column("tag", String(40), primary_key=True),
+)
+
 #: One row for each note on a log. It goes with its log.
 notes = Table(
     "notes",

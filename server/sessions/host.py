@@ -100,6 +100,8 @@ class SessionHost:
         for message in model.messages():
             self.hub.set_slot(message)
         self._publish_frame()
+        if model.is_catching_up:
+            self._caught_up.clear()
         self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
 
     async def close(self) -> None:
@@ -184,6 +186,10 @@ class SessionHost:
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of checkpoints; None if no checkpoint is missing."""
         return self.model.prefetcher()
+
+    def announce(self, message: dict[str, Any]) -> None:
+        """Send ``message`` to all clients, unless a newer one of its type replaces it first (event loop)."""
+        self.hub.set_slot(message)
 
     def post(self, command: dict[str, Any]) -> None:
         """Queue a command from any thread; a refused command is only logged."""
@@ -320,9 +326,9 @@ class SessionHost:
         finally:
             showing.cancel()
 
-    def cancellable(self) -> AbstractContextManager[None]:
-        """Return a context in which a newer command cancels the computation (worker thread)."""
-        return self._requests.cancellable()
+    def cancellable(self, *, by_newer: bool = True) -> AbstractContextManager[None]:
+        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        return self._requests.cancellable(by_newer=by_newer)
 
     def may_continue(self) -> bool:
         """Yield to other sessions (worker thread), and return whether the computation should continue."""
@@ -356,6 +362,8 @@ class SessionHost:
         if self.closed:
             return
         self.hub.set_layers(self.model.layers)
+        if result.is_new_hello:
+            self.hub.set_slot(hello_message(self.model, self.id, self.epoch_id))
         for message in result.slots.values():
             self.hub.set_slot(message)
         if result.remade_ms is not None:

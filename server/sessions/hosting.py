@@ -35,8 +35,11 @@ class ModelHost(Protocol):
         the session is open.
         """
 
-    def cancellable(self) -> AbstractContextManager[None]:
-        """Return a context in which :meth:`may_continue` is False once a newer command makes the result useless."""
+    def cancellable(self, *, by_newer: bool = True) -> AbstractContextManager[None]:
+        """Return a context in which :meth:`may_continue` is False once a client asks to cancel the computation.
+
+        It is False as well, unless ``by_newer`` is False, once a newer command makes the result useless.
+        """
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 

@@ -14,7 +14,8 @@ class ReplacingRequests:
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._is_cancellable = False  #: whether the current computation may be cancelled by a newer command
+        self._is_cancellable = False  #: whether the current computation may be cancelled
+        self._is_outdatable = False  #: and also by a newer command that replaces the map
         self._is_cancelled = False  #: whether a client asked to end it
         self._queued = self._begun = 0  #: how many were queued, and how many of them were started
         self._since: float | None = None  #: arrival of the first of those without a finished map
@@ -44,9 +45,9 @@ class ReplacingRequests:
             self._since = self._clock()
 
     @contextmanager
-    def cancellable(self) -> Iterator[None]:
-        """Return a context in which a newer command cancels the computation (worker thread)."""
-        self._is_cancellable = True
+    def cancellable(self, *, by_newer: bool = True) -> Iterator[None]:
+        """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
+        self._is_cancellable, self._is_outdatable = True, by_newer
         try:
             yield
         finally:
@@ -59,4 +60,5 @@ class ReplacingRequests:
 
     def _is_outdated(self) -> bool:
         since = self._since
-        return self._queued > self._begun and since is not None and self._clock() - since < MAX_CANCELLING_S
+        is_new = self._is_outdatable and self._queued > self._begun
+        return is_new and since is not None and self._clock() - since < MAX_CANCELLING_S

@@ -31,6 +31,7 @@ class TickResult:
     rest: list[QueuedCommand] = field(default_factory=list)  #: commands left for the next tick
     unfinished: dict[str, Any] | None = None  #: the rest of a long command, for the next tick
     changed: bool = False  #: whether there is a new frame to publish
+    is_new_hello: bool = False  #: whether ``hello`` says something else than before
     new_grid: bool = False  #: whether the whole layer of the map has to be updated
     box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
     cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick

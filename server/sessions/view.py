@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import RangeScan, ScanLog
 
 Pose = tuple[float, float, float]
@@ -16,13 +17,20 @@ Pose = tuple[float, float, float]
 @dataclass(frozen=True, slots=True)
 class LogView:
     """The view of a log, from which another session can show the same: sensor and trajectory (None: the default),
-    values of the parameters, and number of scans in the map.
+    values of the parameters, number of scans in the map, and how scans are cut out of clouds and depth images, values
+    of :data:`mapper.sensors.planar.options.PARAMETERS`.
     """
 
     topic: str | None = None
     trajectory: str | None = None
     values: dict[str, Any] | None = None
     index: int = 0
+    cut: dict[str, float] | None = None
+
+    @property
+    def planar_cut(self) -> PlanarCut:
+        """How scans are cut out of clouds and depth images. Raises :class:`mapper.core.errors.ConfigError`."""
+        return PlanarCut.of(self.cut or {})
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,6 +82,11 @@ class LogInfo(Part):
     """The log of a log session."""
 
     id: Annotated[str, Meta(description="id in the library")]
+    topic: Annotated[str, Meta(description='sensor of the map; " + " between several')]
+    cut: Annotated[
+        Table | None,
+        Meta(description="how the scans are cut out of point clouds or depth images; null for those of a lidar"),
+    ]
     trajectory: Annotated[str, Meta(description="trajectory of the map")]
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
     n_beams: Annotated[int, Meta(description="beams of each scan")]
@@ -278,6 +283,12 @@ class Trajectories(Struct, tag_field="type", tag="trajectories"):
     trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
 
 
+class NotesMessage(Struct, tag_field="type", tag="notes"):
+    """Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again."""
+
+    changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
+
+
 class WorldMessage(Struct, tag_field="type", tag="world"):
     """Simulations: the true walls and boxes. Sent at the start and after a change."""
 
@@ -383,6 +394,7 @@ ServerMessage = (
     | FrameMessage
     | Trajectory
     | Trajectories
+    | NotesMessage
     | ParametersMessage
     | ComparisonMessage
     | WorldMessage

@@ -100,9 +100,14 @@ def _served_digest(page: Page) -> str:
         return apart.submit(asyncio.run, get()).result(SECONDS)
 
 
+def carried_out(page: Page) -> None:
+    """Wait until the session has carried out what the page has asked of it, and the page has the map of it."""
+    page.evaluate(_CARRIED_OUT)
+
+
 def settled_digest(page: Page) -> str:
     """Return the digest of a standing session's map, after all that the page asked for, once the page has it too."""
-    page.evaluate(_CARRIED_OUT)
+    carried_out(page)
 
     def same() -> str | None:
         digest = _served_digest(page)
@@ -138,7 +143,7 @@ def end_session(page: Page) -> None:
 
 
 def open_group(page: Page, title: str) -> Locator:
-    """Open a group of the log page's dock; return its panel."""
+    """Open a group of the dock of the log page or of the lab; return its panel."""
     page.get_by_role("tab", name=title).click()
     return page.get_by_role("tabpanel", name=title)
 

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import await_map, end_session, frame, until
+from tests.browser.looking import await_map, end_session, frame, open_group, until
 
 AWAY = "The server does not answer"
 
@@ -68,16 +68,15 @@ def test_settings_made_without_a_connection_are_sent_to_the_restarted_server(
         page.goto(f"http://127.0.0.1:{proxy.port}/lab.html")
         await_map(page)
         page.get_by_role("button", name="Pause").click()
-        page.get_by_text("What goes wrong").click()
+        open_group(page, "Faults")
         expect(page.get_by_role("switch", name="Odometry drift")).to_be_visible()
         address = "() => location.href"
         until("the address to tell of the world", lambda: "#s=" in page.evaluate(address))
         session = page.evaluate(address).split("session=")[1].split("#")[0]
         proxy.cut()
         expect(page.locator(".lab-status")).to_contain_text(AWAY)
-        slider = page.locator(".lab-settings").get_by_role("slider", name="Hit increment")
-        slider.focus()
-        page.keyboard.press("ArrowRight")
+        open_group(page, "Model").get_by_role("slider", name="Hit increment").press("ArrowRight")
+        open_group(page, "Faults")
         page.get_by_role("switch", name="Odometry drift").click()
         page.evaluate("() => gridbloom.connection.store.setView({ x: 5, y: 5, scale: 0.02 })")
         set_here = "() => { const s = gridbloom.connection.store;"

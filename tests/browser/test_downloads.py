@@ -8,7 +8,7 @@ from pathlib import Path
 from playwright.sync_api import Page
 
 from mapper.io.maps import load_map, pgm_bytes
-from tests.browser.looking import frame, settled_digest, until
+from tests.browser.looking import frame, open_group, settled_digest, until
 
 
 def take(page: Page, kind: str, folder: Path) -> Path:
@@ -23,7 +23,7 @@ def take(page: Page, kind: str, folder: Path) -> Path:
 
 def test_pairs_of_map_files(open_lab: Callable[..., Page], tmp_path: Path) -> None:
     lab = open_lab()
-    lab.evaluate("() => { for (const panel of document.querySelectorAll('details.panel')) panel.open = true; }")
+    open_group(lab, "Share")
     pairs = []
     for kinds in (("pgm", "yaml"), ("yaml", "pgm")):
         paths = {kinds[0]: take(lab, kinds[0], tmp_path)}

@@ -11,7 +11,7 @@ from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import await_map, drag, frame, map_digest, observed, settled_digest, still, until
+from tests.browser.looking import await_map, drag, frame, map_digest, observed, open_group, settled_digest, still, until
 
 NUMBERS = [row for row in PARAMETERS if row.kind == "number" and row.name not in LOG_ONLY]
 SLIDERS = {
@@ -38,9 +38,8 @@ def profile(page: Page) -> str:
     return str(page.locator("figure.profile").inner_html())
 
 
-def open_all_panels(page: Page) -> None:
-    """Unfold every group of settings."""
-    page.evaluate("() => { for (const panel of document.querySelectorAll('details.panel')) panel.open = true; }")
+#: The group of the dock with the rows of each group of the table.
+DOCK_GROUPS = {"model": "Model", "update": "Map", "map": "Map", "mount": "Sensor"}
 
 
 def choose_model(page: Page, model: str) -> None:
@@ -63,12 +62,12 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
 
 @pytest.mark.parametrize("model", SLIDERS)
 def test_each_slider_changes_the_map_and_the_profile_and_back(still_lab: Page, model: str) -> None:
-    open_all_panels(still_lab)
     if model != "fixed_increments":
         choose_model(still_lab, model)
     first = settled_digest(still_lab)
     for row in SLIDERS[model]:
         profile_before = profile(still_lab)
+        open_group(still_lab, DOCK_GROUPS[row.group])
         slider = still_lab.get_by_role("slider", name=row.label, exact=True).and_(still_lab.locator("input"))
         still(slider)
         box = slider.bounding_box()
@@ -117,7 +116,7 @@ def test_each_handle_of_the_curve_changes_profile_and_map_by_mouse_and_keys(stil
         horizontal = handle.get_attribute("aria-orientation") == "horizontal"
         still_lab.keyboard.press("ArrowLeft" if horizontal else "ArrowDown")
         until(f"{name} to answer", lambda before=before, value=value: value() != before)  # type: ignore[misc]
-        still_lab.get_by_role("button", name="Reset to defaults").last.click()
+        still_lab.get_by_role("button", name="Reset to defaults").click()
         assert settled_digest(still_lab) == first, name
 
 

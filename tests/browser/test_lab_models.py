@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import drag, settled_digest, until
+from tests.browser.looking import drag, open_group, settled_digest, until
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def value(page: Page, name: str) -> Any:
 
 def choose(page: Page, model: str) -> None:
     """Take an inverse sensor model."""
-    page.locator(".lab-settings select").first.select_option(model)
+    open_group(page, "Model").locator("select").first.select_option(model)
     until("the model", lambda: value(page, "model") == model)
 
 
@@ -49,7 +49,7 @@ def test_each_thin_model_has_its_own_handles(lab: Page) -> None:
 
 
 def test_a_sonar_ring_selects_the_cone_model_with_its_handles(lab: Page) -> None:
-    lab.locator(".lab-sensor").get_by_text("sonar ring", exact=True).click()
+    open_group(lab, "Sensor").get_by_text("sonar ring", exact=True).click()
     until("the cone", lambda: value(lab, "model") == "sonar_cone")
     profile = lab.locator("figure.profile")
     canvas = profile.locator("canvas.cone-cells")
@@ -75,4 +75,4 @@ def test_a_sonar_ring_selects_the_cone_model_with_its_handles(lab: Page) -> None
     lab.keyboard.press("ArrowLeft")
     until("the reading", lambda: float(reading.get_attribute("aria-valuenow") or "nan") < z)
     choose(lab, "moravec_elfes")
-    expect(profile.locator("figcaption")).to_contain_text("no log-odds are added")
+    expect(open_group(lab, "Model").locator(".profile-caption")).to_contain_text("no log-odds are added")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import frame, map_bytes, settled_digest, until
+from tests.browser.looking import frame, map_bytes, open_group, settled_digest, until
 
 # Every cell that was updated so far while stepping through the scan, with its current value.
 _HELD = """() => {
@@ -37,7 +37,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 
 def by(page: Page, unit: str) -> None:
     """Choose how far a step goes."""
-    page.get_by_label("Step size").select_option(unit)
+    open_group(page, "Steps").get_by_text(unit, exact=True).click()
 
 
 def stepping(page: Page) -> dict[str, Any] | None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import frame, map_digest, settled_digest, until
+from tests.browser.looking import frame, map_digest, open_group, settled_digest, until
 
 FAULTS: dict[str, dict[str, Any]] = {
     "Laser mounted at an angle": {"mount_yaw": 0.15},
@@ -19,6 +19,20 @@ FAULTS: dict[str, dict[str, Any]] = {
     "Each beam counts": {"clamp": False},
     "No clamp": {"clamp": False},
 }
+
+
+# The place of a cell that is occupied in the map and free in the correct one.
+_DIFFERENT = """() => {
+  const { map, second } = gridbloom.connection.store;
+  const { geometry, cells } = map.peek();
+  const correct = second.peek()?.map.peek()?.cells;
+  if (!correct) return null;
+  for (let row = 0; row < geometry.rows; row++)
+    for (let col = 0; col < geometry.cols; col++)
+      if (cells.at(row, col) > 200 && correct.at(row, col) > 0 && correct.at(row, col) < 60)
+        return [0, 1].map((k) => geometry.origin[k] + ([col, row][k] + 0.5) * geometry.resolution);
+  return null;
+}"""
 
 
 def store(page: Page, name: str) -> Any:
@@ -34,9 +48,9 @@ def values(page: Page) -> dict[str, Any]:
 
 @pytest.fixture
 def lab(open_lab: Callable[..., Page]) -> Page:
-    """The lab, standing still, and what goes wrong unfolded."""
+    """The lab, standing still, with the group of faults open."""
     page = open_lab()
-    page.get_by_text("What goes wrong").click()
+    open_group(page, "Faults")
     return page
 
 
@@ -76,22 +90,30 @@ def test_a_slider_ends_a_fault_and_undo_brings_it_back(lab: Page) -> None:
     expect(switch).to_have_attribute("aria-checked", "true")
 
 
-def test_the_correct_map_is_shown_beside_the_wrong_one(lab: Page) -> None:
+def test_the_correct_map_is_shown_in_the_picture_of_the_wrong_one(lab: Page) -> None:
     right = settled_digest(lab)
     lab.get_by_role("switch", name="Laser upside down").click()
     until("the wrong map", lambda: map_digest(lab) != right)
     lab.get_by_role("switch", name="Show the correct map").click()
-    plate = lab.get_by_role("region", name="Correct map")
-    expect(plate).to_be_visible()
+    names = lab.get_by_role("region", name="The belief").locator(".compare-name")
+    expect(names).to_have_text(["A correct", "B as set"])
     assert store(lab, "compared") == {"values": {"mount_upside_down": False}, "with_faults": False}
     # Another fault with it: the second map is right of both.
     lab.get_by_role("switch", name="Odometry drift").click()
     until("the drift", lambda: store(lab, "faults") == {"drift": True, "specular": False})
     lab.get_by_role("switch", name="No clamp").click()
     until("both set right", lambda: store(lab, "compared")["values"] == {"mount_upside_down": False, "clamp": True})
-    # What the canvas shows: a wall of the world is a wall in the map made right.
-    plate.get_by_role("button", name="Close").click()
-    expect(plate).to_have_count(0)
+    # Left of the divider the correct map is shown, right of it the other.
+    settled_digest(lab)
+    wrong = until("a cell in which the maps differ", lambda: lab.evaluate(_DIFFERENT))
+    divider = lab.get_by_role("slider", name="Divider between A, on the left, and B")
+    colours = []
+    for key in ("Home", "End"):
+        divider.press(key)
+        colours.append(lab.evaluate("(xy) => gridbloom.colourAt(xy)", wrong))
+    assert sum(abs(a - b) for a, b in zip(*colours, strict=True)) > 60
+    lab.get_by_role("switch", name="Show the correct map").click()
+    expect(names).to_have_count(0)
     until("no second map", lambda: store(lab, "compared") is None)
 
 

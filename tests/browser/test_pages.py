@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import LOOKS
-from tests.browser.looking import await_map, frame, until
+from tests.browser.looking import await_map, frame, open_group, until
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -64,10 +64,10 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
     watched.problems[:] = [problem for problem in watched.problems if "404" not in problem]
 
 
-def test_the_3d_view_opens_beside_the_lab(page: Page, server: str) -> None:
+def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
     await_map(page)
-    page.get_by_role("button", name="3D", exact=True).click()
+    open_group(page, "3D")
     scene = page.frame_locator("iframe.scene")
     expect(scene.locator("canvas").first).to_be_visible()
     # The parameters stand in viser's own panel, under the same labels.

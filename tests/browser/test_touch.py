@@ -237,6 +237,7 @@ def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callabl
     def added() -> list[list[object]]:
         return list(page.evaluate("() => gridbloom.connection.store.world.peek().edits.added"))
 
+    open_group(page, "World")
     page.get_by_role("button", name="Draw a wall").tap()
     page.locator(".picture").first.scroll_into_view_if_needed()
     before = scrolled(page)
@@ -248,7 +249,7 @@ def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callabl
     until("the wall to be gone", lambda: added() == [])
 
     page.get_by_role("button", name="Move the robot").tap()
-    page.get_by_text("The moving table").tap()
+    open_group(page, "Moving table")
     page.get_by_role("button", name="Add a table").tap()
     guess = page.get_by_role("slider", name="My guess")
     guess.wait_for()

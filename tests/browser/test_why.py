@@ -188,20 +188,21 @@ def test_a_log_seeks_to_the_scan_of_a_contribution(viewer: Page) -> None:
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
 def test_a_long_press_explains_a_cell(open_lab: Callable[..., Page]) -> None:
     page = open_lab()
-    scrolled = page.evaluate("() => scrollY")
     _, (x, y) = wall_pixel(page, page.locator(".picture").first)
     finger = page.context.new_cdp_session(page)
     finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
     until("the panel", lambda: page.locator(".why").count() == 1)
     finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     until("the answer", lambda: store(page, "why"))
-    assert page.evaluate("() => scrollY") == scrolled
     assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
-    box = page.locator(".why").bounding_box()
-    assert box is not None
-    assert box["x"] >= 0
-    assert box["x"] + box["width"] <= 390
-    assert box["y"] + box["height"] <= 844.5
+    # The explanation has been scrolled to, under the pictures.
+    expect(page.locator(".why-sentence")).to_be_in_viewport(ratio=1)
+    below = (
+        "(why) => why.getBoundingClientRect().top - document.querySelector('.lab-stage').getBoundingClientRect().bottom"
+    )
+    until("the panel below the pictures", lambda: page.locator(".why").evaluate(below) >= 0)
+    for picture in page.locator(".picture").all():
+        expect(picture).to_be_in_viewport(ratio=0.95)
     page.locator(".why").get_by_role("button", name="Close").click()
     expect(page.locator(".why")).to_have_count(0)
 

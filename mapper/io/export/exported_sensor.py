@@ -39,6 +39,10 @@ class ExportedSensor:
     sonar_frames: tuple[str, ...]
     rays: NDArray[np.float64]
 
+    def moves_on(self, base: str) -> bool:
+        """Return whether the sensor moves on the robot, whose frame is ``base``."""
+        return self.log.mounts is not None and self.frame != base
+
     def ends(self, index: int) -> NDArray[np.float64]:
         """Return where the beams of a scan end (n_beams, 2), metres in the sensor's frame at the scan's stamp.
 

@@ -4,7 +4,7 @@
 |---|---|---|
 | ``/map`` | nav_msgs/OccupancyGrid | the map after the first scan, at some scans in between, and after the last |
 | ``/tf_static`` | tf2_msgs/TFMessage | base → sensor, the sensor's mount |
-| ``/tf`` | tf2_msgs/TFMessage | the trajectory's frame → base at each scan |
+| ``/tf`` | tf2_msgs/TFMessage | the trajectory's frame → base at each scan; base → a sensor that moves on it |
 | ``/pose`` | geometry_msgs/PoseStamped | the same as a pose |
 | ``/scan`` | sensor_msgs/LaserScan | each scan |
 | ``/points`` | sensor_msgs/PointCloud2 | where its beams ended, for viewers that draw no LaserScan (Rerun) |
@@ -127,6 +127,10 @@ def write_mcap(
             edge = (frame, base, pose, False)
             topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
             topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, pose))
+        if sensor.moves_on(base):
+            x, y, yaw = (float(value) for value in sensor.log.mounts_at(own))
+            edge = (base, sensor.frame, (x, y, yaw), sensor.log.upside_down)
+            topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
         if sensor.log.bearings is None:
             _send_scan(topics, sensor, own, stamp)
         else:
@@ -142,9 +146,12 @@ def write_mcap(
 
 
 def _mounts(sensor: ExportedSensor, base: str) -> list[tuple[str, str, Pose, bool]]:
-    """Return the edges (parent, child, ``T_parent_child``, upside-down) from the base to a sensor and to its sonars."""
+    """Return the edges (parent, child, ``T_parent_child``, upside-down) from the base to a sensor and to its sonars.
+
+    Without the edge of a sensor that moves, which is stated at each scan.
+    """
     log, frame = sensor.log, sensor.frame
-    edges = [] if base == frame else [(base, frame, log.mount, log.upside_down)]
+    edges = [] if base == frame or sensor.moves_on(base) else [(base, frame, log.mount, log.upside_down)]
     if log.bearings is not None and log.n_beams > 1:
         named = zip(sensor.sonar_frames, log.bearings, strict=True)
         edges += [(frame, name, (0.0, 0.0, float(bearing)), False) for name, bearing in named]

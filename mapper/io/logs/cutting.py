@@ -1,8 +1,8 @@
 """Planar scans cut out of the clouds and depth images of a recording, while it is read.
 
-A cloud is cut as soon as tf has told where its frame is on the robot, a depth image as soon as its CameraInfo has come.
-Until then messages are held, at most :data:`HELD_BYTES`; then, and at the end of the recording, they are cut with what
-is known.
+A cloud is cut as soon as tf has told where its frame is on the robot, of a frame that may move, at the cloud's stamp; a
+depth image as soon as its CameraInfo has come. Until then messages are held, at most :data:`HELD_BYTES`; then, and at
+the end of the recording, they are cut with what is known.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from mapper.io.logs.cloud_messages import Cloud, DepthImage, camera_info, depth_
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.ros_messages import Beams
 from mapper.io.logs.stream import Stream
-from mapper.io.logs.transforms import BASES, FrameTree, Poses3
+from mapper.io.logs.transforms import BASES, FrameTree
 from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
 from mapper.sensors.planar.depth import Intrinsics, cut_depth
 from mapper.sensors.planar.options import PlanarCut
@@ -44,7 +44,7 @@ class Cutter:
     """
 
     def __init__(self, cut: PlanarCut, tf: FrameTree, children: set[str], emit: Emit) -> None:
-        self.placements: dict[str, Placement] = {}  #: by frame
+        self._placements: dict[str, Placement] = {}  #: of frames that never move
         self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
         self._cut, self._tf, self._children, self._emit = cut, tf, children, emit
         self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
@@ -88,22 +88,27 @@ class Cutter:
 
     def _cut_held(self) -> None:
         """Cut what can be cut by now; of one stream in the order of the recording."""
-        ready = {id(one.stream): self._is_ready(one.message, one.stream) for one in self._held}
-        if not any(ready.values()):
-            return
-        held, self._held = self._held, [one for one in self._held if not ready[id(one.stream)]]
-        self._held_bytes = sum(one.size for one in self._held)
+        held, self._held = self._held, []
+        waiting: set[int] = set()  #: streams, by their ids
         for one in held:
-            if ready[id(one.stream)]:
-                try:
-                    self._cut_one(one)
-                except BadMessageError as error:
-                    one.stream.refuse(str(error))
+            if id(one.stream) in waiting or not self._is_ready(one.message, one.stream):
+                waiting.add(id(one.stream))
+                self._held.append(one)
+                continue
+            self._held_bytes -= one.size
+            try:
+                self._cut_one(one)
+            except BadMessageError as error:
+                one.stream.refuse(str(error))
 
     def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
         if isinstance(message, DepthImage):
             return _folder(stream.topic) in self._cameras
-        return message.frame in self.placements or self._base_in(self._tf.ancestors(message.frame)) is not None
+        if message.frame in self._placements:
+            return True
+        chain = self._tf.ancestors(message.frame)
+        base = self._base_in(chain)
+        return base is not None and self._tf.reaches(chain[: base + 1], message.stamp_ns)
 
     def _base_in(self, chain: list[str]) -> int | None:
         """Return the index of the robot's base in a chain of frames, None where none is named as one."""
@@ -124,20 +129,26 @@ class Cutter:
         for points in cloud.parts():
             add_points(points, placement, cut, ranges)
         least, greatest = cut.cloud_range
-        return Beams(cloud.stamp_ns, cloud.frame, first_beam(cut), cut.angle_increment, least, greatest, ranges)
+        first, step, mount = first_beam(cut), cut.angle_increment, placement.mount
+        return Beams(cloud.stamp_ns, cloud.frame, first, step, least, greatest, ranges, mount=mount)
 
     def _placement(self, cloud: Cloud) -> Placement:
-        """Return where a cloud's frame is on the robot: where it was at its first cloud."""
-        found = self.placements.get(cloud.frame)
-        if found is None:
-            chain = self._tf.ancestors(cloud.frame)
-            base = self._tf.base_of(chain, self._children)
-            found = NOT_PLACED
-            if base > 0:
-                found = _as_placement(self._tf.lookup(chain[: base + 1], np.array([cloud.stamp_ns])))
-            elif self._base_in(chain) is None:
+        """Return where a cloud's frame was on the robot at its stamp."""
+        found = self._placements.get(cloud.frame)
+        if found is not None:
+            return found
+        chain = self._tf.ancestors(cloud.frame)
+        base = self._tf.base_of(chain, self._children)
+        if base == 0:
+            if self._base_in(chain) is None:
                 self.unplaced.add(cloud.frame)
-            self.placements[cloud.frame] = found
+            self._placements[cloud.frame] = NOT_PLACED
+            return NOT_PLACED
+        chain = chain[: base + 1]
+        poses = self._tf.lookup(chain, np.array([cloud.stamp_ns]))
+        found = Placement(poses.matrices[0], poses.positions[0])
+        if self._tf.is_fixed(chain):
+            self._placements[cloud.frame] = found
         return found
 
     def _beams_of_image(self, image: DepthImage, topic: str) -> Beams:
@@ -153,18 +164,6 @@ class Cutter:
         frame = self._cut.output_frame or image.frame
         # A beam stands for the columns from its bearing to the next one's: it is stated in their middle.
         return Beams(image.stamp_ns, frame, first + 0.5 * step, step, least, greatest, ranges)
-
-
-def _as_placement(poses: Poses3) -> Placement:
-    x, y, z, w = (float(v) for v in poses.rotations[0])
-    rotation = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return Placement(rotation, np.asarray(poses.positions[0], dtype=np.float64))
 
 
 def _folder(topic: str) -> str:

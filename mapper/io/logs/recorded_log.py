@@ -13,22 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
-from mapper.io.logs.cutting import CLOUD, IMAGE, is_forward
+from mapper.io.logs.cutting import CLOUD, IMAGE
+from mapper.io.logs.mounting import mounting_of
 from mapper.io.logs.packing import notes_on_time
 from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.stream import Stream
 from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
-from mapper.io.logs.transforms import Poses3
+from mapper.sensors.planar.cloud import first_beam
+from mapper.sensors.planar.options import PlanarCut
+from mapper.sensors.planar.tilted import cut_tilted
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
 from mapper.sensors.timed_poses import TimedPoses
 
 Int64Array = NDArray[np.int64]
-
-#: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan's x is ahead and its y to the left.
-AHEAD_IN_OPTICAL = Poses3(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
 
 #: Which sensor is mapped where none is named: the first of these types.
 PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", CLOUD, IMAGE, SONAR)
@@ -41,6 +41,7 @@ class RecordedLog:
     def __init__(self, taken: Taken, name: str, form: str) -> None:
         self._taken, self._name, self._form = taken, name, form
         self._tf, self._limits = taken.tf, taken.limits
+        self._cut = PlanarCut()
         self._bad = [
             f"{stream.bad} of {stream.count} on {stream.topic}" + (f" ({stream.why})" if stream.why else "")
             for stream in taken.streams
@@ -56,6 +57,7 @@ class RecordedLog:
         Where all sensors are wanted, those of which no log can be made are left out, except the first. Raises
         :class:`ReadError` where there are no scans, or none on a topic that is named, and :class:`LimitError`.
         """
+        self._cut = selection.cut
         chosen = self._chosen(selection)
         log = self._scan_log(chosen[0], () if selection.topics else self._notes_on_others(chosen))
         sensors = {chosen[0].topic: log}
@@ -143,8 +145,14 @@ class RecordedLog:
         notes += notes_on_time(stamps)
         chain = self._tf.ancestors(sensor.frame)
         base = self._tf.base_of(chain, self._taken.children)
-        mount, upside_down, more = self._mount(chain[: base + 1], stamps, sensor)
-        notes += more
+        mounting = mounting_of(self._taken, chain[: base + 1], stamps, sensor)
+        notes += mounting.notes
+        least, greatest = max(0.0, range_min) if range_min < range_max else 0.0, range_max
+        if mounting.tilting is not None:
+            bearings = angle_min + increment * np.arange(ranges.shape[1], dtype=np.float64)
+            poses = mounting.tilting
+            ranges = cut_tilted(ranges, bearings, (least, greatest), poses.matrices, poses.positions, self._cut)
+            angle_min, increment, least = first_beam(self._cut), self._cut.angle_increment, 0.0
         sources = list(self._pose_sources(chain[base:], sensor))
         trajectories, more = trajectories_at(stamps, sources, chain[base][:MAX_FRAME_NAME], self._limits)
         notes += more
@@ -152,17 +160,18 @@ class RecordedLog:
             ranges=ranges,
             angle_min=angle_min,
             angle_increment=increment,
-            range_min=max(0.0, range_min) if range_min < range_max else 0.0,
-            range_max=range_max,
+            range_min=least,
+            range_max=greatest,
             stamps_ns=stamps,
             trajectories=trajectories,
-            mount=mount,
-            upside_down=upside_down,
+            mount=mounting.mount,
+            mounts=mounting.mounts,
+            upside_down=mounting.upside_down,
             bearings=np.zeros(1) if sensor.beam_width > 0.0 else None,
             beam_width=min(sensor.beam_width, np.pi / 2.0),
             topic=sensor.topic,
             frame_id=sensor.frame[:MAX_FRAME_NAME],
-            time_increment=sensor.time_increment,
+            time_increment=0.0 if mounting.tilting is not None else sensor.time_increment,
             scan_time=sensor.scan_time,
             name=self._name,
             format=f"{self._form}, {sensor.topic}",
@@ -171,40 +180,6 @@ class RecordedLog:
             odometry=odometry_among(sources, trajectories, stamps),
             limits=self._limits,
         )
-
-    def _mount(
-        self, chain: list[str], stamps: Int64Array, sensor: SensorScans
-    ) -> tuple[tuple[float, float, float], bool, list[str]]:
-        """Return ``T_base_laser`` of a chain of frames from the sensor's up to the base's, at its first stamp."""
-        notes = []
-        loop = self._tf.loop_above(chain[0])
-        if loop:
-            frames = " in ".join(frame[:100] for frame in loop[:8])
-            notes.append(f"The transforms form a loop, {frames}: they are followed up to {loop[-2]!r:.100}.")
-        if sensor.frame in self._taken.unplaced:
-            notes.append(
-                f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
-                "heights are those in that frame."
-            )
-        if len(chain) == 1 and self._tf.frames:
-            notes.append(
-                f"tf does not say where the frame {chain[0]!r} sits on the robot; "
-                "the sensor is taken to be at its centre."
-            )
-        poses = self._tf.lookup(chain, stamps)
-        if sensor.kind == IMAGE and len(chain) > 1 and is_forward(poses.up):
-            poses = poses @ AHEAD_IN_OPTICAL
-        x, y, yaw = (float(v) for v in poses.planar[0])
-        if (np.abs(poses.positions - poses.positions[0]).max() > 0.01) or (np.abs(poses.up - poses.up[0]) > 0.01).any():
-            notes.append(f"The frame {chain[0]!r} moves on the robot; the place where it was first is taken.")
-        if sensor.kind == CLOUD:
-            return self._taken.placements[sensor.frame].mount, False, notes
-        up = float(poses.up[0])
-        if abs(up) < 0.9:
-            notes.append(
-                f"The sensor is tilted by {np.degrees(np.arccos(abs(up))):.0f}°; the map takes it to be level."
-            )
-        return (x, y, yaw), up < 0.0, notes
 
     def _pose_sources(self, chain: list[str], sensor: SensorScans) -> Iterator[PoseSource]:
         """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""

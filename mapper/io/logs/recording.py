@@ -211,7 +211,6 @@ class Recording:
     def robot_log(self, name: str, form: str) -> RobotLog:
         """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
         self._cutter.finish()
-        self._taken.placements = self._cutter.placements
         self._taken.unplaced = self._cutter.unplaced
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
 

@@ -27,7 +27,8 @@ class Beams:
     """One reading of a range sensor: ``ranges`` (n_beams,) float32 metres, beam i at ``angle_min + i · increment``.
 
     ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar. ``time_increment`` (s/beam) and
-    ``scan_time`` (s) are as stated, which may be NaN.
+    ``scan_time`` (s) are as stated, which may be NaN. ``mount`` is ``T_base_scan`` (m, m, rad) of a scan that was cut
+    out of a cloud: tf says it of all others.
     """
 
     stamp_ns: int
@@ -40,6 +41,7 @@ class Beams:
     beam_width: float = 0.0
     time_increment: float = 0.0
     scan_time: float = 0.0
+    mount: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,7 @@ class SensorScans:
         self._ranges = bytearray()
         self._time_increments = array("f")
         self._scan_times = array("f")
+        self._mounts = array("d")
 
     def add(self, stamp_ns: int, beams: Beams) -> None:
         """Take one scan."""
@@ -47,6 +48,7 @@ class SensorScans:
         self._ranges += beams.ranges.tobytes()
         self._time_increments.append(beams.time_increment)
         self._scan_times.append(beams.scan_time)
+        self._mounts.extend(beams.mount or ())
 
     @property
     def kind(self) -> str:
@@ -62,6 +64,11 @@ class SensorScans:
     def scan_time(self) -> float:
         """Median of the stated times between two scans, seconds; 0 where none is stated."""
         return _median_seconds(self._scan_times)
+
+    @property
+    def mounts(self) -> NDArray[np.float64]:
+        """``T_base_scan`` (n_scans, 3) of scans that were cut out of clouds; of others there is none, (0, 3)."""
+        return np.array(self._mounts).reshape(-1, 3)
 
     @property
     def n_scans(self) -> int:

@@ -9,7 +9,6 @@ from mapper.io.logs.clocks import Clock
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.stream import Stream
 from mapper.io.logs.transforms import FrameTree, Timeline
-from mapper.sensors.planar.cloud import Placement
 
 MAX_FRAME_NAME = 200  #: characters of a frame's name that a log keeps
 SONAR = "sensor_msgs/Range"
@@ -31,8 +30,7 @@ class PoseTopic:
 class Taken:
     """What was taken so far; ``children`` are frames of which odometry messages state the poses.
 
-    ``placements`` say where on the robot the frames of clouds were when these were cut; of the frames ``unplaced`` it
-    was not known.
+    Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut.
     """
 
     limits: Limits
@@ -43,5 +41,4 @@ class Taken:
     poses: dict[str, PoseTopic] = field(default_factory=dict)
     children: set[str] = field(default_factory=set)
     tf_clock: Clock = field(default_factory=Clock)
-    placements: dict[str, Placement] = field(default_factory=dict)
     unplaced: set[str] = field(default_factory=set)

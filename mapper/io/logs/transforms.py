@@ -7,6 +7,7 @@ transform up along the path to the common ancestor, interpolating each edge); Sh
 from __future__ import annotations
 
 from array import array
+from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -49,6 +50,12 @@ class Poses3:
         return np.column_stack([self.positions[:, :2], np.arctan2(ahead[:, 1], ahead[:, 0])])
 
     @property
+    def matrices(self) -> Float64Array:
+        """The rotations as matrices (n, 3, 3)."""
+        axes = [_rotated(self.rotations, axis[np.newaxis]) for axis in np.eye(3)]
+        return np.stack(axes, axis=-1)
+
+    @property
     def up(self) -> Float64Array:
         """The z component of the z axis (n,): 1 upright, −1 upside-down."""
         return np.asarray(_rotated(self.rotations, np.array([[0.0, 0.0, 1.0]]))[:, 2])
@@ -82,6 +89,8 @@ class Timeline:
         self._stamps = array("q")
         self._values = array("d")
         self._in_order: tuple[Int64Array, Poses3] | None = None  #: made when first asked for
+        self._is_ascending = True
+        self.latest_ns = -(1 << 63)  #: the latest stamp
 
     def __len__(self) -> int:
         return len(self._stamps)
@@ -95,6 +104,8 @@ class Timeline:
         if len(self._stamps) >= self._limits.max_messages:
             raise LimitError("log.too_many_poses", f"The log has more than {self._limits.max_messages} poses.")
         self._in_order = None
+        self._is_ascending &= stamp_ns >= self.latest_ns
+        self.latest_ns = max(self.latest_ns, stamp_ns)
         self._stamps.append(stamp_ns)
         self._values.extend(pose)
 
@@ -109,7 +120,16 @@ class Timeline:
         if (np.diff(stamps) < 0).any():
             order = np.argsort(stamps, kind="stable")
             stamps, values = stamps[order], values[order]
-        return stamps, Poses3(values[:, :3], values[:, 3:] / np.linalg.norm(values[:, 3:], axis=1, keepdims=True))
+        return stamps, _poses_of(values)
+
+    def _around(self, stamps_ns: Int64Array) -> tuple[Int64Array, Poses3]:
+        """Return the poses in their order; while they still come in, of one time, only the next ones to it."""
+        if self._in_order is not None or len(stamps_ns) != 1 or not self._is_ascending:
+            return self._sorted()
+        at = bisect_right(self._stamps, int(stamps_ns[0]))
+        first, last = max(0, at - 2), min(len(self._stamps), at + 2)
+        values = np.array(self._values[7 * first : 7 * last]).reshape(-1, 7)
+        return np.array(self._stamps[first:last], dtype=np.int64), _poses_of(values)
 
     def covers(self, stamps_ns: Int64Array) -> NDArray[np.bool_]:
         """Return which of the times (n,) are between the first and the last of these, to within 0.2 s."""
@@ -119,7 +139,7 @@ class Timeline:
 
     def at(self, stamps_ns: Int64Array) -> Poses3:
         """Return the poses at n times: linear in position, along the shorter arc in rotation, nothing extrapolated."""
-        stamps, poses = self._sorted()
+        stamps, poses = self._around(stamps_ns)
         if len(stamps) == 1:
             return poses
         high = np.clip(np.searchsorted(stamps, stamps_ns, side="right"), 1, len(stamps) - 1)
@@ -145,6 +165,11 @@ class Timeline:
         dots = np.abs(np.sum(poses.rotations * poses.rotations[0], axis=1))
         far = np.abs(poses.positions - poses.positions[0]).max() > _MOVED_M
         return bool(far or (2.0 * np.arccos(np.minimum(dots, 1.0))).max() > _MOVED_RAD)
+
+
+def _poses_of(values: Float64Array) -> Poses3:
+    """Return rows (n, 7), position and quaternion, as poses."""
+    return Poses3(values[:, :3], values[:, 3:] / np.linalg.norm(values[:, 3:], axis=1, keepdims=True))
 
 
 def _slerp(a: Float64Array, b: Float64Array, w: Float64Array) -> Float64Array:
@@ -236,6 +261,17 @@ class FrameTree:
         for edge in self.edges(chain):
             found = edge.at(stamps_ns) @ found
         return found
+
+    def is_fixed(self, chain: list[str]) -> bool:
+        """Return whether everything along the chain was said never to change (tf_static)."""
+        return all(pair in self._static for pair in pairwise(chain))
+
+    def reaches(self, chain: list[str], stamp_ns: int) -> bool:
+        """Return whether everything along the chain that may change was stated for ``stamp_ns`` or later."""
+        return all(
+            (child, parent) in self._static or self._parents[child][parent].latest_ns >= stamp_ns
+            for child, parent in pairwise(chain)
+        )
 
     def covers(self, chain: list[str], stamps_ns: Int64Array) -> NDArray[np.bool_]:
         """Return whether all that moves along the chain is known at each time (n,)."""

@@ -82,7 +82,7 @@ def accumulate_scan(
     wanted = POINT_WITH_NORMAL if by_normal or to_line else POINT
     found = np.empty((moving.points.shape[1], 6))  # of each pair: the point turned and placed, what it is paired with
     pairs, tried = 0, 0
-    for k in range(0, moving.points.shape[1], rule.stride):
+    for k in range(0, moving.n_beams[i], rule.stride):
         if moving.kind[i, k] < (POINT_WITH_NORMAL if by_normal else POINT):
             continue
         p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])

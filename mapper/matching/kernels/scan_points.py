@@ -18,24 +18,32 @@ from mapper.matching.kernels.types import NO_POINT, POINT, POINT_WITH_NORMAL, Sc
 def write_points(
     ranges: Float32Array,
     beams: Float64Array,
-    sensor_x: float,
-    sensor_y: float,
+    sensor: Float64Array,
     range_min: float,
     range_max: float,
+    times: Float64Array,
+    velocities: Float64Array,
     points: Float32Array,
     kind: UInt8Array,
 ) -> None:
     """Write the end point of each reading r with ``range_min`` ≤ r ≤ ``range_max`` in the base frame.
 
-    ``ranges`` (n_scans, n_beams) metres; ``beams`` (n_beams, 2) cosine and sine of each bearing in the base frame.
+    ``ranges`` (n_scans, n_beams) metres; ``beams`` (n_beams, 2) cosine and sine of each bearing in the base frame,
+    ``sensor`` (2,) where they begin. While a scan is taken the base moves with ``velocities`` (n_scans, 3) in its own
+    frame, metres and radians a second; beam b is measured ``times`` (n_beams,) seconds after the first, and its point
+    is where it lies from the base's pose at the first beam's time.
     ``points`` (n_scans, n_beams, 2) and ``kind`` (n_scans, n_beams) are written: 0 and NO_POINT for other readings.
     """
     for i in range(ranges.shape[0]):
+        v_x, v_y, turning = velocities[i, 0], velocities[i, 1], velocities[i, 2]
         for k in range(ranges.shape[1]):
             r = np.float64(ranges[i, k])
             if range_min <= r <= range_max:
-                points[i, k, 0] = np.float32(sensor_x + r * beams[k, 0])
-                points[i, k, 1] = np.float32(sensor_y + r * beams[k, 1])
+                x, y = sensor[0] + r * beams[k, 0], sensor[1] + r * beams[k, 1]
+                if times[k] != 0.0:
+                    c, s = cos(turning * times[k]), sin(turning * times[k])
+                    x, y = c * x - s * y + v_x * times[k], s * x + c * y + v_y * times[k]
+                points[i, k, 0], points[i, k, 1] = np.float32(x), np.float32(y)
                 kind[i, k] = POINT
             else:
                 points[i, k, 0] = points[i, k, 1] = np.float32(0.0)
@@ -56,22 +64,22 @@ def write_normals(
     ``scans.kind`` are written.
     """
     points, normals, kind = scans.points, scans.normals, scans.kind
-    n_beams = points.shape[1]
     for i in range(points.shape[0]):
-        for k in range(n_beams):
+        n_beams, step = scans.n_beams[i], scans.step[i]
+        for k in range(points.shape[1]):
             normals[i, k, 0] = normals[i, k, 1] = np.float32(0.0)
             if kind[i, k] == NO_POINT:
                 continue
             x, y = np.float64(points[i, k, 0]), np.float64(points[i, k, 1])
-            to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
+            to_x, to_y = x - scans.sensor[i, 0], y - scans.sensor[i, 1]
             r = sqrt(to_x * to_x + to_y * to_y)
-            gap = max(least_gap, 3.0 * r * scans.step)
-            half = max(half_width, int(min(reach / max(r * scans.step, 1e-9), np.float64(most))))
+            gap = max(least_gap, 3.0 * r * step)
+            half = max(half_width, int(min(reach / max(r * step, 1e-9), np.float64(most))))
             half = min(half, (n_beams - 1) // 2)
             n, s_x, s_y, s_xx, s_xy, s_yy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
             for offset in range(-half, half + 1):
                 q = k + offset
-                if scans.wraps:
+                if scans.wraps[i]:
                     q += n_beams if q < 0 else -n_beams if q >= n_beams else 0
                 if q < 0 or q >= n_beams or kind[i, q] == NO_POINT:
                     continue

@@ -39,8 +39,8 @@ def split_scan(scans: ScanArrays, i: int, least_gap: float, thickness: float, fe
                 np.float64(points[b, 0]) - np.float64(points[a, 0]),
                 np.float64(points[b, 1]) - np.float64(points[a, 1]),
             )
-            to_x, to_y = np.float64(points[a, 0]) - scans.sensor_x, np.float64(points[a, 1]) - scans.sensor_y
-            gap = max(least_gap, 3.0 * sqrt(to_x * to_x + to_y * to_y) * scans.step) * (b - a)
+            to_x, to_y = np.float64(points[a, 0]) - scans.sensor[i, 0], np.float64(points[a, 1]) - scans.sensor[i, 1]
+            gap = max(least_gap, 3.0 * sqrt(to_x * to_x + to_y * to_y) * scans.step[i]) * (b - a)
             if sqrt(d_x * d_x + d_y * d_y) > gap:
                 break
             end += 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from mapper.core.array_types import Float32Array, UInt8Array
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt8Array
 
 #: What is known of a beam's reading.
 NO_POINT, POINT, POINT_WITH_NORMAL = 0, 1, 2
@@ -14,20 +14,20 @@ SQUARES, HUBER, CAUCHY = 0, 1, 2
 
 
 class ScanArrays(NamedTuple):
-    """Scans of one sensor as points in the frame of the robot's base, in the order of their bearing.
+    """Scans as points in the frame of the robot's base, in the order of their bearing; each may be another sensor's.
 
-    Beam b sees in the direction ``first`` + b · ``step`` (``step`` > 0) from the sensor at (``sensor_x``,
-    ``sensor_y``). Points of beams without a usable reading, and normals of points without one, are 0.
+    Beam b < ``n_beams``[i] of scan i sees in the direction ``first``[i] + b · ``step``[i] (``step`` > 0) from the
+    sensor at ``sensor``[i]. Points of beams without a usable reading, and normals of points without one, are 0.
     """
 
-    points: Float32Array  #: (n_scans, n_beams, 2), m
-    normals: Float32Array  #: (n_scans, n_beams, 2), of unit length, towards the sensor
-    kind: UInt8Array  #: (n_scans, n_beams): NO_POINT, POINT or POINT_WITH_NORMAL
-    first: float  #: rad
-    step: float  #: rad
-    wraps: bool  #: whether the beam after the last is the first: the sensor sees the whole circle
-    sensor_x: float  #: m
-    sensor_y: float  #: m
+    points: Float32Array  #: (n_scans, most beams of a sensor, 2), m
+    normals: Float32Array  #: (n_scans, …, 2), of unit length, towards the sensor
+    kind: UInt8Array  #: (n_scans, …): NO_POINT, POINT or POINT_WITH_NORMAL; NO_POINT from ``n_beams``[i] on
+    n_beams: Int64Array  #: (n_scans,)
+    first: Float64Array  #: (n_scans,), rad
+    step: Float64Array  #: (n_scans,), rad
+    wraps: BoolArray  #: (n_scans,): whether the beam after the last is the first: the sensor sees the whole circle
+    sensor: Float64Array  #: (n_scans, 2), m
 
 
 #: The residual of a pair: its distance across the line of the other scan, or the vector from point to point.

@@ -16,14 +16,14 @@ from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 
 
 @jit
-def _beam_of(scans: ScanArrays, x: float, y: float) -> int:
-    """Return the beam in whose direction a point (x, y) from the sensor lies, −1 where no beam points there."""
-    turned = atan2(y, x) - scans.first
+def _beam_of(scans: ScanArrays, j: int, x: float, y: float) -> int:
+    """Return the beam of scan j in whose direction a point (x, y) from its sensor lies, −1 where no beam points."""
+    turned = atan2(y, x) - scans.first[j]
     turned -= 2.0 * pi * floor(turned / (2.0 * pi))
-    beam = int(turned / scans.step + 0.5)
-    if beam < scans.points.shape[1]:
+    beam = int(turned / scans.step[j] + 0.5)
+    if beam < scans.n_beams[j]:
         return beam
-    if scans.wraps or turned > 2.0 * pi - 0.5 * scans.step:
+    if scans.wraps[j] or turned > 2.0 * pi - 0.5 * scans.step[j]:
         return 0
     return -1
 
@@ -38,21 +38,21 @@ def _nearest_around(
     ``least`` do not count.
     """
     points, kind = scans.points[scan], scans.kind[scan]
-    n_beams = len(kind)
-    to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
+    n_beams, step, wraps = scans.n_beams[scan], scans.step[scan], scans.wraps[scan]
+    to_x, to_y = x - scans.sensor[scan, 0], y - scans.sensor[scan, 1]
     square_r = to_x * to_x + to_y * to_y
     best, found = gate * gate, -1
-    last = min(max_beams, n_beams // 2 if scans.wraps else n_beams)
+    last = min(max_beams, n_beams // 2 if wraps else n_beams)
     for k in range(last + 1):
         if k > 0:
             # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
-            angle = min((k - 0.5) * scans.step, 0.5 * pi)
+            angle = min((k - 0.5) * step, 0.5 * pi)
             sine = angle - angle * angle * angle / 6.0
             if square_r * (sine * sine) >= best:
                 break
         for b in (centre - k, centre + k):
             if b < 0 or b >= n_beams:
-                if not scans.wraps:
+                if not wraps:
                     continue
                 b += n_beams if b < 0 else -n_beams  # noqa: PLW2901
             if kind[b] >= least:
@@ -69,15 +69,37 @@ def _nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float,
 
     Where ``max_beams`` is all beams, a point outside the field of view has a nearest point too.
     """
-    n_beams = scans.points.shape[1]
-    to_x, to_y = x - scans.sensor_x, y - scans.sensor_y
-    centre = _beam_of(scans, to_x, to_y)
+    n_beams = scans.n_beams[scan]
+    centre = _beam_of(scans, scan, x - scans.sensor[scan, 0], y - scans.sensor[scan, 1])
     if centre < 0:
         if max_beams < n_beams:
             return -2
-        middle = scans.first + 0.5 * (n_beams - 1) * scans.step
-        centre = 0 if sin(atan2(to_y, to_x) - middle) < 0.0 else n_beams - 1
+        middle = scans.first[scan] + 0.5 * (n_beams - 1) * scans.step[scan]
+        bearing = atan2(y - scans.sensor[scan, 1], x - scans.sensor[scan, 0])
+        centre = 0 if sin(bearing - middle) < 0.0 else n_beams - 1
     return _nearest_around(scans, scan, x, y, centre, gate, max_beams, least)
+
+
+@jit
+def _measured_around(scans: ScanArrays, j: int, centre: int, beams: int) -> tuple[float, int]:
+    """Return the least range that scan j has among the ``beams`` beams on either side of one, and how many have any.
+
+    The range is 1e300 where none has.
+    """
+    n_beams = scans.n_beams[j]
+    least, seen = 1e300, 0
+    for beam in range(centre - beams, centre + beams + 1):
+        b = beam
+        if b < 0 or b >= n_beams:
+            if not scans.wraps[j]:
+                continue
+            b += n_beams if b < 0 else -n_beams
+        if scans.kind[j, b] != NO_POINT:
+            x = np.float64(scans.points[j, b, 0]) - scans.sensor[j, 0]
+            y = np.float64(scans.points[j, b, 1]) - scans.sensor[j, 1]
+            least = min(least, sqrt(x * x + y * y))
+            seen += 1
+    return least, seen
 
 
 @jit
@@ -102,14 +124,13 @@ def compare_views(
     d_x, d_y = pose[0] - at[0], pose[1] - at[1]
     t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
     near, through, behind, total = 0, 0, 0, 0.0
-    n_beams = fixed.points.shape[1]
-    for k in range(moving.points.shape[1]):
+    for k in range(moving.n_beams[i]):
         if moving.kind[i, k] == NO_POINT:
             continue
         p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
         x, y = turn_c * p_x - turn_s * p_y + t_x, turn_s * p_x + turn_c * p_y + t_y
-        to_x, to_y = x - fixed.sensor_x, y - fixed.sensor_y
-        centre = _beam_of(fixed, to_x, to_y)
+        to_x, to_y = x - fixed.sensor[j, 0], y - fixed.sensor[j, 1]
+        centre = _beam_of(fixed, j, to_x, to_y)
         if centre < 0:
             continue
         q = _nearest_around(fixed, j, x, y, centre, gate, max_beams, POINT)
@@ -118,19 +139,8 @@ def compare_views(
             near += 1
             total += 1.0 - (o_x * o_x + o_y * o_y) / (gate * gate)
             continue
-        r, least = sqrt(to_x * to_x + to_y * to_y), 1e300
-        for beam in range(centre - min(1, max_beams), centre + min(1, max_beams) + 1):
-            b = beam
-            if b < 0 or b >= n_beams:
-                if not fixed.wraps:
-                    continue
-                b += n_beams if b < 0 else -n_beams
-            if fixed.kind[j, b] != NO_POINT:
-                o_x, o_y = (
-                    np.float64(fixed.points[j, b, 0]) - fixed.sensor_x,
-                    np.float64(fixed.points[j, b, 1]) - fixed.sensor_y,
-                )
-                least = min(least, sqrt(o_x * o_x + o_y * o_y))
+        r = sqrt(to_x * to_x + to_y * to_y)
+        least, _ = _measured_around(fixed, j, centre, min(1, max_beams))
         if least > r + gate and least < 1e300:
             through += 1
         elif least < r - gate:

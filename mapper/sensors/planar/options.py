@@ -7,7 +7,8 @@ are not limited there have a limit of :data:`HIGHEST` here.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter
@@ -49,6 +50,18 @@ PARAMETERS: tuple[Parameter, ...] = (
 )  # fmt: skip
 BY_NAME = {row.name: row for row in PARAMETERS}
 
+CLOUD, IMAGE = "PointCloud2", "Image"  #: types of messages out of which scans are cut, without their package
+
+
+def is_cut(kind: str) -> bool:
+    """Return whether scans are cut out of messages of the type ``kind``."""
+    return kind.rpartition("/")[2] in (CLOUD, IMAGE)
+
+
+def applies(row: Parameter, kind: str) -> bool:
+    """Return whether a row of :data:`PARAMETERS` concerns messages of the type ``kind``."""
+    return kind.rpartition("/")[2] == (IMAGE if row.name == "scan_height" else CLOUD)
+
 
 @dataclass(frozen=True, slots=True)
 class PlanarCut:
@@ -84,6 +97,22 @@ class PlanarCut:
                 f"Between {self.angle_min:g} and {self.angle_max:g} rad there is no beam with an angle_increment of "
                 f"{self.angle_increment:g} rad.",
             )
+
+    @staticmethod
+    def of(values: Mapping[str, object]) -> PlanarCut:
+        """Return the cut with these values of :data:`PARAMETERS`, the first values of all others.
+
+        Raises :class:`ConfigError` for names that the table lacks, and as the constructor does.
+        """
+        unknown = sorted(values.keys() - BY_NAME.keys())
+        if unknown:
+            raise ConfigError("cut.unknown", f"There is no parameter {unknown[0]!r:.80} of how a scan is cut.")
+        return replace(PlanarCut(), **values)  # type: ignore[arg-type] # the constructor checks them
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The values of :data:`PARAMETERS`."""
+        return {name: float(getattr(self, name)) for name in BY_NAME}
 
     @property
     def n_beams(self) -> int:

@@ -17,6 +17,7 @@ from mapper.io.contents.frame_graph import chain_of, faults, parents_of
 from mapper.io.contents.model import Contents, Series, TopicContents
 from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
+from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
@@ -132,6 +133,8 @@ def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> dict[
         "last_s": (topic.last_ns - began_ns) * 1e-9 if has_times else None,
         # Whether the map is made of it: null for a topic of which no map can be made.
         "mapped": is_chosen,
+        # Whether it has clouds or images, out of which scans can be cut.
+        "cut": is_cut(topic.type),
     }
 
 
@@ -152,10 +155,12 @@ async def series(
     one = next((one for one in held.contents.series if one.topic == topic), None)
     if one is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
-    stamps, values = min_max(*_between(one, held.origin_ns, start, end), buckets)
+    all_stamps, all_values = _between(one, held.origin_ns, start, end)
+    stamps, values = min_max(all_stamps, all_values, buckets)
     return {
         "topic": one.topic,
         "type": one.type,
+        "samples": len(all_stamps),
         "times": ((stamps - held.origin_ns) * 1e-9).round(6).tolist(),
         "columns": [
             {

@@ -12,7 +12,6 @@ from fastapi.responses import Response
 from mapper.core.errors import MapperError
 from mapper.core.parallel import single_threaded
 from mapper.io.export import tum_lines
-from mapper.sensors.joint_log import JointLog
 from server.downloads import Content, Download, file_name
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
@@ -38,10 +37,11 @@ def _recorded(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, 
 
 @router.get("/{session_id}/run.mcap")
 async def run_mcap(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str) -> Response:
-    """Return the log, and its map as it grew up to the present scan, as an MCAP file of ROS 2 messages."""
+    """Return the log, and its map as it grew up to the present scan, as an MCAP file of ROS 2 messages.
+
+    The scans of several sensors are on the topics that they had in the recording.
+    """
     session, recording = _recorded(sessions, session_id)
-    if isinstance(recording.log, JointLog):
-        raise MapperError("export.sensors", "The MCAP file has the scans of one sensor; open one sensor by itself.")
 
     async def make() -> Content:
         file: IO[bytes] = tempfile.TemporaryFile(dir=downloads.folder)  # noqa: SIM115 - Content closes it

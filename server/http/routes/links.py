@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import Logs, Sessions, Visitor
+from server.http.session_access import writable_session
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
 from server.sessions import LogView, SessionRegistry, log_plan
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(tags=["links"])
 
@@ -60,21 +63,20 @@ def _public(sessions: SessionRegistry, link: Link) -> dict[str, Any]:
 
 
 @router.post("/api/links", status_code=201)
-async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewLink) -> dict[str, Any]:
+async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> dict[str, Any]:
     """Make a read-only link to what a session of a log shows now.
 
-    It is valid until it is revoked. Only visitors who may open the log may make one.
+    It is valid until it is revoked, and belongs to the visitor who began the session.
     """
-    recording = sessions.get(wanted.session).model.recording
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only the view of a log can be shared by a link, not a simulation.")
-    record = library.get(visitor, recording.log_id)
+    of_log = writable_session(sessions, wanted.session)
+    recording = of_log.recording
+    record = library.get(of_log.owner, of_log.log_id)
     seen = recording.view()
     look = None if wanted.look is None else wanted.look.model_dump()
     first = asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
     view = {"view": asdict(seen), "look": look, "count": recording.log.n_scans, "changed": changed}
-    return _public(sessions, await library.links.make(visitor, record, view))
+    return _public(sessions, await library.links.make(of_log.owner, record, view))
 
 
 @router.get("/api/links")
@@ -83,6 +85,23 @@ async def mine(
 ) -> dict[str, Any]:
     """List the links of this visitor to a log, newest first."""
     return {"links": [_public(sessions, link) for link in library.links.of(visitor, log)]}
+
+
+@router.get("/api/sessions/{session_id}/links")
+async def of_session(sessions: Sessions, library: Logs, session_id: str) -> dict[str, Any]:
+    """List the links to a session's log of the visitor who began the session, newest first."""
+    of_log = writable_session(sessions, session_id)
+    return {"links": [_public(sessions, link) for link in library.links.of(of_log.owner, of_log.log_id)]}
+
+
+@router.delete("/api/sessions/{session_id}/links/{token}", status_code=204)
+async def revoke_of_session(sessions: Sessions, library: Logs, session_id: str, token: str) -> None:
+    """Revoke a link to a session's log, of the visitor who began the session; the sessions begun with it end."""
+    of_log = writable_session(sessions, session_id)
+    if library.links.get(token).log_id != of_log.log_id:
+        raise LinkGoneError("link.gone", "There is no such link to this log.")
+    await library.links.revoke(of_log.owner, token)
+    await sessions.end_linked(token)
 
 
 @router.delete("/api/links/{token}", status_code=204)
@@ -102,21 +121,29 @@ async def shared(library: Logs, token: str) -> dict[str, Any]:
 
 @router.post("/api/shared/{token}/sessions", status_code=201)
 @guests_may(GuestRight.ALWAYS)
-async def begin(request: Request, sessions: Sessions, library: Logs, visitor: Visitor, token: str) -> Response:
+async def begin(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    visitor: Visitor,
+    token: str,
+    name: Annotated[
+        str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
+    ] = None,
+) -> Response:
     """Begin a session of the view of a link."""
     link = library.links.get(token)
-    title = _record_name(library, link)
-    view = LogView(**link.view["view"])
-    log = await library.load(link.owner, link.log_id, view.topic)
-    session = await while_connected(
-        request,
-        sessions.begin(
-            log_plan(log, log_id=link.log_id, title=title, view=view),
-            visitor,
-            link=token,
-            address=client_address(request),
-        ),
-    )
+
+    async def begun() -> SessionHost:
+        view = LogView(**link.view["view"])
+        title = _record_name(library, link)
+        with sessions.under_way.making(visitor, name) as making:
+            making.watched = lambda: library.opening(link.log_id)
+            log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
+        plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
+        return await sessions.begin(plan, visitor, link=token, address=client_address(request))
+
+    session = await while_connected(request, begun())
     try:
         library.links.get(token)
     except LinkGoneError:  # revoked in the meantime

@@ -7,13 +7,15 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
-from pydantic import StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import ReadError
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Part, Record
+from server.library.listing import Order, Wanted, listed
+from server.library.tags import MAX_TAGS
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
 
@@ -82,14 +84,52 @@ async def forget_upload(library: Logs, visitor: Visitor, key: Key) -> None:
 
 
 @router.get("")
-async def list_logs(library: Logs, visitor: Visitor) -> dict[str, Any]:
-    """List the logs that this visitor may open: their uploads, the folder of the server, the sample."""
-    return {"logs": [record.public() for record in await library.list(visitor)]}
+async def list_logs(
+    library: Logs,
+    visitor: Visitor,
+    q: Annotated[str, Query(max_length=200, description="Words of the name, the format, a topic or a tag.")] = "",
+    tag: Annotated[list[str] | None, Query(max_length=MAX_TAGS, description="Tags that the logs have.")] = None,
+    order: Order = "newest",
+    offset: Annotated[int, Query(ge=0, le=1_000_000)] = 0,
+    limit: Annotated[int | None, Query(ge=1, le=500, description="Most logs of the answer.")] = None,
+) -> dict[str, Any]:
+    """List the logs that this visitor may open: their uploads, newest first, the folder of the server, the sample.
+
+    ``total`` is the number of logs that were found; ``tags`` are this visitor's, with the number of logs of each.
+    """
+    wanted = Wanted(q, tuple(tag or ()), order, offset, limit)
+    found = listed(await library.list(visitor), wanted)
+    return {"logs": [record.public() for record in found.records], "total": found.total, "tags": found.tags}
 
 
 @router.get("/{log_id}")
 async def one(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
     """Return the state of one log and, once it was read, a summary of its contents."""
+    return library.get(visitor, log_id).public()
+
+
+@router.get("/{log_id}/map.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
+async def picture(library: Logs, visitor: Visitor, log_id: str, *, dark: bool = False) -> Response:
+    """Return a small picture of a log's map with the path of the robot, drawn when the log was read."""
+    return Response(
+        await library.map_picture(visitor, log_id, dark=dark),
+        media_type="image/png",
+        headers={"Cache-Control": "private, max-age=300"},
+    )
+
+
+class TagsOfLog(BaseModel):
+    """The tags of a log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    tags: Annotated[list[str], Field(max_length=MAX_TAGS)]
+
+
+@router.put("/{log_id}/tags")
+async def put_tags(library: Logs, visitor: Visitor, log_id: str, wanted: TagsOfLog) -> dict[str, Any]:
+    """Give a log these tags, in the place of those that this visitor has given it."""
+    await library.tags.put(visitor, library.get(visitor, log_id), wanted.tags)
     return library.get(visitor, log_id).public()
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import time
 from typing import Annotated, Any
 
 from fastapi import APIRouter
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
 
-from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, Sessions, Visitor
+from server.http.session_access import session_of_log, writable_session
 from server.library import Library
 from server.library.notes import Pin
 from server.library.records import Record
@@ -37,27 +38,26 @@ class Written(BaseModel):
         return Pin(self.at_s, self.scan, self.x, self.y)
 
 
-def _log_id(sessions: SessionRegistry, session_id: str) -> str:
-    recording = sessions.get(session_id).model.recording
-    if recording is None:
-        raise MapperError("session.not_a_log", "Only a log can have notes, not a live world.")
-    return recording.log_id
-
-
 def _writable(sessions: SessionRegistry, library: Library, session_id: str) -> Record:
-    log_id = _log_id(sessions, session_id)
-    session = sessions.get(session_id)
-    if session.link is not None:
-        raise MapperError("link.read_only", "This link shares a view of a log; its notes can only be read.")
-    return library.get(session.owner, log_id)
+    of_log = writable_session(sessions, session_id)
+    return library.get(of_log.owner, of_log.log_id)
+
+
+def _announce(sessions: SessionRegistry, log_id: str) -> None:
+    """Have the pages of all sessions on a log, guests' as well, ask for its notes again."""
+    for session in sessions.all():
+        recording = session.model.recording
+        if recording is not None and recording.log_id == log_id:
+            session.announce({"type": "notes", "changed_s": time.time()})
 
 
 @router.get("/{session_id}/notes")
 @guests_may(GuestRight.LINKED_SESSION)
 async def notes(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> dict[str, Any]:
     """Return the notes on the session's log, oldest first; ``mine`` are those that this visitor may change."""
-    found = await library.notes.of(_log_id(sessions, session_id))
-    is_guest = sessions.get(session_id).link is not None
+    of_log = session_of_log(sessions, session_id)
+    found = await library.notes.of(of_log.log_id)
+    is_guest = of_log.session.link is not None
     return {"notes": [note.public("" if is_guest else visitor) for note in found]}
 
 
@@ -66,6 +66,7 @@ async def add(sessions: Sessions, library: Logs, visitor: Visitor, session_id: s
     """Pin a note to a time of the session's log, to a place on its map, or to both."""
     record = _writable(sessions, library, session_id)
     note = await library.notes.add(visitor, record, written.text, written.pin())
+    _announce(sessions, record.id)
     return JSONResponse(note.public(visitor), status_code=201)
 
 
@@ -75,10 +76,14 @@ async def change(
 ) -> dict[str, Any]:
     """Change the text and the pin of one's own note."""
     record = _writable(sessions, library, session_id)
-    return (await library.notes.change(visitor, record.id, note_id, written.text, written.pin())).public(visitor)
+    note = await library.notes.change(visitor, record.id, note_id, written.text, written.pin())
+    _announce(sessions, record.id)
+    return note.public(visitor)
 
 
 @router.delete("/{session_id}/notes/{note_id}", status_code=204)
 async def remove(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str, note_id: str) -> None:
     """Delete one's own note."""
-    await library.notes.remove(visitor, _writable(sessions, library, session_id).id, note_id)
+    record = _writable(sessions, library, session_id)
+    await library.notes.remove(visitor, record.id, note_id)
+    _announce(sessions, record.id)

@@ -14,6 +14,7 @@ from fastapi.responses import JSONResponse, Response
 
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
+from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
@@ -67,6 +68,7 @@ async def mine(sessions: Sessions, visitor: Visitor) -> dict[str, Any]:
 
 
 @router.get("/sessions/making/{name}", responses={204: {"description": "No session of that name is being created."}})
+@guests_may(GuestRight.ALWAYS)
 async def making(sessions: Sessions, visitor: Visitor, name: str) -> Any:  # noqa: ANN401 - the progress, or no content
     """Return the progress of a session that is being created for this visitor.
 
@@ -121,7 +123,8 @@ def worlds() -> dict[str, Any]:
 
 @router.get("/parameters")
 def parameters() -> dict[str, Any]:
-    """Return the tables of mapping parameters and of the simulated sensor's parameters."""
+    """Return the tables of mapping parameters, of the simulated sensor's, and of how a scan is cut out of a cloud."""
     from mapper.simulation import SENSOR_PARAMETERS  # noqa: PLC0415 - imported with the first use, on a worker thread
 
-    return {"parameters": [asdict(row) for row in PARAMETERS], "sensor": [asdict(row) for row in SENSOR_PARAMETERS]}
+    tables = {"parameters": PARAMETERS, "sensor": SENSOR_PARAMETERS, "cut": CUT_PARAMETERS}
+    return {name: [asdict(row) for row in rows] for name, rows in tables.items()}

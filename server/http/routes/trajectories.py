@@ -63,6 +63,7 @@ async def update_sessions(library: Library, sessions: SessionRegistry, owner: st
         recording = session.model.recording
         if recording is None or recording.log_id != log_id or session.owner != owner or session.link is not None:
             continue
-        log = await library.load(owner, log_id, recording.view().topic)
+        view = recording.view()
+        log = await library.load(owner, log_id, view.topic, view.planar_cut)
         with suppress(ProtocolError):  # of too many commands; the next session on the log has them
             session.enqueue({"type": "update_log", "log": log})

@@ -14,6 +14,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
 from server.sessions.hosting import ModelHost
@@ -30,6 +31,7 @@ from server.sessions.playback import Playback
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
+from server.sessions.view import LogView
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text
 
@@ -87,8 +89,15 @@ class LogModel(SessionModel):
     graph: LogGraph
 
     def __init__(
-        self, host: ModelHost, replay: Replay, *, log_id: str = "", topic: str | None = None, title: str = ""
+        self,
+        host: ModelHost,
+        replay: Replay,
+        view: LogView,
+        *,
+        log_id: str = "",
+        title: str = "",
     ) -> None:
+        """The map is brought to the scans of ``view`` first, and the log is then paused there."""
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
         replay.wanted = host.may_continue
@@ -98,7 +107,7 @@ class LogModel(SessionModel):
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
         self._left_at = 0  #: the index at which the map was before it was requested
-        self.recording = LogRecording(host, replay, log_id, topic)
+        self.recording = LogRecording(host, replay, log_id, view)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)
@@ -108,9 +117,9 @@ class LogModel(SessionModel):
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(replay.grid, replay.config, None, whole=True)
-        if replay.index:
+        if view.index:
             self.playback.playing = False
-            self.go_to(replay.index)
+            self.go_to(min(view.index, replay.log.n_scans))
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -204,6 +213,8 @@ class LogModel(SessionModel):
             "parameters": self.parameters.table(recording.first_config()),
             "log": {
                 "id": recording.log_id,
+                "topic": log.topic,
+                "cut": recording.cut_table(),
                 "trajectory": recording.trajectory,
                 "trajectories": self._trajectories_message()["trajectories"],
                 "n_beams": log.n_beams,
@@ -345,6 +356,24 @@ class LogModel(SessionModel):
         self.comparison.update_log(self.recording.log)
         result.slot(self._trajectories_message())
         result.slot(self._trajectory_message())
+
+    def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
+        """Begin the map anew of another sensor of the log, or of scans that are cut otherwise, up to the same time."""
+        recording = self.recording
+        stamps, index = recording.log.stamps_ns, recording.replay.index
+        reached = None if index == recording.log.n_scans else stamps[:index].max(initial=stamps.min() - 1)
+        recording.use(log, view)
+        self.comparison.end(result)
+        self.graph.forget()
+        self._healing.leave()
+        self.parameters.adopt(recording.replay.config)
+        self._times = play_times(log.stamps_ns)
+        self._path_bounds = bounds_of(log.trajectory(recording.trajectory).poses)
+        self.go_to(log.n_scans if reached is None else int((log.stamps_ns <= reached).sum()))
+        self._left_at = 0
+        result.is_new_hello = result.new_grid = True
+        for message in (*self.messages(), self._trajectories_message()):
+            result.slot(message)
 
     def go_to(self, index: int) -> None:
         """Have the map brought to a number of scans."""

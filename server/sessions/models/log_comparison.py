@@ -150,6 +150,13 @@ class LogComparison:
         if self._other is not None:
             self._other.update_log(log)
 
+    def end(self, result: TickResult) -> None:
+        """End the comparison, if there is one."""
+        self._request += 1  # one that is being prepared is of the log from before
+        if self._other is not None:
+            self._other = self._layer = None
+            result.slot(comparison_message(self._recording.replay.index))
+
     def draw(self, result: TickResult) -> None:
         """Advance A to the session's scan, and update its layer."""
         other, layer = self._other, self._layer

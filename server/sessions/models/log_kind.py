@@ -28,12 +28,26 @@ class NewLog(SessionRequest):
         description="Sensor of the log, if it has several; ' + ' between several makes one map of them.",
     )
     trajectory: str | None = Field(None, max_length=200, description="Trajectory of the log to map with.")
+    cut: dict[str, float] | None = Field(
+        None,
+        max_length=20,
+        description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
+    )
 
 
 def log_plan(
-    log: ScanLog, *, log_id: str = "", title: str = "", view: LogView | None = None, playing: bool = True
+    log: ScanLog,
+    *,
+    log_id: str = "",
+    title: str = "",
+    view: LogView | None = None,
+    playing: bool = True,
+    name: str | None = None,
 ) -> Plan:
-    """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does."""
+    """Return the plan of a session that shows ``view`` of a log. Making it raises as the mapper does.
+
+    The map of a view of many scans is computed by the session, which shows it on the way.
+    """
     shown = view or LogView()
 
     def make(host: ModelHost, making: Making) -> SessionModel:
@@ -42,20 +56,20 @@ def log_plan(
 
         making.watched = lambda: ("Preparing the map", None)
         replay = first_replay(log, shown, host.limits(), making.may_continue)
-        return LogModel(host, replay, log_id=log_id, topic=shown.topic, title=title)
+        return LogModel(host, replay, shown, log_id=log_id, title=title)
 
-    return Plan(make, logs=(log,), playing=playing)
+    return Plan(make, logs=(log,), name=name, playing=playing)
 
 
 async def _plan(wanted: NewLog, resources: Resources) -> Plan:
     library, making = resources.library, resources.making
+    view = LogView(wanted.topic, wanted.trajectory, cut=wanted.cut)
     making.watched = lambda: library.opening(wanted.log)
     try:
-        log = await library.load(resources.visitor, wanted.log, wanted.topic)
+        log = await library.load(resources.visitor, wanted.log, wanted.topic, view.planar_cut)
     finally:
         making.watched = None
     title = resources.library.get(resources.visitor, wanted.log).name
-    view = LogView(wanted.topic, wanted.trajectory)
     return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from mapper.mapping.placed_scan import placed_scan
 from mapper.mapping.sensor_defaults import sensor_defaults
 from mapper.replay import Replay
 from mapper.sensors.joint_log import JointLog
+from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
+from mapper.sensors.planar.options import PlanarCut, applies
 from mapper.sensors.scan import ScanLog
 from server.sessions.hosting import ModelHost
 from server.sessions.models.diagnosing import examination
@@ -38,7 +40,7 @@ def first_config(log: ScanLog) -> MappingConfig:
 
 
 def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[], bool] = lambda: True) -> Replay:
-    """Return the initial replay of a session: as in ``view``, with larger cells if the map is too large.
+    """Return the replay of a session before the first scan: as in ``view``, with larger cells if the map is too large.
 
     Raises :class:`mapper.core.errors.WorkCancelledError` if ``wanted`` returns False.
     """
@@ -47,7 +49,6 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
         try:
             replay = Replay(log, config, view.trajectory, limits)
             replay.wanted = wanted
-            replay.advance_to(min(view.index, log.n_scans))
         except LimitError:
             if resolution is None:
                 raise
@@ -58,13 +59,16 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
 
 
 class LogRecording:
-    """A log, and the replay that makes its map. ``log_id`` and ``topic`` identify it in the library."""
+    """A log, and the replay that makes its map.
 
-    def __init__(self, host: ModelHost, replay: Replay, log_id: str = "", topic: str | None = None) -> None:
+    ``log_id`` identifies it in the library, ``view`` says of which sensor it is and how its scans are cut.
+    """
+
+    def __init__(self, host: ModelHost, replay: Replay, log_id: str, view: LogView) -> None:
         self.log_id = log_id
         self.replay = replay
         self.recorded = recorded_seconds(replay.log)  #: (n_scans,) float64, seconds since the first scan
-        self._topic = topic
+        self._topic, self._cut = view.topic, view.cut
         self._host = host
         self._examinations: dict[str, asyncio.Future[list[Finding]]] = {}  #: by trajectory
 
@@ -85,7 +89,30 @@ class LogRecording:
     def view(self) -> LogView:
         """Return the present view: sensor, trajectory, parameters, scans in the map."""
         replay = self.replay
-        return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index)
+        return LogView(self._topic, replay.trajectory, asdict(replay.config), replay.index, self._cut)
+
+    def cut_table(self) -> dict[str, Any] | None:
+        """Return the parameters of how the scans are cut, and their values; None where they come from a lidar."""
+        names = {part.topic for part in (self.log.parts if isinstance(self.log, JointLog) else (self.log,))}
+        kinds = {topic.type for topic in self.log.topics if topic.name in names}
+        rows = [asdict(row) for row in CUT_PARAMETERS if any(applies(row, kind) for kind in kinds)]
+        values = PlanarCut.of(self._cut or {}).values
+        return {"table": rows, "values": {row["name"]: values[row["name"]] for row in rows}} if rows else None
+
+    def use(self, log: ScanLog, view: LogView) -> None:
+        """Begin anew with another sensor of the log, or with scans that are cut otherwise (worker thread).
+
+        The parameters stay, but for those that the sensor sets. Raises as :meth:`choose`, without changes.
+        """
+        old = self.replay
+        before = asdict(first_config(self.log))
+        changed = {name: value for name, value in asdict(old.config).items() if value != before[name]}
+        trajectory = old.trajectory if old.trajectory in log.trajectories else None
+        wanted = replace(view, trajectory=trajectory, values=changed)
+        self.replay = first_replay(log, wanted, self._host.limits(), old.wanted)
+        self.recorded = recorded_seconds(log)
+        self._topic, self._cut = view.topic, view.cut
+        self._examinations.clear()
 
     def choose(self, trajectory: str) -> None:
         """Begin the map anew with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
@@ -168,5 +195,4 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        log = self.log.parts[0] if isinstance(self.log, JointLog) else self.log  # one sensor is enough to judge poses
-        return await examination(log, trajectory, host.scheduler, host.job_owner, host.in_background())
+        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background())

@@ -7,11 +7,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.errors import MapperError
+from mapper.sensors.scan import ScanLog
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.playback import Playback
-from server.sessions.tick import TickResult
+from server.sessions.tick import TickResult, error_message
+from server.sessions.view import LogView
 
 
 class Updated(Protocol):
@@ -27,6 +30,9 @@ class Updated(Protocol):
 
     def go_to(self, index: int) -> None:
         """Have the map brought to a number of scans."""
+
+    def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
+        """Begin the map anew of another sensor of the log, or of scans that are cut otherwise."""
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:
         """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
@@ -44,6 +50,11 @@ class LogUpdates:
         match command["type"]:
             case "update_log":
                 model.updated(result, is_new=model.recording.update(command["log"]))
+            case "use_sensor":
+                try:
+                    model.use_sensor(command["log"], command["view"], result)
+                except MapperError as error:
+                    result.notices.append(error_message(error.code, error.message))
             case "show_graph":
                 solved = command["solved"]
                 model.graph.show(solved)

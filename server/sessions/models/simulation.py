@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
@@ -50,6 +51,7 @@ class SimulationModel(SessionModel):
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
         """``max_story_s`` is the longest computing time for replaying its story, seconds."""
         super().__init__()
+        self._host = host
         self._mapper = mapper
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
@@ -269,13 +271,17 @@ class SimulationModel(SessionModel):
             case "step":
                 self._step(command, result)
             case "faults":
-                self._mapper.set_up(self._mapper.config, self._mapper.faults.with_values(values(command)))
-                result.new_grid = True
+                with self._cancellable():
+                    self._mapper.set_up(self._mapper.config, self._mapper.faults.with_values(values(command)))
+                    result.new_grid = True
                 result.slot(self._parameters_message())
             case "compare":
                 wanted = command.get("values")
-                self._mapper.compare(None if wanted is None else values(command))
+                with self._cancellable():
+                    self._mapper.compare(None if wanted is None else values(command))
                 result.slot(self._parameters_message())
+            case "cancel":
+                self.parameters.cancel(result)
             case "world":
                 name = text(command, "name")
                 if name not in WORLDS:
@@ -291,9 +297,19 @@ class SimulationModel(SessionModel):
                 raise ProtocolError("command.unknown", f"A simulation has no command {other!r:.80}.")
         result.changed = True
 
+    @contextmanager
+    def _cancellable(self) -> Iterator[None]:
+        """Return a context for what has no effect where a client cancels it."""
+        with suppress(WorkCancelledError), self._host.cancellable(by_newer=False):
+            yield
+
     def _act(self, command: dict[str, Any], result: TickResult) -> None:
         mapper, second = self._mapper, self._mapper.second
-        act(mapper, command, result)
+        if command["type"] == "edit":
+            with self._cancellable():
+                act(mapper, command, result)
+        else:
+            act(mapper, command, result)
         result.changed = True
         self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
         if command["type"] == "drive":
@@ -309,7 +325,8 @@ class SimulationModel(SessionModel):
             raise ProtocolError("command.scans", f"A simulation steps forward or back by 1 to {MAX_STEP_SCANS} scans.")
         self.playback.playing = False
         if scans < 0:
-            result.new_grid |= self._mapper.step_back(-scans)
+            with self._cancellable():
+                result.new_grid |= self._mapper.step_back(-scans)
             return
         now = min(scans, SCANS_AT_ONCE)
         for change in self._mapper.step(now):

@@ -196,12 +196,13 @@ class SolvedGraph:
         return {"poses": [np.round(poses[k], 4).tolist() for k in (i, j)], "points": found}
 
     def _points(self, log: ScanLog, node: int, pose: Float64Array) -> list[list[float]]:
-        ranges = log.ranges[int(self.graph.nodes[node])]
+        scan = int(self.graph.nodes[node])
+        ranges = log.ranges[scan]
         seen = np.flatnonzero((ranges >= log.range_min) & (ranges <= log.range_max) & (ranges > 0.0))
         seen = seen[:: max(1, -(-len(seen) // MAX_POINTS))]
         angles, r = log.angles[seen], ranges[seen].astype(np.float64)
         points = np.stack([r * np.cos(angles), r * np.sin(angles)], axis=1)
-        in_map = transform_points(compose(pose, np.array(log.mount)), points)
+        in_map = transform_points(compose(pose, log.mounts_at(scan)), points)
         return [[float(x), float(y)] for x, y in np.round(in_map, 3)]
 
     def edge(self, log: ScanLog, edge: int) -> dict[str, Any]:

@@ -1,4 +1,5 @@
 import "../style/index.css";
+import "./hero.css";
 import "./home.css";
 import { computed, signal, useSignalEffect } from "@preact/signals";
 import { render } from "preact";
@@ -6,10 +7,15 @@ import { useEffect } from "preact/hooks";
 import { logOdds } from "../grid/logOdds";
 import { beamModel, INITIAL_PARAMETERS } from "../grid/sensorModel";
 import { Cell } from "../lessons/cell/Cell";
+import type { Picture } from "../render/picture/Picture";
 import { type Connection, connect } from "../store/connect";
 import type { Store } from "../store/store";
+import { changedOf } from "../tools/parameters/parameters";
 import { BeliefView } from "../tools/picture/BeliefView";
-import { Profile } from "../tools/profile/Profile";
+import { Plate } from "../tools/picture/Plate";
+import { WorldView } from "../tools/picture/WorldView";
+import { RobotAnnouncement } from "../tools/placing/Placing";
+import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
 import { profileReading } from "../tools/profile/reading";
 import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
@@ -17,6 +23,7 @@ import { reducedMotion } from "../ui/reducedMotion";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { FREE_THRESHOLD } from "../wire/constants";
+import { exposeHook } from "./debugHook";
 import { Contents } from "./lecture/Contents";
 import { worldSession } from "./worldSession";
 
@@ -25,12 +32,19 @@ const connection = signal<Connection | null>(null);
 const session = signal<string | null>(null);
 const trouble = signal<string | null>(null);
 
+/** The picture of the belief. */
+let shown: Picture | null = null;
+const onPicture = (picture: Picture): void => {
+  shown = picture;
+};
+
 async function openWorld(): Promise<void> {
   try {
     const id = await worldSession();
     trouble.value = null;
     connection.peek()?.stop();
     const fresh = connect(id);
+    exposeHook(fresh, () => shown);
     fresh.start();
     session.value = id;
     connection.value = fresh;
@@ -44,8 +58,7 @@ async function openWorld(): Promise<void> {
 }
 
 function Hero() {
-  const live = connection.value;
-  const store = live?.store;
+  const store = connection.value?.store ?? null;
   useSignalEffect(() => {
     if (connection.value?.status.value === "gone") void openWorld();
   });
@@ -56,12 +69,6 @@ function Hero() {
   const lab = session.value ? `/lab.html?session=${encodeURIComponent(session.value)}` : "/lab.html";
   return (
     <section class="hero" aria-label="A live map">
-      <div class="hero-map">
-        {store && <BeliefView store={store} onTap={(point) => store.teleport(point)} />}
-        <p class={`hero-hint${store?.teleported.value ? " used" : ""}`}>
-          <Icon name="target" /> Click to move the robot
-        </p>
-      </div>
       <div class="hero-text">
         <h1>Watch a map fill in</h1>
         <p class="prose">
@@ -69,6 +76,7 @@ function Hero() {
           evidence: the cells that it passes are probably <b class="noun-miss">free</b>, the cell that it hits is
           probably <b class="noun-hit">occupied</b>. The sum of this evidence in each cell is the map.
         </p>
+        <Invitations store={store} />
         <div class="actions">
           <Button kind="primary" size="large" href={lab}>
             Open the lab
@@ -80,7 +88,63 @@ function Hero() {
         <Facts />
         {reducedMotion.value && store && <Steps store={store} />}
       </div>
+      <div class="hero-maps">
+        <Plate title="The world" note="ground truth">
+          {store && <WorldView store={store} />}
+        </Plate>
+        <Plate title="The belief" note="the map of the robot">
+          {store && <BeliefView store={store} onTap={(point) => store.teleport(point)} onPicture={onPicture} />}
+        </Plate>
+        {store && <RobotAnnouncement store={store} />}
+      </div>
+      <div class="hero-curve">
+        <Curve />
+      </div>
+      <a class="hero-more" href="#cell">
+        <Icon name="unfold" /> One cell, the lecture, your own log
+      </a>
     </section>
+  );
+}
+
+/** What a visitor can do at once, each checked off once it was done. */
+function Invitations({ store }: { readonly store: Store | null }) {
+  const isSent = store !== null && store.teleported.value !== null;
+  const isModelled = store !== null && hasOtherValues(store);
+  return (
+    <ul class="hero-try">
+      <li class={isSent ? "done" : ""}>
+        <Icon name={isSent ? "check" : "target"} />
+        <span>
+          <b>Click the world</b>: the robot goes there.
+        </span>
+      </li>
+      <li class={isModelled ? "done" : ""}>
+        <Icon name={isModelled ? "check" : "curve"} />
+        <span>
+          <b>Drag the curve</b>: the whole map is computed again.
+        </span>
+      </li>
+    </ul>
+  );
+}
+
+function hasOtherValues(store: Store): boolean {
+  const table = store.hello.value?.parameters.table ?? [];
+  return changedOf(table, store.mapping.values.value) > 0;
+}
+
+/** The inverse sensor model of the map: a curve of which every part can be dragged. */
+function Curve() {
+  const view = useProfileView(parameters, reading);
+  const isPointed = Boolean(connection.value?.store.probe.value);
+  return (
+    <ProfileFigure
+      view={view}
+      setParameter={setParameter}
+      beamName={isPointed ? "the beam towards the pointer" : "the beam straight ahead"}
+      fits
+    />
   );
 }
 
@@ -152,29 +216,7 @@ function Page() {
   return (
     <>
       <Hero />
-      <section class="home-section">
-        <div class="prose">
-          <h2>What one beam says</h2>
-          <p>
-            A reading of <b class="noun-beam">z</b> metres is evidence about every cell along its beam. Cells{" "}
-            <b class="noun-miss">before z</b> let the light through. Cells <b class="noun-hit">around z</b> reflected
-            it. About cells <b class="noun-prior">beyond</b>, it says nothing.
-          </p>
-          <p>
-            This curve is the inverse sensor model. Drag any part of it: make hits weaker or the window wider, and the
-            map above is computed again with the new model.
-          </p>
-        </div>
-        <div class="figure-box">
-          <Profile
-            parameters={parameters}
-            setParameter={setParameter}
-            reading={reading}
-            beamName={connection.value?.store.probe.value ? "the beam towards the pointer" : "the beam straight ahead"}
-          />
-        </div>
-      </section>
-      <section class="home-section turned">
+      <section class="home-section" id="cell">
         <div class="prose">
           <h2>What one cell believes</h2>
           <p>
@@ -187,7 +229,7 @@ function Page() {
             map.
           </p>
         </div>
-        <div class="figure-box small">
+        <div class="figure-box">
           <Cell parameters={parameters} />
         </div>
       </section>
@@ -232,7 +274,7 @@ function Page() {
 render(
   <>
     <SiteHeader current="home" />
-    <main>
+    <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <Toasts />

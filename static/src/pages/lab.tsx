@@ -136,11 +136,7 @@ function Lab() {
           {trouble.value}
         </p>
       )}
-      {replay.value ? (
-        <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />
-      ) : (
-        <Working what="Computing the map" work={store?.working.value ?? null} />
-      )}
+      {replay.value && <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />}
       <Stage session={session} comparison={comparison} onPicture={(picture) => onPicture(picture)} />
       {isSeen.value && session && comparison ? (
         <Instruments session={session} comparison={comparison} openGroup={openGroup} />

@@ -11,9 +11,10 @@ import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
-import { DoubledSection, LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
+import { LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
+import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
 import { LectureStage } from "./lecture/LectureStage";
@@ -24,7 +25,9 @@ import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
 import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
+import { OdometrySection } from "./lecture/OdometrySection";
 import { PipelineSection } from "./lecture/PipelineSection";
+import { ProbableSection } from "./lecture/ProbableSection";
 import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
@@ -60,8 +63,10 @@ const BODIES: Record<LessonId, Part["body"]> = {
   polished: PolishedSection,
   people: PeopleSection,
   "low-table": LowTableSection,
-  doubled: DoubledSection,
+  odometry: OdometrySection,
+  probable: ProbableSection,
   matching: MatchingSection,
+  graph: GraphSection,
   file: FileSection,
   next: NextSection,
   log: LogSection,
@@ -152,7 +157,7 @@ function Page() {
       {!presenting.value && <SectionList />}
       <div class="lecture-with-stage">
         {!presenting.value && <LectureStage />}
-        <main class="lecture">
+        <main class="lecture" id="main" tabIndex={-1}>
           {!presenting.value && (
             <div class="lecture-head">
               <h1>Occupancy grid mapping</h1>

@@ -99,6 +99,7 @@ function Page() {
         onClose={close}
         onGone={() => (log ? void open(log, topic, true) : close())}
         reopens={log !== null}
+        onSensor={(chosen) => go({ log, topic: log && chosen, session }, true)}
       />
     );
   }
@@ -124,7 +125,7 @@ resume();
 render(
   <>
     <SiteHeader current="logs" />
-    <main>
+    <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <ConfirmDialog />

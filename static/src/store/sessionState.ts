@@ -60,6 +60,8 @@ export class SessionState implements Receiver {
   readonly frame = signal<Frame | null>(null);
   readonly world = signal<WorldMessage | null>(null);
   readonly trajectory = signal<Trajectory | null>(null);
+  /** When a note on the log was last written, changed or deleted, s since 1970; null before the first such message. */
+  readonly notesChanged = signal<number | null>(null);
   readonly mapping: Optimistic;
   readonly sensor: Optimistic;
   protected readonly robot: Optimistic;
@@ -321,6 +323,9 @@ export class SessionState implements Receiver {
         this.robot.update(message.faults ?? {});
         this.#hasRobot.value = message.faults !== undefined;
         this.compared.value = message.compare ?? null;
+        return;
+      case "notes":
+        this.notesChanged.value = message.changed_s;
         return;
       case "forgetting":
         this.forgetting.value = message.cells > 0 ? message : null;

@@ -7,10 +7,13 @@ const PAGES = [
   { href: "/logs.html", label: "Logs", id: "logs" },
 ] as const;
 
-/** The header of every page. */
+/** The header of every page, with a link to its content, which has the id `main`. */
 export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
   return (
     <header class="site-header">
+      <a class="skip-link" href="#main">
+        Skip to the content
+      </a>
       <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>
         <Icon name="logo" />
         Gridbloom

@@ -74,6 +74,10 @@ export interface TrajectoryInfo {
 export interface LogInfo {
   /** id in the library */
   readonly id: string;
+  /** sensor of the map; " + " between several */
+  readonly topic: string;
+  /** how the scans are cut out of point clouds or depth images; null for those of a lidar */
+  readonly cut: Table | null;
   /** trajectory of the map */
   readonly trajectory: string;
   /** all trajectories of the log */
@@ -329,6 +333,13 @@ export interface Trajectories {
   readonly type: "trajectories";
   /** all trajectories of the log */
   readonly trajectories: readonly TrajectoryInfo[];
+}
+
+/** Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again. */
+export interface NotesMessage {
+  readonly type: "notes";
+  /** when, seconds since 1970 */
+  readonly changed_s: number;
 }
 
 /** Present parameters, sent after each change and after a refused change. */
@@ -685,6 +696,7 @@ export type ServerMessage =
   | FrameMessage
   | Trajectory
   | Trajectories
+  | NotesMessage
   | ParametersMessage
   | ComparisonMessage
   | WorldMessage
@@ -747,6 +759,8 @@ const isTrajectoryInfo: Check = isObject({
 });
 const isLogInfo: Check = isObject({
   id: isText,
+  topic: isText,
+  cut: oneOf(isTable, isNull),
   trajectory: isText,
   trajectories: isListOf(isTrajectoryInfo),
   n_beams: isInteger,
@@ -867,6 +881,9 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   trajectories: {
     trajectories: isListOf(isTrajectoryInfo),
+  },
+  notes: {
+    changed_s: isNumber,
   },
   parameters: {
     values: isValues,

@@ -11,6 +11,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import bounds_of_logs, geometry_for, integrate_log, integrate_scan
+from mapper.mapping.joint_scans import SensorOrder, planned_parts
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.mapping.several import integrate_logs
@@ -90,14 +91,20 @@ def one_by_one(logs: list[ScanLog], config: MappingConfig, grid: OccupancyGrid) 
         ("other beams", {"update": "per_scan"}),
         ("other beams", {"no_return": "free"}),
         ("other beams", {"no_return": "hit"}),
+        ("other beams", {"update": "per_scan", "model": "hit_counting"}),
+        ("other beams", {"update": "per_scan", "model": "smooth_ramp", "range_max": 2.0}),
+        ("other beams", {"model": "sonar_cone", "range_max": 2.0}),
+        ("other beams", {"model": "moravec_elfes", "range_max": 2.0}),
+        ("other beams, swept", {}),
+        ("other beams, swept", {"no_return": "free", "model": "smooth_ramp"}),
     ],
 )
 def test_the_map_is_that_of_the_scans_one_by_one_in_the_order_of_time(
     logs: list[ScanLog], rear: str, values: dict[str, object]
 ) -> None:
     logs = [first_of(log, 12) for log in logs]
-    if rear == "other beams":
-        logs[1] = other_beams(logs[1])
+    if rear.startswith("other beams"):
+        logs[1] = replace(other_beams(logs[1]), time_increment=1e-4 if "swept" in rear else 0.0)
     elif rear != "alike":
         logs = [replace(log, time_increment=1e-4 if "both" in rear or k else 0.0) for k, log in enumerate(logs)]
     # With a tight clamp the order of the scans matters.
@@ -113,6 +120,7 @@ def test_the_map_is_that_of_the_scans_one_by_one_in_the_order_of_time(
     for start, stop in ((0, 1), (1, 14), (14, joint.n_scans)):
         integrate_log(again, joint, config, None, start, stop)
     np.testing.assert_array_equal(again.log_odds, expected.log_odds)
+    assert len(list(planned_parts(SensorOrder.of(joint), config, None, 0, joint.n_scans))) == 1, "all scans at once"
     for row, col in np.argwhere(grid.observed)[::400].tolist():
         told = provenance(grid.geometry, joint, config, (row, col))
         assert told.after == grid.log_odds[row, col]

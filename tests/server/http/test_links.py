@@ -178,7 +178,7 @@ def test_a_guest_with_the_services_token_gets_no_more_of_the_log(
         assert refusal(bob.get(f"/api/sessions/{own}/{name}")) == (403, "link.read_only")
     assert refusal(bob.get(f"/api/logs/{log_id}")) == (404, "log.not_found")
     assert refusal(bob.delete(f"/api/logs/{log_id}")) == (404, "log.not_found")
-    assert refusal(bob.post("/api/links", json={"session": own})) == (404, "log.not_found")
+    assert refusal(bob.post("/api/links", json={"session": own})) == (403, "link.read_only")
     assert refusal(bob.delete(f"/api/links/{link['token']}")) == (404, "link.gone")
     assert bob.get(f"/api/links?log={log_id}").json() == {"links": []}
 
@@ -261,3 +261,25 @@ def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest
         for one, title in ((link, "run.log"), (sample, "A simulated office (sample)")):
             assert second.http.get(f"/api{one['address']}").json()["title"] == title
         assert second.http.post(f"/api{link['address']}/sessions").status_code == 201
+
+
+def test_whoever_has_the_address_of_a_session_shares_its_log(
+    ann: httpx.Client, browser: Callable[..., httpx.Client]
+) -> None:
+    session = opened(ann, uploaded(ann, 41))
+    colleague, guest = browser(), browser(guest=True)  # as who opens the address that ``gridbloom upload`` prints
+    link = linked(colleague, session)
+    assert guest.get(f"/api{link['address']}").json()["title"] == "run.log"
+    own = guest.post(f"/api{link['address']}/sessions").json()["id"]
+    for client in (ann, colleague):
+        listed = client.get(f"/api/sessions/{session}/links").json()["links"]
+        assert [one["token"] for one in listed] == [link["token"]]
+    # A guest's session shares nothing, not even for who knows the token of the service.
+    assert refusal(colleague.get(f"/api/sessions/{own}/links")) == (403, "link.read_only")
+    revoking = f"links/{link['token']}"
+    assert refusal(colleague.delete(f"/api/sessions/{own}/{revoking}")) == (403, "link.read_only")
+    assert guest.delete(f"/api/sessions/{session}/{revoking}").status_code == 401
+    other = opened(colleague, uploaded(colleague, 42))
+    assert refusal(colleague.delete(f"/api/sessions/{other}/{revoking}")) == (404, "link.gone")
+    assert colleague.delete(f"/api/sessions/{session}/{revoking}").status_code == 204
+    assert refusal(guest.get(f"/api{link['address']}")) == (404, "link.gone")

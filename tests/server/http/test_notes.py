@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
@@ -10,7 +11,7 @@ import httpx
 import pytest
 
 from tests.server.library.small_logs import carmen
-from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for
+from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
 
 TIME = {"at_s": 2.0, "scan": 3}
 PLACE = {"x": 1.5, "y": -0.5}
@@ -56,6 +57,22 @@ def test_notes_are_written_changed_and_deleted(service: Service) -> None:
     assert len(service.http.get(f"/api/sessions/{other}/notes").json()["notes"]) == 1
     assert service.http.delete(f"/api/logs/{log_id}").status_code == 204
     assert service.http.get(f"/api/sessions/{other}/notes").json()["notes"] == []
+
+
+async def test_a_note_is_told_to_all_who_look_at_the_log(service: Service) -> None:
+    _, session = await asyncio.to_thread(opened, service)
+    link = (await asyncio.to_thread(service.http.post, "/api/links", json={"session": session})).json()
+    async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", timeout=PATIENCE_S) as guest:
+        shared = (await guest.post(f"/api/shared/{link['token']}/sessions")).json()["id"]
+        async with service.connect(shared) as socket:
+            watcher = Watcher(socket)
+            address = f"/api/sessions/{session}/notes"
+            written = await asyncio.to_thread(service.http.post, address, json={"text": "here", **PLACE})
+            await watcher.until(lambda: watcher.newest.get("notes", {"changed_s": 0.0})["changed_s"] > 0.0)
+            first = watcher.newest["notes"]["changed_s"]
+            await asyncio.to_thread(service.http.delete, f"{address}/{written.json()['id']}")
+            await watcher.until(lambda: watcher.newest["notes"]["changed_s"] > first)
+    service.end_sessions()
 
 
 def test_guests_of_a_link_and_other_visitors_only_read(service: Service) -> None:

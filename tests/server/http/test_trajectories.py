@@ -65,3 +65,26 @@ def test_it_is_put_read_mapped_shared_and_deleted(service: Service) -> None:
     assert http.delete(f"/api/logs/{log_id}/trajectories/from LaMa").json()["code"] == "trajectory.not_found"
     refused = put(http, log_id, "scan", tum(6))
     assert (refused.status_code, refused.json()["code"]) == (422, "trajectory.name")
+
+
+def test_whoever_has_the_address_of_a_session_adds_to_its_log(service: Service) -> None:
+    http = service.http
+    log_id = http.put("/api/logs", params={"name": "run.log"}, content=carmen(13)).json()["id"]
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, playing=False)
+    # As long as a real one: a request that is not an upload has at most 64 KiB.
+    long = tum(13, y=3.0) + (b"# " + b"." * 97 + b"\n") * 1000
+    with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as colleague:
+        assert put(colleague, log_id, "theirs", long).status_code == 404
+        address = f"/api/sessions/{session}/trajectories/theirs"
+        answer = colleague.put(address, content=long)
+        assert answer.status_code == 201, answer.text
+        assert colleague.get(address).content == long
+        assert http.get(f"/api/logs/{log_id}/trajectories/theirs").content == long
+        token = http.post("/api/links", json={"session": session}).json()["token"]
+        shared = colleague.post(f"/api/shared/{token}/sessions").json()["id"]
+        for method in ("PUT", "GET", "DELETE"):
+            refused = colleague.request(method, f"/api/sessions/{shared}/trajectories/theirs")
+            assert (refused.status_code, refused.json()["code"]) == (403, "link.read_only")
+        assert colleague.delete(address).status_code == 204
+    assert [one["name"] for one in http.get(f"/api/logs/{log_id}").json()["trajectories"]] == ["scan"]

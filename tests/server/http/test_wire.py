@@ -59,6 +59,9 @@ async def messages_of_a_log(service: Service) -> set[str]:
         added = await asyncio.to_thread(service.http.put, "/api/logs/sample-office/trajectories/mine", content=poses)
         assert added.status_code < 300, added.text
         await watcher.answer("trajectories")
+        note = {"text": "the door", "x": 1.0, "y": 2.0}
+        await asyncio.to_thread(service.http.post, f"/api/sessions/{session_id}/notes", json=note)
+        await watcher.answer("notes")
         return set(watcher.newest)
 
 

@@ -85,6 +85,15 @@ def test_the_bearings_of_sonars_are_packed(tmp_path: Path) -> None:
     assert again.beam_width == 0.35
 
 
+def test_the_mounts_of_a_sensor_that_moves_are_packed(tmp_path: Path) -> None:
+    log = log_of(5, mounts=np.random.default_rng(1).uniform(-1, 1, (5, 3)))
+    write_pack(RobotLog.of_one(log), tmp_path / "log.npz")
+    mounts = read_pack(tmp_path / "log.npz").mounts
+    assert mounts is not None
+    np.testing.assert_array_equal(mounts, log.mounts)
+    assert nbytes(log) == nbytes(replace(log, mounts=None)) + mounts.nbytes
+
+
 def test_each_packed_sensor_is_read_with_its_own_poses(tmp_path: Path) -> None:
     path = tmp_path / "log.npz"
     timed = TimedPoses(np.arange(50) * 10, np.random.default_rng(0).uniform(-1, 1, (50, 3)), ("a note",))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from io import BytesIO
 from pathlib import Path
 
 import httpx
 import pytest
+from mcap.reader import make_reader
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.sensors.joint_log import JointLog
@@ -93,12 +96,26 @@ def test_a_session_of_another_sensor(service: Service) -> None:
     assert begun("x" * 8001).status_code == 422
 
 
-def test_what_is_for_one_sensor_is_refused_for_several(service: Service) -> None:
+def test_several_sensors_are_exported_and_examined_each_on_its_own_topic(service: Service) -> None:
     log = next(one for one in service.http.get("/api/logs").json()["logs"] if one["name"] == "run.mcap")
     wanted = {"kind": "log", "log": log["id"], "topic": "/front + /rear", "playing": False}
     session = service.http.post("/api/sessions", json=wanted).json()
     assert session["count"] == 8
     exported = service.http.get(f"/api/sessions/{session['id']}/run.mcap")
-    assert (exported.status_code, exported.json()["code"]) == (409, "export.sensors")
+    assert exported.status_code == 200, exported.text
+    counts = Counter(channel.topic for _, channel, _ in make_reader(BytesIO(exported.content)).iter_messages())
+    assert (counts["/front"], counts["/rear"], counts["/front/points"]) == (5, 3, 5)
+    examined = service.http.get(f"/api/sessions/{session['id']}/doctor")
+    assert (examined.status_code, examined.json()["code"]) == (422, "doctor.short"), "of five scans the longest"
     healed = service.http.post(f"/api/sessions/{session['id']}/heal")
     assert (healed.status_code, healed.json()["code"]) == (422, "slam.sensors")
+
+
+def test_the_doctor_names_the_sensor_of_each_finding(service: Service) -> None:
+    said = [recorded.scan(T0 + i * recorded.SECOND // 10, [9.0] * 9, "/front", "front") for i in range(30)]
+    said += [recorded.scan(T0 + i * recorded.SECOND // 10, [9.0] * 9, "/rear", "rear") for i in range(3)]
+    log = service.http.put("/api/logs", params={"name": "two.mcap"}, content=recorded.mcap_bytes(said)).json()["id"]
+    session = service.begin(kind="log", log=log, topic="/front + /rear", playing=False)
+    examined = service.http.get(f"/api/sessions/{session}/doctor")
+    assert examined.status_code == 200, examined.text
+    assert ("readings.few", "/rear") in [(one["check"], one["sensor"]) for one in examined.json()["findings"]]

@@ -116,7 +116,16 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         parameters=messages.Table([], {}),
         sensor=None,
         log=messages.LogInfo(
-            "i", "true", [messages.TrajectoryInfo("true", "ground truth")], 360, 12, 0.0, "CARMEN", ["No times."]
+            "i",
+            "/points",
+            messages.Table([], {"min_height": 0.2}),
+            "true",
+            [messages.TrajectoryInfo("true", "ground truth")],
+            360,
+            12,
+            0.0,
+            "CARMEN",
+            ["No times."],
         ),
     ),
     messages.LayersMessage(
@@ -161,6 +170,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     ),
     messages.Trajectory("odometry", 2, [(0.0, 0.0), (1.0, -1.0)], [0.0, 0.2]),
     messages.Trajectories([messages.TrajectoryInfo("SLAM", "poses corrected by SLAM")]),
+    messages.NotesMessage(1_700_000_000.25),
     messages.ParametersMessage({"window": 0.2}, None),
     messages.ParametersMessage({}, {"n_beams": 360}, {"drift": True}, messages.Compared({"clamp": False}, True)),
     messages.ParametersMessage({}, None, UNSET, messages.Compared({}, True, "true", None, None, "this log")),

@@ -7,7 +7,15 @@ import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
 import "./cell.css";
 import { type CellEvent, type CellParameters, logOddsHistory, readingsUntil } from "../../grid/cellUpdate";
-import { evidenceScale, FREE, LogOddsBackground, OCCUPIED, readingScale } from "../../render/chart/LogOddsBackground";
+import {
+  evidenceScale,
+  FREE,
+  LogOddsBackground,
+  OCCUPIED,
+  ReadingTitle,
+  readingScale,
+  TITLE_PX,
+} from "../../render/chart/LogOddsBackground";
 
 export const START: readonly CellEvent[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
 const SHOWN = 26;
@@ -94,8 +102,9 @@ export function Cell({ parameters, events: given }: CellProps) {
           }}
         />
       </div>
-      <svg class="cell-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="presentation">
+      <svg class="cell-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT + TITLE_PX}`} role="presentation">
         <LogOddsBackground width={WIDTH} evidence={up} limits={limits} />
+        <ReadingTitle width={WIDTH} height={HEIGHT} text="readings of the cell" />
         <path class="profile-line" d={stairs.join("")} />
         {events.value.slice(-SHOWN + 1).map((event, i, shown) => {
           const at = path.length - shown.length + i;

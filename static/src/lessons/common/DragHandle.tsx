@@ -17,6 +17,8 @@ interface DragHandleProps {
   readonly onMove: (point: Point) => void;
   /** Called for arrow keys instead of `onMove`, for example to rotate. `by` is ±1 or ±0.2. */
   readonly onTurn?: (by: number) => void;
+  /** Called when the handle is let go: at the end of a drag, and when the arrow key or the focus leaves it. */
+  readonly onRelease?: () => void;
   readonly children?: ComponentChildren;
 }
 
@@ -38,12 +40,14 @@ export function DragHandle({
   step,
   onMove,
   onTurn,
+  onRelease,
   children,
 }: DragHandleProps) {
   const id = useId();
   const start = useRef<{ readonly px: Point; readonly from: Point } | null>(null);
   const [x, y] = [transform.x(at[0]), transform.y(at[1])];
   const end = (): void => {
+    if (start.current) onRelease?.();
     start.current = null;
   };
   return (
@@ -76,6 +80,8 @@ export function DragHandle({
       onPointerUp={end}
       onPointerCancel={end}
       onLostPointerCapture={end}
+      onKeyUp={(event) => event.key in DIRECTIONS && onRelease?.()}
+      onBlur={() => onRelease?.()}
       onKeyDown={(event) => {
         const direction = DIRECTIONS[event.key];
         if (!direction) return;

@@ -1,5 +1,6 @@
 /** A world of straight walls, and a lidar in it. Metres, radians, x forward, y left (REP 103). */
 
+import { compose } from "../../grid/lattice";
 import type { LaserScan } from "../../grid/occupancyGrid";
 import type { Pose } from "../../wire/protocol";
 
@@ -73,3 +74,14 @@ export function seeded(seed: number): () => number {
 /** One draw from the standard normal distribution (Box and Muller). */
 const normal = (random: () => number): number =>
   Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
+
+/** The poses from the first one on, each moved from the one before. */
+export function chained(first: Pose, motions: readonly Pose[]): readonly Pose[] {
+  const poses = [first];
+  let last = first;
+  for (const motion of motions) {
+    last = compose(last, motion);
+    poses.push(last);
+  }
+  return poses;
+}

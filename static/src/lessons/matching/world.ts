@@ -99,6 +99,10 @@ const FINE = 4;
 /** Cells beyond which a score is 0. */
 const REACH = 4;
 
+/** A scan of the first room from a pose, in the frame of the room. */
+export const scanFromPose = (pose: Pose, seed: number): PointScan =>
+  placed(pointsFrom(ORDINARY.before, pose, ORDINARY.range, seed), pose);
+
 export function problemIn(name: RoomName): Problem {
   const { before, after = before, range, fixedAt, truth, start }: Room = ROOMS[name];
   const fixed = withNormals(placed(pointsFrom(before, fixedAt, range, 1), fixedAt), NORMALS);

@@ -223,7 +223,7 @@ export const SCENES = {
           ? "In each cell: the number of beams of this one scan that pass it. Near the robot one scan counts many times."
           : "In each cell: one update by the scan, whatever the number of its beams.",
     }),
-  doubled: () =>
+  odometry: () =>
     scene({
       scans: 77,
       conditions: { drift: driftError.value * DEGREE },
@@ -280,11 +280,27 @@ export const SCENES = {
       marks: ["lines"],
       caption: "The door and the pillar in cells of 10 cm. Beside it the same corner in cells of 1, 5 and 10 cm.",
     }),
+  probable: () =>
+    scene({
+      scans: 72,
+      conditions: { drift: driftError.value * DEGREE },
+      view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
+      marks: ["beams", "odometry"],
+      caption:
+        "The newest scan, drawn from the pose of the odometry: its end points lie beside the walls that the map has. A pose a little further on would fit better.",
+    }),
   matching: () =>
     scene({
+      scans: 72,
+      view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
+      marks: ["beams"],
+      caption: "The same scan from its corrected pose: the end points lie on the walls of the map.",
+    }),
+  graph: () =>
+    scene({
       scans: 77,
-      marks: [],
-      caption: "The map of the same readings with corrected poses: each wall is drawn once again.",
+      marks: ["odometry"],
+      caption: "The whole drive with corrected poses: each wall is drawn once.",
     }),
   file: () =>
     scene({

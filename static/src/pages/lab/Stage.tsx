@@ -6,6 +6,7 @@ import type { Comparison } from "../../tools/compare/comparison";
 import { secondMapNames } from "../../tools/compare/SecondMap";
 import { ToolHint } from "../../tools/editing/Toolbar";
 import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Plate } from "../../tools/picture/Plate";
 import { WorldView } from "../../tools/picture/WorldView";
 import { PlacingHint, RobotAnnouncement } from "../../tools/placing/Placing";
@@ -57,6 +58,7 @@ export function Stage({ session, comparison, onPicture }: StageProps) {
             {store.compared.value && (
               <CompareOverlay comparison={comparison} names={secondMapNames(store.compared.value)} refused={null} />
             )}
+            <ComputingMap store={store} />
           </>
         )}
       </Plate>

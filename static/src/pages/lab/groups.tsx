@@ -52,7 +52,12 @@ const GROUPS: readonly Group[] = [
     title: "Model",
     purpose: "How a reading becomes evidence",
     badge: changed("model"),
-    content: ({ store }) => <ModelSettings store={store} />,
+    content: ({ store, profile }) => (
+      <>
+        <ModelSettings store={store} />
+        <ProfileText view={profile} />
+      </>
+    ),
   },
   {
     id: "map",
@@ -93,12 +98,6 @@ const GROUPS: readonly Group[] = [
     title: "Steps",
     purpose: "One scan cell by cell, with its numbers",
     content: ({ store }) => <Steps store={store} />,
-  },
-  {
-    id: "formula",
-    title: "Formula",
-    purpose: "The curve in numbers and in words",
-    content: ({ profile }) => <ProfileText view={profile} />,
   },
   {
     id: "world",

@@ -1,4 +1,5 @@
 import { Matching } from "../../lessons/matching/Matching";
+import { Sketch } from "../../lessons/matching/Sketch";
 import { REALIZATIONS } from "./realizations";
 import { Section } from "./Section";
 
@@ -10,11 +11,11 @@ export function MatchingSection({ id, number, title }: { id: string; number: num
       title={title}
       figure={<Matching />}
       sources={[
-        ["probabilistic-robotics", "sections 6.4 and 6.5, for the likelihood of a scan in a map"],
         ["besl-mckay", ""],
         ["censi", ""],
         ["olson", ""],
-        ["hess", ""],
+        ["hess", "for the bounds from coarser rasters"],
+        ["ransac", ""],
       ]}
       after={
         <>
@@ -32,94 +33,27 @@ export function MatchingSection({ id, number, title }: { id: string; number: num
             worst tenth of the pairs, as here, limits this. A robot therefore uses the odometry as well.
           </p>
           <h3>The methods</h3>
-          <table class="realizations">
-            <thead>
-              <tr>
-                <th scope="col">Method</th>
-                <th scope="col">What it does</th>
-              </tr>
-            </thead>
-            <tbody>
-              {REALIZATIONS.map(({ name, sentence }) => (
-                <tr key={name}>
-                  <th scope="row">{name}</th>
-                  <td>{sentence}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
+          <ul class="realizations">
+            {REALIZATIONS.map(({ name, sketch, sentence }) => (
+              <li key={name}>
+                <Sketch name={sketch} />
+                <p>
+                  <b>{name}.</b> {sentence}
+                </p>
+              </li>
+            ))}
+          </ul>
+          <p class="quiet">
+            Dark is what is known, <b class="noun-robot">green</b> what is matched to it, computed from scans of the
+            room above.
+          </p>
         </>
       }
     >
       <p>
-        So far every pose was given. Wheels slip, and the errors of raw odometry add up: after a few turns the same wall
-        is drawn in several places. A lidar is often more accurate than the odometry between two scans. So the pose is
-        corrected before the scan is added to the map: the most probable pose, given the new scan and the odometry,
-      </p>
-      <math display="block" class="lesson-formula pose-formula">
-        <mrow>
-          <msub>
-            <mover>
-              <mi>x</mi>
-              <mo>^</mo>
-            </mover>
-            <mi>t</mi>
-          </msub>
-          <mo>=</mo>
-          <munder>
-            <mi>argmax</mi>
-            <msub>
-              <mi>x</mi>
-              <mi>t</mi>
-            </msub>
-          </munder>
-          <mspace width="0.2em" />
-          <mi class="noun-beam">p</mi>
-          <mo>(</mo>
-          <msub>
-            <mi>z</mi>
-            <mi>t</mi>
-          </msub>
-          <mo>|</mo>
-          <msub>
-            <mi>x</mi>
-            <mi>t</mi>
-          </msub>
-          <mo>,</mo>
-          <mi>m</mi>
-          <mo>)</mo>
-          <mo>⋅</mo>
-          <mi class="noun-robot">p</mi>
-          <mo>(</mo>
-          <msub>
-            <mi>x</mi>
-            <mi>t</mi>
-          </msub>
-          <mo>|</mo>
-          <msub>
-            <mi>u</mi>
-            <mi>t</mi>
-          </msub>
-          <mo>,</mo>
-          <msub>
-            <mover>
-              <mi>x</mi>
-              <mo>^</mo>
-            </mover>
-            <mrow>
-              <mi>t</mi>
-              <mo>−</mo>
-              <mn>1</mn>
-            </mrow>
-          </msub>
-          <mo>)</mo>
-        </mrow>
-      </math>
-      <p>
-        The <b class="noun-beam">first factor</b> says how well the scan z fits the map m so far, the{" "}
-        <b class="noun-robot">second</b> how well the pose fits the odometry u. Earlier poses are not changed. The
-        figure shows the first factor alone, with one scan as the map. Drag the <b class="noun-robot">scan</b> over the
-        other one until it snaps; the outer handle turns it.
+        To correct a pose, the scan is laid over another scan or over the map. Drag the <b class="noun-robot">scan</b>{" "}
+        over the other one until it snaps; the outer handle turns it. The figure shows the first factor alone, with one
+        scan as the map.
       </p>
     </Section>
   );

@@ -41,6 +41,42 @@ export const SOURCES = {
       Conference on Robotics and Automation, 2016
     </>
   ),
+  ransac: (
+    <>
+      M. A. Fischler and R. C. Bolles,{" "}
+      <cite>
+        Random sample consensus: a paradigm for model fitting with applications to image analysis and automated
+        cartography
+      </cite>
+      , Communications of the ACM 24 (6), 1981
+    </>
+  ),
+  grisetti: (
+    <>
+      G. Grisetti, R. Kümmerle, C. Stachniss and W. Burgard, <cite>A tutorial on graph-based SLAM</cite>, IEEE
+      Intelligent Transportation Systems Magazine 2 (4), 2010
+    </>
+  ),
+  zhang: (
+    <>
+      Z. Zhang, <cite>Parameter estimation techniques: a tutorial with application to conic fitting</cite>, Image and
+      Vision Computing 15 (1), 1997
+    </>
+  ),
+  yang: (
+    <>
+      H. Yang, P. Antonante, V. Tzoumas and L. Carlone,{" "}
+      <cite>
+        Graduated non-convexity for robust spatial perception: from non-minimal solvers to global outlier rejection
+      </cite>
+      , IEEE Robotics and Automation Letters, 2020
+    </>
+  ),
+  kuemmerle: (
+    <>
+      R. Kümmerle and others, <cite>On measuring the accuracy of SLAM algorithms</cite>, Autonomous Robots 27 (4), 2009
+    </>
+  ),
   bresenham: (
     <>
       J. E. Bresenham, <cite>Algorithm for computer control of a digital plotter</cite>, IBM Systems Journal 4 (1), 1965

@@ -104,7 +104,12 @@ export function Doctor({ store, doctor: { state, run }, onHeal }: DoctorProps) {
         {showsFindings && now.examination.findings.length > 0 && (
           <ul class="findings" aria-label="Findings">
             {now.examination.findings.map((finding) => (
-              <FindingItem key={finding.check} finding={finding} store={store} {...(onHeal ? { onHeal } : {})} />
+              <FindingItem
+                key={`${finding.check} ${finding.sensor}`}
+                finding={finding}
+                store={store}
+                {...(onHeal ? { onHeal } : {})}
+              />
             ))}
           </ul>
         )}
@@ -147,7 +152,9 @@ function FindingItem({ finding, store, onHeal }: FindingProps) {
   return (
     <li class="finding" data-check={finding.check}>
       <p>
-        <span class="finding-sure">{confidenceLabel(finding)}</span> {finding.sentence}
+        <span class="finding-sure">{confidenceLabel(finding)}</span>{" "}
+        {finding.sensor && <strong class="finding-sensor">{finding.sensor}: </strong>}
+        {finding.sentence}
       </p>
       <p class="quiet">{finding.advice}</p>
       <div class="finding-actions">

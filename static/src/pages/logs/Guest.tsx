@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { beginShared, type Shared, shared } from "./links";
 import { Opening } from "./Opening";
@@ -14,14 +14,17 @@ interface Opened {
 export function Guest({ token }: { token: string }) {
   const opened = useSignal<Opened | null>(null);
   const failure = useSignal<string | null>(null);
+  const ending = useRef<AbortController | null>(null);
   const open = async (): Promise<void> => {
     failure.value = null;
     opened.value = null;
+    const own = new AbortController();
+    ending.current = own;
     try {
       const view = await shared(token);
-      opened.value = { session: await beginShared(token), shared: view };
+      opened.value = { session: await beginShared(token, own.signal), shared: view };
     } catch (error) {
-      failure.value = (error as Error).message;
+      failure.value = own.signal.aborted ? "Opening it was cancelled." : (error as Error).message;
     }
   };
   /** Find out why the session has ended: it was idle, or the link was revoked. */
@@ -38,7 +41,7 @@ export function Guest({ token }: { token: string }) {
   if (failure.value !== null) {
     return (
       <div class="viewer-message" role="alert">
-        <h1>This link cannot be opened</h1>
+        <h1>This link was not opened</h1>
         <p class="prose">{failure.value}</p>
         <div class="actions">
           <Button icon="restart" onClick={() => void open()}>
@@ -48,7 +51,7 @@ export function Guest({ token }: { token: string }) {
       </div>
     );
   }
-  if (!opened.value) return <Opening />;
+  if (!opened.value) return <Opening onCancel={() => ending.current?.abort()} />;
   const { session, shared: view } = opened.value;
   return (
     <Viewer

@@ -2,10 +2,10 @@ import { useEffect } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Dropzone } from "../../ui/Dropzone";
 import { Icon } from "../../ui/Icon";
-import { bytes } from "../../ui/numbers";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
 import { cancel, dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
+import { uploadText } from "./uploadText";
 
 /** The list of all logs, and the drop zone for uploads. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
@@ -85,11 +85,16 @@ function UploadCard({ upload: one }: { upload: Upload }) {
           <p>{one.error}</p>
         ) : (
           <>
-            <p class="quiet number">
-              {one.sent > 0 ? `${bytes(one.sent)} of ` : "waiting, "}
-              {bytes(one.bytes)}
+            {/* Hidden from screen readers, which would announce it with every part. */}
+            <p class="quiet number" aria-hidden="true">
+              {uploadText(one, performance.now())}
             </p>
-            <div class="progress">
+            <div
+              class="progress"
+              role="progressbar"
+              aria-label={`Uploading ${one.name}`}
+              aria-valuenow={Math.floor(100 * part)}
+            >
               <span style={{ transform: `scaleX(${part})` }} />
             </div>
           </>

@@ -4,12 +4,11 @@ import type { SharedView } from "../../render/view";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Panel } from "../../ui/Panel";
-import { described, type Link, linksTo, makeLink, revokeLink } from "./links";
+import { described, type Link, linksOf, makeLink, revokeLink } from "./links";
 import "./share.css";
 
 interface ShareProps {
   readonly session: string;
-  readonly log: string;
   /** The visible part of the map; null for all of it. */
   readonly sharedView: () => SharedView | null;
 }
@@ -30,7 +29,7 @@ const made = ({ created_s }: Link): string =>
   new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
 
 /** Creates links to this view, lists and revokes one's own. */
-export function Share({ session, log, sharedView }: ShareProps) {
+export function Share({ session, sharedView }: ShareProps) {
   const links = useSignal<readonly Link[] | null>(null);
   const failure = useSignal<string | null>(null);
   const said = useSignal("");
@@ -39,7 +38,7 @@ export function Share({ session, log, sharedView }: ShareProps) {
     said.value = await copied(address, words);
   };
   const refresh = async (): Promise<void> => {
-    links.value = await linksTo(log);
+    links.value = await linksOf(session);
   };
   const attempt = async (work: () => Promise<void>): Promise<void> => {
     failure.value = null;
@@ -63,11 +62,11 @@ export function Share({ session, log, sharedView }: ShareProps) {
     const text = "The link stops working, and the sessions of everyone who opened it end.";
     if (!(await confirm("Revoke this link?", text, "Revoke"))) return;
     await attempt(async () => {
-      await revokeLink(link.token);
+      await revokeLink(session, link.token);
       await refresh();
     });
   };
-  useEffect(() => void attempt(refresh), [log]);
+  useEffect(() => void attempt(refresh), [session]);
   return (
     <Panel title="Share this view">
       <div class="share">

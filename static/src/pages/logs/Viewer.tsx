@@ -7,6 +7,7 @@ import { connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Button } from "../../ui/Button";
@@ -14,7 +15,6 @@ import { Dock } from "../../ui/Dock";
 import { Icon } from "../../ui/Icon";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { toast } from "../../ui/Toast";
-import { Working } from "../../ui/Working";
 import { exposeHook } from "../debugHook";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
@@ -23,6 +23,7 @@ import { Head } from "./Head";
 import { useHealing } from "./heal/healing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
+import { useSensor } from "./sensor/useSensor";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import type { TrajectoryErrors } from "./trajectories/errors";
@@ -35,12 +36,14 @@ interface ViewerProps {
   readonly onGone: () => void;
   /** Whether to do so at once. */
   readonly reopens?: boolean;
+  /** Called with the topic of another sensor that the session maps now. */
+  readonly onSensor?: (topic: string) => void;
   /** For a visitor with a shared link: the initial view, and a callback for the end of the session. */
   readonly guest?: { readonly view: SharedView | null; readonly onEnded: () => void };
 }
 
 /** The view of one log: its map, playback, parameters, downloads. */
-export function Viewer({ session, onClose, onGone, reopens = false, guest }: ViewerProps) {
+export function Viewer({ session, onClose, onGone, reopens = false, onSensor = () => undefined, guest }: ViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
   useEffect(() => {
@@ -52,7 +55,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
-  const notes = useNotes(session);
+  const sensor = useSensor(session, onSensor);
+  const notes = useNotes(session, store);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, "settings");
   const openNotes = (): void => {
@@ -135,12 +139,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
               <Icon name="warning" /> {trouble.value}
             </p>
           )}
-          <Working
-            what="Computing the map"
-            work={store.working.value}
-            onCancel={() => store.send({ type: "cancel" })}
-            isInside
-          />
+          <ComputingMap store={store} />
         </div>
         <Transport store={store} notes={notes} onNote={openNotes} />
         <div class="viewer-readout">
@@ -161,6 +160,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, guest }: Vie
           comparison,
           doctor,
           healing,
+          sensor,
           notes,
           trajectoryErrors,
           openGroup,

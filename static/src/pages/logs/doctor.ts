@@ -4,6 +4,8 @@ import type { Value } from "../../wire/protocol";
 
 export interface Finding {
   readonly check: string;
+  /** The topic of the sensor that it is about, in a log of several; else empty. */
+  readonly sensor: string;
   readonly sentence: string;
   readonly advice: string;
   /** 0 … 1 */

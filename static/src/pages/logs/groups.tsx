@@ -21,6 +21,7 @@ import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
+import type { SensorState } from "./sensor/useSensor";
 import type { TrajectoryErrors } from "./trajectories/errors";
 import { Trajectories } from "./trajectories/Trajectories";
 
@@ -35,6 +36,7 @@ export interface LogView {
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
   readonly healing: Healing;
+  readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
   readonly notes: NotesState;
@@ -54,7 +56,12 @@ interface Group {
 }
 
 const GROUPS: readonly Group[] = [
-  { id: "settings", title: "Settings", keeps: true, content: ({ store }) => <Settings store={store} /> },
+  {
+    id: "settings",
+    title: "Settings",
+    keeps: true,
+    content: ({ store, sensor, isGuest }) => <Settings store={store} sensor={isGuest ? null : sensor} />,
+  },
   { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
   {
     id: "doctor",
@@ -92,7 +99,13 @@ const GROUPS: readonly Group[] = [
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
   },
-  { id: "topics", title: "Topics", content: ({ session }) => <Topics session={session} /> },
+  {
+    id: "topics",
+    title: "Topics",
+    content: ({ session, sensor, log, isGuest }) => (
+      <Topics key={log?.topic} session={session} sensor={isGuest ? null : sensor} log={log} />
+    ),
+  },
   {
     id: "pictures",
     title: "Pictures",
@@ -121,7 +134,7 @@ const GROUPS: readonly Group[] = [
     id: "share",
     title: "Share",
     isThere: ({ isGuest, log }) => !isGuest && log !== null,
-    content: ({ session, log, sharedView }) => log && <Share session={session} log={log.id} sharedView={sharedView} />,
+    content: ({ session, sharedView }) => <Share session={session} sharedView={sharedView} />,
   },
   {
     id: "download",

@@ -57,6 +57,8 @@ export interface Upload {
   readonly bytes: number;
   readonly sent: number;
   readonly error: string | null;
+  /** When the present connection began to send (performance.now), and what had been sent before; null while it waits. */
+  readonly since: { readonly at: number; readonly sent: number } | null;
 }
 
 /** The list of logs; null until it was first fetched. */
@@ -173,7 +175,7 @@ let sending = 0;
 /** Upload a file after those before it; after an interruption, resume at the server's offset. */
 export function upload(file: File): void {
   const key = nextKey++;
-  uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null }];
+  uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null, since: null }];
   if (file.size === 0) {
     patch(key, { error: "The file is empty." });
     return;
@@ -233,6 +235,7 @@ function send(key: number, name: string, file: File, offset: number): Promise<XM
       resolve(request);
     };
     requests.set(key, request);
+    patch(key, { sent: offset, since: { at: performance.now(), sent: offset } });
     request.send(file.slice(offset));
   });
 }

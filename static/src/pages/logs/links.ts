@@ -1,7 +1,9 @@
 /** Shared links: they open a read-only view of a log until they are revoked. */
 
 import type { SharedView } from "../../render/view";
+import { followMaking, newName } from "../making";
 import { trajectoryLabel } from "./describeLog";
+import { opening } from "./library";
 import { request } from "./request";
 
 /** A link as its owner sees it. */
@@ -33,21 +35,32 @@ export interface Shared {
 export const makeLink = (session: string, look: SharedView | null): Promise<Link> =>
   request("/api/links", "POST", { session, look });
 
-/** One's own links to a log, the newest first. */
-export const linksTo = async (log: string): Promise<readonly Link[]> =>
-  (await request<{ links: readonly Link[] }>(`/api/links?log=${encodeURIComponent(log)}`)).links;
+const linksAddress = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/links`;
 
-export const revokeLink = (token: string): Promise<void> =>
-  request(`/api/links/${encodeURIComponent(token)}`, "DELETE");
+/** The links to the log of a session that its visitor has made, the newest first. */
+export const linksOf = async (session: string): Promise<readonly Link[]> =>
+  (await request<{ links: readonly Link[] }>(linksAddress(session))).links;
+
+export const revokeLink = (session: string, token: string): Promise<void> =>
+  request(`${linksAddress(session)}/${encodeURIComponent(token)}`, "DELETE");
 
 /** The token in the path of a shared link; null for another path. */
 export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/.exec(path)?.[1] ?? null;
 
 export const shared = (token: string): Promise<Shared> => request(`/api/shared/${token}`);
 
-/** Open a separate session on the view of a link; resolves to its id. */
-export const beginShared = async (token: string): Promise<string> =>
-  (await request<{ id: string }>(`/api/shared/${token}/sessions`, "POST")).id;
+/** Open a separate session on the view of a link; resolves to its id. `ending` ends the request. */
+export async function beginShared(token: string, ending: AbortSignal): Promise<string> {
+  const name = newName();
+  const stop = followMaking(name, (making) => {
+    opening.value = making;
+  });
+  try {
+    return (await request<{ id: string }>(`/api/shared/${token}/sessions?name=${name}`, "POST", undefined, ending)).id;
+  } finally {
+    stop();
+  }
+}
 
 const counted = (n: number, one: string, more: string): string => (n === 1 ? `1 ${one}` : `${n} ${more}`);
 

@@ -8,7 +8,7 @@ import "./chart.css";
 
 export const FREE = logOdds(FREE_THRESHOLD);
 export const OCCUPIED = logOdds(OCCUPIED_THRESHOLD);
-const AXIS_PX = 34;
+const AXIS_PX = 48;
 const EDGE_PX = 8;
 
 /** The vertical axis; it contains the limits and every value. */
@@ -29,6 +29,24 @@ export const readingScale = (width: number, low: number, high: number): Scale =>
   from: AXIS_PX,
   to: width - EDGE_PX,
 });
+
+/** Height of the title of the horizontal axis, below the chart. */
+export const TITLE_PX = 18;
+
+interface AxisTitleProps {
+  readonly width: number;
+  readonly height: number;
+  readonly text: string;
+}
+
+/** The title of the horizontal axis, below a chart of this height. */
+export function ReadingTitle({ width, height, text }: AxisTitleProps) {
+  return (
+    <text class="tick" x={(AXIS_PX + width - EDGE_PX) / 2} y={height + TITLE_PX - 8} text-anchor="middle">
+      {text}
+    </text>
+  );
+}
 
 interface LogOddsBackgroundProps {
   readonly width: number;
@@ -76,6 +94,13 @@ export function LogOddsBackground({ width, evidence, limits }: LogOddsBackground
           {tick === 0 ? "0" : signed(tick, 0)}
         </text>
       ))}
+      <text
+        class="tick"
+        transform={`translate(12 ${(evidence.from + evidence.to) / 2}) rotate(-90)`}
+        text-anchor="middle"
+      >
+        log-odds ℓ
+      </text>
     </>
   );
 }

@@ -24,7 +24,7 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
   const rangeX = Math.min(x(values.range_max), beam.right);
   const lensLeft = x(start);
   const lensRight = Math.max(x(start + span), lensLeft + 3);
-  const labelEnd = rangeX > view.width.value - 120;
+  const labelEnd = rangeX > view.width.value - 132;
 
   return (
     <g>
@@ -65,7 +65,7 @@ export function Beam({ view, controls }: { view: ProfileView; controls: Controls
         </g>
       ))}
       <text class="axis-title" x={beam.left - 16} y={beam.top - 5}>
-        the whole beam
+        {view.width.value < 430 ? "beam" : "the whole beam"}
       </text>
       <RangeMaxFlag
         view={view}

@@ -42,13 +42,13 @@ function Axes({ view }: { view: ProfileView }) {
         </g>
       ))}
       <AxisTitle
-        x={14}
+        x={13}
         y={(curve.top + curve.bottom) / 2}
         text="evidence Δℓ, log-odds"
         high={curve.bottom - curve.top}
       />
       <AxisTitle
-        x={width - 6}
+        x={width - 5}
         y={(curve.top + curve.bottom) / 2}
         text="p after one beam"
         high={curve.bottom - curve.top}

@@ -24,8 +24,8 @@ const LEAST_CURVE = 60;
 /** The layout in a width, and in a height where the place of the figure has one: its parts are then closer together. */
 export function layoutFor(width: number, height: number | null = null): Layout {
   const narrow = width < 560;
-  const left = narrow ? 48 : 62;
-  const right = width - (narrow ? 46 : 62);
+  const left = narrow ? 56 : 62;
+  const right = width - (narrow ? 54 : 62);
   const tight = height !== null;
   const beamTop = tight ? 18 : 30;
   const beam = { left, right, top: beamTop, bottom: beamTop + (tight ? 24 : 28) };

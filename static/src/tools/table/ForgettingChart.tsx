@@ -4,10 +4,10 @@ import { useWidth } from "../../ui/useWidth";
 import type { Forgetting } from "../../wire/protocol";
 import type { Point } from "./model";
 
-const HEIGHT = 170;
-const LEFT = 44;
+const HEIGHT = 184;
+const LEFT = 58;
 const RIGHT = 12;
-const BOTTOM = HEIGHT - 24;
+const BOTTOM = HEIGHT - 40;
 const TOP = 18;
 /** Share of the table's cells that have to be free, as the mapper counts it. */
 const FORGOTTEN = 0.9;
@@ -53,10 +53,16 @@ export function ForgettingChart({ points, guess, forgetting }: ForgettingChartPr
           forgotten: {100 * FORGOTTEN} % free
         </text>
         {ticks(0, most, width / TICK_PX).map((tick) => (
-          <text key={tick} class="tick" x={x(tick)} y={HEIGHT - 6} text-anchor={tick === 0 ? "start" : "middle"}>
-            {`${tick}${tick === 0 ? " scans" : ""}`}
+          <text key={tick} class="tick" x={x(tick)} y={BOTTOM + 17} text-anchor="middle">
+            {tick}
           </text>
         ))}
+        <text x={(LEFT + right) / 2} y={HEIGHT - 6} text-anchor="middle">
+          scans since the table was removed
+        </text>
+        <text transform={`translate(12 ${(TOP + BOTTOM) / 2}) rotate(-90)`} text-anchor="middle">
+          its cells that are free
+        </text>
         <line class="guess" x1={x(guess)} x2={x(guess)} y1={TOP - 6} y2={BOTTOM} />
         <path class="free" d={path((point) => point.without)} />
         <path class="clamped" d={path((point) => point.withClamp)} />

@@ -1,5 +1,11 @@
 import type { ReadonlySignal } from "@preact/signals";
-import { evidenceScale, LogOddsBackground, readingScale } from "../../render/chart/LogOddsBackground";
+import {
+  evidenceScale,
+  LogOddsBackground,
+  ReadingTitle,
+  readingScale,
+  TITLE_PX,
+} from "../../render/chart/LogOddsBackground";
 import { toPixel, toValue } from "../../render/chart/scale";
 import type { Contribution, WhyMessage } from "../../wire/protocol";
 import { logOddsCurve } from "./model";
@@ -43,12 +49,13 @@ export function Chart({ why, selected, onSelect }: ChartProps) {
   return (
     <svg
       class="cell-chart why-chart"
-      viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+      viewBox={`0 0 ${WIDTH} ${HEIGHT + TITLE_PX}`}
       role="presentation"
       onPointerDown={point}
       onPointerMove={point}
     >
       <LogOddsBackground width={WIDTH} evidence={up} limits={limits} />
+      <ReadingTitle width={WIDTH} height={HEIGHT} text="beams through this cell" />
       {at && <line class="why-now" x1={x(at.n)} x2={x(at.n)} y1={up.from} y2={up.to} />}
       <path class="why-level" d={paths.level} />
       <path class="why-miss" d={paths.miss} />

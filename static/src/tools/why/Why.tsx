@@ -31,12 +31,15 @@ export function WhyGroup({ store }: WhyProps) {
 }
 
 function Panel({ store }: WhyProps) {
+  const panel = useRef<HTMLElement>(null);
   const slider = useRef<HTMLInputElement>(null);
   useEffect(() => {
     const before = document.activeElement;
     // If it was opened by keyboard, the focus moves to the slider; with a mouse it stays on the picture.
     const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
     if (byKeys) slider.current?.focus({ preventScroll: true });
+    // On a phone the group may be below the screen.
+    panel.current?.scrollIntoView({ block: "start" });
     const closeOn = (event: KeyboardEvent): void => {
       if (event.key === "Escape" && !event.defaultPrevented) store.explain(null);
     };
@@ -52,7 +55,7 @@ function Panel({ store }: WhyProps) {
   const cell = store.explainedCell.value;
   const hitWindow = useHitWindow(store);
   return (
-    <section class="why" aria-label="Why this cell is what it is">
+    <section ref={panel} class="why" aria-label="Why this cell is what it is">
       <header class="why-head">
         <h2>Why?</h2>
         {cell && (

@@ -1,6 +1,6 @@
 /** One plot over time, drawn by uPlot. */
 
-import { effect } from "@preact/signals";
+import { effect, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -8,13 +8,18 @@ import type { Store } from "../../../store/store";
 import { clock, written } from "../../../ui/numbers";
 import { isDark } from "../../../ui/theme";
 import { useWidth } from "../../../ui/useWidth";
-import { type SeriesOfTopic, scanAtTime } from "./series";
+import { type SeriesOfTopic, type Span, scanAtTime } from "./series";
 
 interface PlotProps {
   readonly store: Store;
   readonly series: SeriesOfTopic;
   /** Which columns. */
   readonly plot: string;
+  /**
+   * The interval that is shown, of several plots together; null for the whole log. Whoever owns it fetches finer values
+   * when it changes. Without it a plot zooms into the values that it has.
+   */
+  readonly zoom?: Signal<Span | null>;
 }
 
 const HEIGHT = 150;
@@ -25,7 +30,7 @@ const LINES: readonly { readonly tone: string; readonly dash: number[] }[] = [
   { tone: "--robot", dash: [2, 2] },
 ];
 
-export function Plot({ store, series, plot }: PlotProps) {
+export function Plot({ store, series, plot, zoom }: PlotProps) {
   const frame = useRef<HTMLDivElement>(null);
   const width = useWidth(frame, 360).value;
   const columns = series.columns.filter((column) => column.plot === plot);
@@ -36,11 +41,13 @@ export function Plot({ store, series, plot }: PlotProps) {
     const element = frame.current;
     if (!element) return;
     const chart = new UPlot(
-      optionsOf(store, element, columns, width),
+      { ...optionsOf(store, element, columns, width), ...(zoom ? zoomInto(zoom) : {}) },
       [series.times as number[], ...columns.map((column) => column.values as (number | null)[])],
       element,
     );
     drawn.current = chart;
+    const span = zoom?.peek();
+    if (span) chart.setScale("x", { min: span[0], max: span[1] });
     const stop = effect(() => {
       void store.frame.value;
       chart.redraw(false);
@@ -63,6 +70,32 @@ export function Plot({ store, series, plot }: PlotProps) {
       <div ref={frame} role="img" aria-label={inWords(series, plot)} />
     </figure>
   );
+}
+
+/** A drag sets the interval, a double click ends it; uPlot's own zoom would show the coarse values enlarged. */
+function zoomInto(zoom: Signal<Span | null>): Pick<UPlot.Options, "cursor"> {
+  return {
+    cursor: {
+      drag: { x: true, y: false, dist: 6, setScale: false },
+      points: { size: 6 },
+      sync: { key: "log" },
+      bind: {
+        dblclick: () => () => {
+          zoom.value = null;
+          return null;
+        },
+        mouseup: (chart, _, handler) => (event) => {
+          handler(event);
+          const { left, width } = chart.select;
+          if (width > 0) {
+            zoom.value = [chart.posToVal(left, "x"), chart.posToVal(left + width, "x")];
+            chart.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+          }
+          return null;
+        },
+      },
+    },
+  };
 }
 
 /** The range of each line, for screen readers. */

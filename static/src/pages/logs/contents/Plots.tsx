@@ -3,9 +3,10 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
 import { type Contents, contentsAddress, fetchJson } from "./contents";
 import { Plot } from "./LazyPlot";
-import type { SeriesOfTopic } from "./series";
+import type { SeriesOfTopic, Span } from "./series";
 import { WhenKnown } from "./useContents";
 
 interface PlotsProps {
@@ -35,10 +36,13 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: Conte
   const found = useSignal<SeriesOfTopic | null>(null);
   const failure = useSignal<string | null>(null);
   const topic = chosen.value;
+  const zoom = useSignal<Span | null>(null);
+  const span = zoom.value;
   useEffect(() => {
     const abort = new AbortController();
-    found.value = null;
-    fetchJson<SeriesOfTopic>(contentsAddress(session, "/series", { topic }), abort.signal).then(
+    if (found.peek()?.topic !== topic) found.value = null;
+    const query = { topic, ...(span && { start: String(span[0]), end: String(span[1]) }) };
+    fetchJson<SeriesOfTopic>(contentsAddress(session, "/series", query), abort.signal).then(
       ({ body }) => {
         failure.value = null;
         found.value = body;
@@ -48,7 +52,7 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: Conte
       },
     );
     return () => abort.abort();
-  }, [session, topic]);
+  }, [session, topic, span]);
   const now = found.value;
   return (
     <div class="plots">
@@ -58,6 +62,7 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: Conte
           class="select"
           value={topic}
           onChange={(event) => {
+            zoom.value = null;
             chosen.value = event.currentTarget.value;
           }}
         >
@@ -72,11 +77,24 @@ function Topic({ store, session, series }: PlotsProps & { readonly series: Conte
       {now === null && !failure.value && <p class="quiet">…</p>}
       {now !== null &&
         [...new Set(now.columns.map((column) => column.plot))].map((plot) => (
-          <Plot key={`${now.topic} ${plot}`} store={store} series={now} plot={plot} />
+          <Plot key={`${now.topic} ${plot}`} store={store} series={now} plot={plot} zoom={zoom} />
         ))}
       <p class="quiet">
+        {now !== null && now.samples > now.times.length
+          ? `Of the ${now.samples.toLocaleString("en")} values ${span ? "in this interval" : "in the log"} the least and the greatest of each pixel. `
+          : ""}
         The line is the moment of the map; a click goes to that moment, a drag zooms in, a double click zooms out.
       </p>
+      {span && (
+        <Button
+          icon="fit"
+          onClick={() => {
+            zoom.value = null;
+          }}
+        >
+          Show the whole log
+        </Button>
+      )}
     </div>
   );
 }

@@ -1,18 +1,53 @@
+import { Button } from "../../../ui/Button";
 import { bytes, clock } from "../../../ui/numbers";
+import type { LogInfo } from "../../../wire/protocol";
+import { SENSOR_SEPARATOR } from "../describeLog";
+import { SensorProgress } from "../sensor/SensorProgress";
+import type { SensorState } from "../sensor/useSensor";
 import { type Contents, rateLabel, type TopicContents } from "./contents";
 import "./contents.css";
 import { WhenKnown } from "./useContents";
 
-/** Every topic of a recording with its type, count, rate, span and size. */
-export function Topics({ session }: { readonly session: string }) {
-  return <WhenKnown session={session}>{(contents) => <Table contents={contents} />}</WhenKnown>;
+interface TopicsProps {
+  readonly session: string;
+  /** Maps another topic; null for a guest. */
+  readonly sensor: SensorState | null;
+  /** The log of the session; null until it is known. */
+  readonly log: LogInfo | null;
 }
 
-function Table({ contents }: { readonly contents: Contents }) {
+/** Every topic of a recording with its type, count, rate, span and size; those of sensors can be mapped. */
+export function Topics({ session, sensor, log }: TopicsProps) {
+  return (
+    <WhenKnown session={session}>
+      {(contents) => (
+        <>
+          <Table contents={contents} sensor={sensor} mapped={log?.topic.split(SENSOR_SEPARATOR) ?? []} />
+          {sensor && <SensorProgress sensor={sensor} />}
+        </>
+      )}
+    </WhenKnown>
+  );
+}
+
+/** Images that a scan can be cut out of have depths: drivers name their topics so. */
+const isSensor = ({ mapped, cut, name, type }: TopicContents): boolean =>
+  mapped !== null || (cut && (!type.endsWith("Image") || /depth/i.test(name)));
+
+interface TableProps {
+  readonly contents: Contents;
+  readonly sensor: SensorState | null;
+  /** The topics that the map is made of. */
+  readonly mapped: readonly string[];
+}
+
+function Table({ contents, sensor, mapped }: TableProps) {
   const { topics, notes } = contents;
   if (topics.length === 0) {
     return <p class="quiet">A log of this kind holds nothing but its scans and poses: there is no list of topics.</p>;
   }
+  const lidars = topics.filter(({ mapped: of, type }) => of !== null && /LaserScan|EchoLaserScan/.test(type));
+  const together = lidars.map(({ name }) => name);
   const all = topics.reduce((sum, topic) => sum + topic.bytes, 0);
   return (
     <>
@@ -30,10 +65,24 @@ function Table({ contents }: { readonly contents: Contents }) {
         </thead>
         <tbody>
           {topics.map((topic) => (
-            <Row key={`${topic.name} ${topic.type}`} topic={topic} whole={wholeSpan(topics)} />
+            <Row
+              key={`${topic.name} ${topic.type}`}
+              topic={topic}
+              whole={wholeSpan(topics)}
+              isMapped={mapped.includes(topic.name)}
+              sensor={sensor && (isSensor(topic) ? sensor : null)}
+            />
           ))}
         </tbody>
       </table>
+      {sensor && together.length > 1 && together.some((name) => !mapped.includes(name)) && (
+        <Button
+          disabled={sensor.reading.value !== null}
+          onClick={() => void sensor.use(together.join(SENSOR_SEPARATOR), null)}
+        >
+          Map {together.length} lidars together
+        </Button>
+      )}
       {notes.map((note) => (
         <p key={note} class="quiet">
           {note}
@@ -46,8 +95,16 @@ function Table({ contents }: { readonly contents: Contents }) {
 const wholeSpan = (topics: readonly TopicContents[]): number =>
   topics.reduce((last, topic) => Math.max(last, topic.last_s ?? 0), 0);
 
-function Row({ topic, whole }: { readonly topic: TopicContents; readonly whole: number }) {
-  const { name, type, messages, rate_hz, first_s, last_s, mapped } = topic;
+interface RowProps {
+  readonly topic: TopicContents;
+  readonly whole: number;
+  readonly isMapped: boolean;
+  /** Maps the topic by itself; null where no map can be made of it. */
+  readonly sensor: SensorState | null;
+}
+
+function Row({ topic, whole, isMapped, sensor }: RowProps) {
+  const { name, type, messages, rate_hz, first_s, last_s } = topic;
   const hasSpan = first_s !== null && last_s !== null;
   return (
     <tr>
@@ -55,8 +112,18 @@ function Row({ topic, whole }: { readonly topic: TopicContents; readonly whole: 
         <span class="topic-name">{name}</span>
         <span class="quiet">
           {type}
-          {mapped && <strong class="topic-mapped"> · mapped</strong>}
+          {isMapped && <strong class="topic-mapped"> · mapped</strong>}
         </span>
+        {sensor && !isMapped && (
+          <Button
+            kind="quiet"
+            label={`Map ${name}`}
+            disabled={sensor.reading.value !== null}
+            onClick={() => void sensor.use(name, null)}
+          >
+            Map this topic
+          </Button>
+        )}
         {hasSpan && whole > 0 && (
           <span
             class="topic-span"

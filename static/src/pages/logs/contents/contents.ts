@@ -11,6 +11,8 @@ export interface TopicContents {
   readonly last_s: number | null;
   /** Whether the map is made of it; null for what no map can be made of. */
   readonly mapped: boolean | null;
+  /** Whether it has clouds or images, out of which scans can be cut. */
+  readonly cut: boolean;
 }
 
 export interface Contents {

@@ -9,9 +9,14 @@ export interface SeriesColumn {
   readonly values: readonly (number | null)[];
 }
 
+/** An interval of the log's time, seconds. */
+export type Span = readonly [from: number, to: number];
+
 export interface SeriesOfTopic {
   readonly topic: string;
   readonly type: string;
+  /** Values of each column in the interval that was asked for, before they were downsampled. */
+  readonly samples: number;
   /** Seconds since the log's first scan. */
   readonly times: readonly number[];
   readonly columns: readonly SeriesColumn[];

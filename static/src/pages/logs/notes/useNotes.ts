@@ -1,5 +1,6 @@
-import { type Signal, useSignal } from "@preact/signals";
+import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
 import { deleteNote, fetchNotes, keepNote, type Note, type Pin } from "./noteRecords";
 
 export interface NotesState {
@@ -14,8 +15,8 @@ export interface NotesState {
   readonly remove: (id: string) => Promise<boolean>;
 }
 
-/** The notes on the log of a session. */
-export function useNotes(session: string): NotesState {
+/** The notes on the log of a session, fetched again whenever somebody has changed one. */
+export function useNotes(session: string, store: Store): NotesState {
   const notes = useSignal<readonly Note[] | null>(null);
   const chosen = useSignal<string | null>(null);
   const failure = useSignal<string | null>(null);
@@ -34,6 +35,9 @@ export function useNotes(session: string): NotesState {
   };
   const refresh = async (): Promise<void> => void (await attempt(fetchAll));
   useEffect(() => void refresh(), [session]);
+  useSignalEffect(() => {
+    if (store.notesChanged.value !== null) void refresh();
+  });
   return {
     notes,
     chosen,

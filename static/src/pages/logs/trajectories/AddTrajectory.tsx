@@ -4,7 +4,7 @@ import { Button } from "../../../ui/Button";
 import { addTrajectory } from "./errors";
 
 /** A TUM file brought as one more trajectory of the log, by a button or dropped here. */
-export function AddTrajectory({ log }: { readonly log: string }) {
+export function AddTrajectory({ session }: { readonly session: string }) {
   const input = useRef<HTMLInputElement>(null);
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
   const busy = useSignal(false);
@@ -13,7 +13,7 @@ export function AddTrajectory({ log }: { readonly log: string }) {
     busy.value = true;
     for (const file of files ?? []) {
       try {
-        said.value = { text: `${await addTrajectory(log, file)} was added.`, isError: false };
+        said.value = { text: `${await addTrajectory(session, file)} was added.`, isError: false };
       } catch (error) {
         const text = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
         said.value = { text, isError: true };

@@ -34,7 +34,7 @@ export function Trajectories({ store, session, isGuest, errors }: TrajectoriesPr
   return (
     <>
       <TrajectoryChoice store={store} />
-      {!isGuest && log && <AddTrajectory log={log.id} />}
+      {!isGuest && log && <AddTrajectory session={session} />}
       <Panel title="Errors of one against another">
         {names.length < 2 ? (
           <p class="quiet">The log has one trajectory: add another one to compare the two.</p>

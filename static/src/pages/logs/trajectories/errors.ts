@@ -59,6 +59,7 @@ export function courseOf(errors: TrajectoryErrors, which: "absolute" | "relative
   return {
     topic: `${which} error`,
     type: "",
+    samples: times.length,
     times,
     columns: [
       { label: "translation", unit: "m", plot: `${which} error of the place`, values: translation_m },
@@ -72,10 +73,10 @@ export function courseOf(errors: TrajectoryErrors, which: "absolute" | "relative
   };
 }
 
-/** A TUM file is added to a log as a trajectory under its own name. Throws an error with the server's message. */
-export async function addTrajectory(log: string, file: File): Promise<string> {
+/** A TUM file is added to the log of a session as a trajectory under its own name. Throws an error with the server's message. */
+export async function addTrajectory(session: string, file: File): Promise<string> {
   const name = file.name.replace(/\.(tum|txt|csv)$/i, "").slice(0, 80) || "trajectory";
-  const address = `/api/logs/${encodeURIComponent(log)}/trajectories/${encodeURIComponent(name)}`;
+  const address = `/api/sessions/${encodeURIComponent(session)}/trajectories/${encodeURIComponent(name)}`;
   const answer = await fetch(address, { method: "PUT", body: file });
   const body: unknown = await answer.json();
   if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The trajectory was refused.");

@@ -1,0 +1,138 @@
+"""The beams of a sensor as all methods of matching take them, and its readings as points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Float64Array, Int64Array
+from mapper.core.errors import ConfigError
+from mapper.matching.kernels.scan_points import write_normals, write_points
+from mapper.matching.kernels.types import ScanArrays
+from mapper.sensors.scan import ScanLog
+
+HALF_WIDTH = 2  #: beams on either side of one whose points make its normal, at least
+REACH = 0.10  #: m: those of beams up to so far across do too, so that dense beams give no noisy normals
+MOST_BEAMS = 20  #: on either side
+LEAST_GAP = 0.10  #: m: neighbours in bearing nearer than this are neighbours on a surface at any range
+MAX_THICKNESS = 0.02  #: m: points that scatter less than this across a line lie on it, however short it is
+FEWEST_BEAMS = 3
+LEAST_RANGE = 0.01  #: m: shorter readings are no walls
+
+
+@dataclass(frozen=True, slots=True)
+class Beams:
+    """The beams of a sensor in the order of their bearing in the base frame, counter-clockwise seen from above.
+
+    ``indices`` (n,) are their numbers in the log, ``directions`` (n, 2) their directions, which are ``step`` radians
+    apart from ``first`` on; ``sensor`` (2,) is where they begin, metres, and ``times`` (n,) when each is measured after
+    the first, seconds. Readings from ``range_min`` to ``range_max`` metres are points.
+    """
+
+    indices: Int64Array
+    directions: Float64Array
+    first: float
+    step: float
+    wraps: bool
+    sensor: Float64Array
+    times: Float64Array
+    range_min: float
+    range_max: float
+
+    @classmethod
+    def of(cls, log: ScanLog, *, range_max: float = np.inf, most: int | None = None) -> Beams:
+        """Return those of a log's sensor; of more than ``most`` beams each second, third … is taken.
+
+        Beams beyond one whole turn are left out, and readings beyond the smaller of the log's ``range_max`` and the
+        argument. Raises :class:`ConfigError` for fewer than three beams, and for beams that are not evenly spaced.
+        """
+        if log.n_beams < FEWEST_BEAMS:
+            raise ConfigError(
+                "matching.beams", f"Matching needs scans of {FEWEST_BEAMS} beams or more, not {log.n_beams}."
+            )
+        if log.bearings is not None:
+            raise ConfigError(
+                "matching.bearings", "Matching needs beams at even angles, and those of this log are not."
+            )
+        if log.mounts is not None:
+            raise ConfigError("matching.mount", "Matching needs a sensor that does not move on the robot.")
+        angle_min, step = log.sweep
+        in_turn = min(log.n_beams, max(round(2.0 * np.pi / abs(step)), FEWEST_BEAMS))
+        stride = 1 if most is None else -(-in_turn // max(FEWEST_BEAMS, most))
+        indices = np.arange(0, in_turn, stride)
+        if step < 0.0:
+            indices = indices[::-1].copy()
+        x, y, yaw = log.mount
+        bearings = yaw + angle_min + step * indices
+        spacing = abs(step) * stride
+        return cls(
+            indices,
+            np.stack([np.cos(bearings), np.sin(bearings)], axis=-1),
+            float(bearings[0]),
+            spacing,
+            bool(len(indices) * spacing > 2.0 * np.pi - 0.5 * spacing),
+            np.array([x, y], dtype=np.float64),
+            np.asarray(indices * log.time_increment, dtype=np.float64),
+            max(float(log.range_min), LEAST_RANGE),
+            float(min(log.range_max, range_max)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.indices)
+
+    def room_for(self, n_scans: int) -> ScanArrays:
+        """Return arrays for so many scans of this sensor, with points, normals and kinds still to be written."""
+        n = len(self)
+        return ScanArrays(
+            np.empty((n_scans, n, 2), dtype=np.float32),
+            np.empty((n_scans, n, 2), dtype=np.float32),
+            np.empty((n_scans, n), dtype=np.uint8),
+            np.full(n_scans, n, dtype=np.int64),
+            np.full(n_scans, self.first),
+            np.full(n_scans, self.step),
+            np.full(n_scans, self.wraps),
+            np.tile(self.sensor, (n_scans, 1)),
+        )
+
+    def write(
+        self,
+        ranges: Float32Array,
+        scans: ScanArrays,
+        velocities: Float64Array | None = None,
+        half_width: int = HALF_WIDTH,
+        reach: float = REACH,
+    ) -> None:
+        """Write the points, normals and kinds of the readings ``ranges`` (n_scans, n) of these beams into ``scans``.
+
+        ``velocities`` (n_scans, 3) are those of the base in its own frame, metres and radians a second: the points are
+        then where they are seen from the base's pose at the time of the first beam (:func:`write_points`).
+        """
+        n_scans = len(ranges)
+        write_points(
+            ranges,
+            self.directions,
+            self.sensor,
+            self.range_min,
+            self.range_max,
+            self.times,
+            np.zeros((n_scans, 3)) if velocities is None else velocities,
+            scans.points,
+            scans.kind,
+        )
+        write_normals(scans, half_width, reach, MOST_BEAMS, LEAST_GAP, MAX_THICKNESS)
+
+
+def scan_rows(scans: ScanArrays, begin: int, end: int) -> ScanArrays:
+    """Return the scans from ``begin`` to before ``end``, sharing memory."""
+    rows = slice(begin, end)
+    return ScanArrays(
+        scans.points[rows],
+        scans.normals[rows],
+        scans.kind[rows],
+        scans.n_beams[rows],
+        scans.first[rows],
+        scans.step[rows],
+        scans.wraps[rows],
+        scans.sensor[rows],
+    )

@@ -1,0 +1,125 @@
+"""A loop that is tried: a scan matched with the scans of a place, and what refuses it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, inverse
+from mapper.matching.kernels.point_to_line import refine_pose
+from mapper.matching.kernels.types import PairRule
+from mapper.slam.config import SlamConfig
+from mapper.slam.fields import ScoreField
+from mapper.slam.kernels.agreement import count_agreement, count_common
+from mapper.slam.matching_rules import LOOP_ITERATIONS, information_of
+from mapper.slam.scan_store import ScanStore
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+
+RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025
+LEVELS = 4
+SCANS = 6  #: of the place that a found pose is aligned with
+LEAST_PAIRS = 30  #: of points
+GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
+MOST_CONTRADICTED = 0.15  #: share of the points
+PRIOR = np.full(3, 1e-3)  #: weight of the correlation's pose in the alignment, in pairs of points
+FARTHEST_SHIFT = 0.4  #: metres, between the correlation's pose and the aligned one
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A loop that was tried, from node ``i`` to node ``j``, the later one.
+
+    ``score`` is the correlation's, 0 … 1, ``inliers`` the share of points on the walls of the earlier scans.
+    ``reason`` says why it was refused, "" for an accepted one, of which ``relative`` (3,) and ``information`` (3, 3)
+    are the edge.
+    """
+
+    i: int
+    j: int
+    score: float
+    inliers: float
+    reason: str
+    relative: Float64Array
+    information: Float64Array
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it became an edge."""
+        return not self.reason
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Scans ``members`` (k,) of a store that saw one place, drawn into a field at ``poses`` (n_scans, 3) of all scans.
+
+    The poses are in a frame of the place; ``levels`` is the field's pyramid.
+    """
+
+    members: Int64Array
+    poses: Float64Array
+    field: ScoreField
+    levels: NDArray[np.uint8]
+
+    @classmethod
+    def of(cls, store: ScanStore, members: Int64Array, poses: Float64Array, range_max: float) -> Place:
+        """Return the place of these scans."""
+        at = poses[members, :2]
+        centre = 0.5 * (at.min(axis=0) + at.max(axis=0))
+        reach = max(store.farthest(int(k)) for k in members) + 0.5 * float(np.ptp(at, axis=0).max())
+        field = ScoreField(centre, min(reach, range_max) + 1.0, RESOLUTION, SIGMA)
+        for k in members:
+            field.add(store.arrays, int(k), poses[k])
+        return cls(members, poses, field, field.pyramid(LEVELS))
+
+
+def try_loop(
+    store: ScanStore,
+    config: SlamConfig,
+    rule: PairRule,
+    place: Place,
+    anchor: int,
+    j: int,
+    guess: Float64Array,
+    window: float,
+    turn_window: float,
+) -> Loop:
+    """Match scan j with a place, from ``guess`` (3,) in its frame.
+
+    ``window`` (metres) and ``turn_window`` (radians) say how far from the guess, to each side, it is searched for.
+
+    A refused loop is said to begin at ``anchor``, an accepted one at the scan with which it has most in common.
+    """
+    scans, local, members = store.arrays, place.poses, place.members
+    least = config.loop_score
+    found, score = place.field.search_pyramid(place.levels, scans, j, guess, window, turn_window, TURN, 3, least)
+
+    def refused(reason: str, inliers: float = 0.0) -> Loop:
+        return Loop(anchor, j, score, inliers, reason, np.zeros(3), np.zeros((3, 3)))
+
+    if score <= 0.0:
+        return refused(f"no pose in the window scores {least:.2f}")
+    common = np.empty(len(members), dtype=np.int64)
+    count_common(scans, j, found, members, local, 2.0 * GATE, 4, common)
+    others = members[np.argsort(-common, kind="stable")[:SCANS]]
+    pose, hessian = found.copy(), np.empty((3, 3))
+    pairs = refine_pose(scans, j, scans, others, local, found, PRIOR, rule, LOOP_ITERATIONS, pose, hessian)[0]
+    counts = np.empty(3, dtype=np.int64)
+    count_agreement(scans, j, pose, members, local, GATE, 1, counts)
+    points, agreeing, contradicting = counts.tolist()
+    inliers = agreeing / max(points, 1)
+    if pairs < LEAST_PAIRS or agreeing < LEAST_PAIRS:
+        return refused(f"only {min(pairs, agreeing)} points correspond", inliers)
+    if inliers < config.loop_inliers:
+        return refused(f"only {100 * inliers:.0f} % of the points are on walls of the earlier scans", inliers)
+    if contradicting > MOST_CONTRADICTED * points:
+        part = 100 * contradicting / points
+        return refused(f"{part:.0f} % of the points are where the earlier scans saw free space", inliers)
+    if np.hypot(*(pose - found)[:2]) > FARTHEST_SHIFT:
+        return refused("the alignment leaves the place that the correlation found", inliers)
+    first = int(others[0])
+    information = information_of(hessian, float(pose[2]), PRIOR)
+    return Loop(first, j, score, inliers, "", compose(inverse(local[first]), pose), information)

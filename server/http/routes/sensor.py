@@ -1,0 +1,63 @@
+"""``/api/sessions/{id}/sensor``: map another sensor of a session's log, or cut its scans out of clouds otherwise."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from server.http.routes.clients import while_connected
+from server.http.services import Logs, Sessions, Visitor
+from server.http.session_access import writable_session
+from server.sessions.view import LogView
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+
+class NewSensor(BaseModel):
+    """Which sensor of the log is mapped."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    topic: str | None = Field(
+        None,
+        max_length=8000,
+        description="Topic of the sensor; ' + ' between several makes one map of them; null: the log's default.",
+    )
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
+    )
+
+
+@router.put("/{session_id}/sensor")
+async def use(
+    request: Request,
+    library: Logs,
+    sessions: Sessions,
+    visitor: Visitor,
+    session_id: str,
+    wanted: NewSensor,
+    name: Annotated[
+        str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
+    ] = None,
+) -> dict[str, Any]:
+    """Map another sensor of the session's log, or cut its scans otherwise; the session goes on at the same time.
+
+    The recording may be read for it, which ends if the client disconnects.
+    """
+    of_log = writable_session(sessions, session_id)
+    view = LogView(wanted.topic, cut=wanted.cut)
+    cut = view.planar_cut
+
+    async def read() -> None:
+        with sessions.under_way.making(visitor, name) as making:
+            making.watched = lambda: library.opening(of_log.log_id)
+            log = await library.load(of_log.owner, of_log.log_id, wanted.topic, cut)
+            await sessions.free_bytes(log, of_log.owner)
+            of_log.session.enqueue({"type": "use_sensor", "log": log, "view": view})
+
+    await while_connected(request, read())
+    return {"topic": wanted.topic, "cut": cut.values}

@@ -1,0 +1,51 @@
+"""Which log a session gives access to: whoever has the address of a log's session acts for the visitor who began it.
+
+A session that was begun with a shared link is read-only, also for its own address.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mapper.core.errors import MapperError
+from server.sessions import SessionRegistry
+from server.sessions.parts import Recording
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+
+
+@dataclass(frozen=True, slots=True)
+class SessionOfLog:
+    """A session of a log."""
+
+    session: SessionHost
+    recording: Recording
+
+    @property
+    def owner(self) -> str:
+        """The visitor who began it, and whose library has the log."""
+        return self.session.owner
+
+    @property
+    def log_id(self) -> str:
+        """The log."""
+        return self.recording.log_id
+
+
+def session_of_log(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
+    """Return a session of a log. Raises :class:`MapperError` for a session of another kind."""
+    session = sessions.get(session_id)
+    recording = session.model.recording
+    if recording is None:
+        raise MapperError("session.not_a_log", "This is possible with a log only, not with a simulation.")
+    return SessionOfLog(session, recording)
+
+
+def writable_session(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
+    """Return as :func:`session_of_log`; raise :class:`MapperError` for a session that was begun with a link as well."""
+    found = session_of_log(sessions, session_id)
+    if found.session.link is not None:
+        raise MapperError("link.read_only", "This link shares a view of a log; what belongs to the log is only read.")
+    return found

@@ -1,0 +1,47 @@
+"""The picture of a log's map on its card: a small PNG with a palette, which is exchanged for a dark page."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import uuid
+from pathlib import Path
+
+from PIL import Image
+
+from mapper.replay.overview import map_overview
+from mapper.sensors.scan import ScanLog
+
+#: Colours of the cells by their code: unobserved (transparent), free, occupied, the path.
+LIGHT = ((229, 224, 207), (179, 213, 244), (107, 38, 5), (8, 112, 95))
+DARK = ((14, 18, 26), (47, 91, 133), (255, 178, 125), (84, 211, 186))
+
+
+def write_picture(log: ScanLog, path: Path) -> bool:
+    """Draw ``log`` into the file ``path``; return whether there was something to draw. Raises :class:`OSError`."""
+    codes = map_overview(log)
+    if codes is None:
+        return False
+    image = Image.fromarray(codes, mode="P")
+    image.putpalette([value for colour in LIGHT for value in colour])
+    fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
+    try:
+        image.save(fresh, format="PNG", optimize=True, transparency=0)
+        fresh.replace(path)
+    finally:
+        with contextlib.suppress(OSError):
+            fresh.unlink(missing_ok=True)
+    return True
+
+
+def read_picture(path: Path, *, dark: bool) -> bytes:
+    """Return the picture as PNG, in the colours of a light or a dark page. Raises :class:`OSError`."""
+    plain = path.read_bytes()
+    if not dark:
+        return plain
+    with Image.open(io.BytesIO(plain)) as image:
+        image.load()
+        image.putpalette([value for colour in DARK for value in colour])
+        out = io.BytesIO()
+        image.save(out, format="PNG", transparency=0)
+    return out.getvalue()

@@ -1,0 +1,140 @@
+import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import type { OccupancyGrid } from "../../grid/occupancyGrid";
+import { Button } from "../../ui/Button";
+import { written } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
+import { whenIdle } from "../../ui/whenIdle";
+import type { Pose } from "../../wire/protocol";
+import { Scene } from "../common/Scene";
+import type { StageTransform } from "../common/Stage";
+import { useSeen } from "../common/useSteps";
+import { byOdometry, corrected, errorOf, GEOMETRY, mapAlong, type Noise, otherEnds, TRUTH, WALLS } from "./model";
+import "./odometry.css";
+
+export const USUAL: Noise = { way: 0.05, turn: (4 * Math.PI) / 180 };
+const DEGREE = Math.PI / 180;
+
+/** Milliseconds without input before matching goes on, and those that a slice of it may take. */
+const WAIT_MS = 16;
+const SLICE_MS = 10;
+
+const NONE: readonly Pose[] = TRUTH.slice(0, 1);
+
+/** A drive mapped along the poses of noisy odometry, and along poses that scan matching corrects. */
+export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
+  const figure = useRef<HTMLElement>(null);
+  const seen = useSeen(figure);
+  const raw = useComputed(() => byOdometry(noise.value));
+  const rawMap = useComputed(() => mapAlong(raw.value));
+  const matched = useSignal<readonly Pose[]>(NONE);
+  const matchedMap = useSignal<OccupancyGrid>(mapAlong(NONE));
+
+  useSignalEffect(() => {
+    const size = noise.value;
+    if (!seen.value) return;
+    let stop = (): void => undefined;
+    let poses = NONE;
+    const slice = (): void => {
+      const until = performance.now() + SLICE_MS;
+      while (poses.length < TRUTH.length && performance.now() < until) poses = [...poses, corrected(poses, size)];
+      matched.value = poses;
+      if (poses.length < TRUTH.length) stop = whenIdle(WAIT_MS, slice);
+      else matchedMap.value = mapAlong(poses);
+    };
+    stop = whenIdle(WAIT_MS, slice);
+    return () => stop();
+  });
+
+  const set = (change: Partial<Noise>): void => {
+    noise.value = { ...noise.peek(), ...change };
+  };
+  const { way, turn } = noise.value;
+  const isDone = matched.value.length === TRUTH.length;
+  return (
+    <figure class="drift" aria-label="One drive, mapped along its odometry and along corrected poses" ref={figure}>
+      <div class="side-by-side">
+        <div>
+          <h3>Poses from the odometry</h3>
+          <Scene geometry={GEOMETRY} label="The map along the odometry" grid={rawMap} walls={WALLS}>
+            {(transform) => (
+              <>
+                <Ends transform={transform} noise={noise.value} />
+                <Path transform={transform} poses={TRUTH} tone="truth" />
+                <Path transform={transform} poses={raw.value} tone="raw" />
+              </>
+            )}
+          </Scene>
+        </div>
+        <div>
+          <h3>Each scan matched with those before it</h3>
+          <Scene geometry={GEOMETRY} label="The map along the corrected poses" grid={matchedMap} walls={WALLS}>
+            {(transform) => (
+              <>
+                <Path transform={transform} poses={TRUTH} tone="truth" />
+                <Path transform={transform} poses={matched.value} tone="matched" />
+              </>
+            )}
+          </Scene>
+        </div>
+      </div>
+      <div class="figure-controls no-print">
+        <Slider
+          label="Error of the heading"
+          sentence="Standard deviation for each metre driven; independent errors add up as the root of the way."
+          value={Math.round((10 * turn) / DEGREE) / 10}
+          initial={4}
+          low={0}
+          high={12}
+          step={0.5}
+          unit="° per m"
+          onInput={(value) => set({ turn: value * DEGREE })}
+        />
+        <Slider
+          label="Error of the way"
+          sentence="Standard deviation for each metre driven, in percent."
+          value={Math.round(100 * way)}
+          initial={5}
+          low={0}
+          high={30}
+          step={1}
+          unit="%"
+          onInput={(value) => set({ way: value / 100 })}
+        />
+        <Button
+          onClick={() => {
+            noise.value = USUAL;
+          }}
+        >
+          Reset
+        </Button>
+      </div>
+      <figcaption class="quiet number">
+        Dashed: the true path. Dots: where {otherEnds(noise.value).length} other drives with the same noise would end.{" "}
+        Poses off by <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
+        {isDone ? (
+          <b class="drift-matched">{written(errorOf(matched.value), 2)} m</b>
+        ) : (
+          `${matched.value.length} of ${TRUTH.length} scans matched`
+        )}{" "}
+        corrected (root mean square).
+      </figcaption>
+    </figure>
+  );
+}
+
+interface PathProps {
+  readonly transform: StageTransform;
+  readonly poses: readonly Pose[];
+  readonly tone: string;
+}
+
+function Path({ transform, poses, tone }: PathProps) {
+  const places = poses.map(([x, y], k) => `${k ? "L" : "M"}${transform.x(x).toFixed(1)} ${transform.y(y).toFixed(1)}`);
+  return <path class={`drift-path ${tone}`} d={places.join("")} />;
+}
+
+function Ends({ transform, noise }: { readonly transform: StageTransform; readonly noise: Noise }) {
+  const dots = otherEnds(noise).map(([x, y]) => `M${transform.x(x).toFixed(1)} ${transform.y(y).toFixed(1)}h0`);
+  return <path class="drift-ends" d={dots.join("")} />;
+}

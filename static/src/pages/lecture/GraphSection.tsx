@@ -1,0 +1,43 @@
+import { Springs } from "../../lessons/graph/Springs";
+import { Section } from "./Section";
+
+export function GraphSection({ id, number, title }: { id: string; number: number; title: string }) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Springs />}
+      sources={[
+        ["grisetti", ""],
+        ["zhang", "table 1, for the kernels"],
+        ["yang", "for a kernel whose scale shrinks while the graph is solved"],
+        ["kuemmerle", "for how the result is judged"],
+      ]}
+      after={
+        <>
+          <p>
+            The solution is the pose of every node with the least sum of squared residuals, each in standard deviations,
+            eᵀ Ω e. Least squares give way to the <b class="noun-hit">wrong loop</b>: it is one spring among many, but
+            very short, and it folds the map. A <b>robust kernel</b> takes weight from loops with large residuals, as
+            the curve shows, and the others hold the graph. Its scale begins large, where no loop is refused, and
+            shrinks while the graph is solved. A kernel cannot tell a wrong loop that nothing contradicts from a right
+            one.
+          </p>
+          <p>
+            A log whose poses drift is healed like this on its page: each scan is matched with those before it, loops
+            are found by correlation, and the graph of all poses is solved.
+          </p>
+        </>
+      }
+    >
+      <p>
+        A matcher corrects one pose and leaves the earlier ones as they are. In a <b>pose graph</b> all of them are
+        corrected together. Its nodes are poses; each measured motion between two of them is a spring, which is at rest
+        where the poses agree with the measurement. The odometry makes a chain. Where the robot comes back to a place,
+        the scans match, and a <b>loop</b> joins two nodes that are far apart in the chain: the error is spread over all
+        springs between. Drag a pose and let it go, then close the loop.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,83 @@
+import { signal } from "@preact/signals";
+import { Drift, USUAL } from "../../lessons/odometry/Drift";
+import { driftError } from "../../lessons/stage/controls";
+import { DragNumber } from "../../ui/DragNumber";
+import { Slider } from "../../ui/Slider";
+import { Section } from "./Section";
+
+const noise = signal(USUAL);
+const DEGREE = Math.PI / 180;
+
+export function OdometrySection({ id, number, title }: { id: string; number: number; title: string }) {
+  const { way, turn } = noise.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <>
+          <Drift noise={noise} />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: error of the heading"
+              sentence="By how much the heading of the stage's robot is off after each scan, added up."
+              value={driftError.value}
+              initial={0.15}
+              low={-1}
+              high={1}
+              step={0.05}
+              unit="° per scan"
+              tone="hit"
+              onInput={(value) => {
+                driftError.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
+      sources={[["probabilistic-robotics", "chapter 5, for the errors of odometry"]]}
+      after={
+        <p>
+          An error of the heading does most harm: all that is driven afterwards is turned. The lidar is more accurate
+          than the wheels between two scans, so each scan of the right map is matched with the three before it, in the
+          way that the next two sections show. Small errors remain and add up, only more slowly; the section after them
+          removes those too.
+        </p>
+      }
+    >
+      <p>
+        So far every pose was given. Wheels slip, and the errors of raw odometry add up: after a round the same wall is
+        drawn in several places. Here the heading is wrong by{" "}
+        <DragNumber
+          label="Error of the heading"
+          sentence="Standard deviation for each metre driven."
+          value={Math.round((10 * turn) / DEGREE) / 10}
+          text={`${Math.round((10 * turn) / DEGREE) / 10}°`}
+          tone="hit"
+          low={0}
+          high={12}
+          step={0.5}
+          onInput={(value) => {
+            noise.value = { ...noise.peek(), turn: value * DEGREE };
+          }}
+        />{" "}
+        and the way by{" "}
+        <DragNumber
+          label="Error of the way"
+          sentence="Standard deviation for each metre driven."
+          value={Math.round(100 * way)}
+          text={`${Math.round(100 * way)} %`}
+          tone="hit"
+          low={0}
+          high={30}
+          step={1}
+          onInput={(value) => {
+            noise.value = { ...noise.peek(), way: value / 100 };
+          }}
+        />{" "}
+        (standard deviations for each metre driven).
+      </p>
+    </Section>
+  );
+}

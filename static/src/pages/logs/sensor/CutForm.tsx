@@ -1,0 +1,102 @@
+import { useSignal } from "@preact/signals";
+import { useEffect, useId } from "preact/hooks";
+import { Disclosure } from "../../../ui/Panel";
+import type { LogInfo, Parameter, Values } from "../../../wire/protocol";
+import { shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
+import "./sensor.css";
+import { SensorProgress } from "./SensorProgress";
+import type { Cut, SensorState } from "./useSensor";
+
+interface CutFormProps {
+  readonly log: LogInfo;
+  readonly sensor: SensorState;
+}
+
+/** How the scans of the map are cut out of point clouds or depth images; nothing for the scans of a lidar. */
+export function CutForm({ log, sensor }: CutFormProps) {
+  if (!log.cut) return null;
+  return (
+    <Disclosure title="Scans cut from clouds" note={log.topic} open>
+      <Fields
+        key={JSON.stringify(log.cut.values)}
+        table={log.cut.table}
+        values={log.cut.values}
+        sensor={sensor}
+        topic={log.topic}
+      />
+    </Disclosure>
+  );
+}
+
+interface FieldsProps {
+  readonly table: readonly Parameter[];
+  readonly values: Values;
+  readonly sensor: SensorState;
+  readonly topic: string;
+}
+
+function Fields({ table, values, sensor, topic }: FieldsProps) {
+  const start = (): Record<string, string> =>
+    Object.fromEntries(table.map((row) => [row.name, shownValue(row, Number(values[row.name]))]));
+  const typed = useSignal(start());
+  useEffect(() => {
+    typed.value = start();
+  }, [values]);
+  const stated: Cut = Object.fromEntries(table.map((row) => [row.name, statedValue(row, typed.value[row.name] ?? "")]));
+  const isWhole = Object.values(stated).every((value) => Number.isFinite(value));
+  const isChanged = table.some((row) => Math.abs((stated[row.name] ?? 0) - Number(values[row.name])) > 1e-9);
+  return (
+    <form
+      class="cut-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void sensor.use(topic, stated);
+      }}
+    >
+      <p class="quiet">The recording is read again to cut its scans; the map then stands at the same time.</p>
+      {table.map((row) => (
+        <Field
+          key={row.name}
+          row={row}
+          value={typed.value[row.name] ?? ""}
+          onInput={(text) => {
+            typed.value = { ...typed.value, [row.name]: text };
+          }}
+        />
+      ))}
+      <div class="actions">
+        <button type="submit" class="button primary" disabled={!isWhole || !isChanged || sensor.reading.value !== null}>
+          Cut the scans so
+        </button>
+      </div>
+      <SensorProgress sensor={sensor} />
+    </form>
+  );
+}
+
+interface FieldProps {
+  readonly row: Parameter;
+  readonly value: string;
+  readonly onInput: (text: string) => void;
+}
+
+function Field({ row, value, onInput }: FieldProps) {
+  const id = useId();
+  const [low, high] = shownBounds(row);
+  return (
+    <div class="cut-field" title={row.sentence}>
+      <label for={id}>{row.label}</label>
+      <input
+        id={id}
+        class="input"
+        type="number"
+        step="any"
+        min={low}
+        max={high}
+        value={value}
+        onInput={(event) => onInput(event.currentTarget.value)}
+      />
+      <span class="quiet">{shownUnit(row)}</span>
+    </div>
+  );
+}

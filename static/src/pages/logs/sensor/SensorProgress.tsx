@@ -1,0 +1,33 @@
+import { Button } from "../../../ui/Button";
+import { progressText } from "../../../ui/Working";
+import type { SensorState } from "./useSensor";
+
+/** How far the reading of another sensor is, with a button that ends it; or why it failed. */
+export function SensorProgress({ sensor }: { readonly sensor: SensorState }) {
+  const { reading, progress, failure, cancel } = sensor;
+  const now = progress.value;
+  const fraction = now?.fraction ?? null;
+  return (
+    <div class="sensor-progress">
+      <div role="status">
+        {reading.value !== null && (
+          <>
+            <p class="quiet">
+              {now?.what ?? `Reading ${reading.value}`} …{" "}
+              {now && (
+                <span class="number" aria-hidden="true">
+                  {progressText(now)}
+                </span>
+              )}
+            </p>
+            <div class={fraction === null ? "progress waiting wide" : "progress wide"} aria-hidden="true">
+              <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
+            </div>
+            <Button onClick={cancel}>Cancel</Button>
+          </>
+        )}
+      </div>
+      {failure.value && <p role="alert">{failure.value}</p>}
+    </div>
+  );
+}

@@ -1,0 +1,23 @@
+/** The values of the table of how scans are cut, as a person reads and writes them: angles in degrees. */
+
+import type { Parameter } from "../../../wire/protocol";
+
+const DEGREES = 180 / Math.PI;
+
+const factor = (row: Parameter): number => (row.unit === "rad" ? DEGREES : 1);
+
+export const shownUnit = (row: Parameter): string => (row.unit === "rad" ? "°" : row.unit);
+
+/** The bounds in the unit that is shown; rounded inwards, so that what is typed is within the server's. */
+export function shownBounds(row: Parameter): readonly [number, number] {
+  const inwards = (value: number, up: boolean): number => (up ? Math.ceil : Math.floor)(value * 1e3) / 1e3;
+  return [inwards(row.low * factor(row) - 1e-9, true), inwards(row.high * factor(row) + 1e-9, false)];
+}
+
+export const shownValue = (row: Parameter, value: number): string => String(Number((value * factor(row)).toFixed(4)));
+
+/** What was typed, in the server's unit and within its bounds; NaN for what is no number. */
+export function statedValue(row: Parameter, typed: string): number {
+  const value = typed.trim() === "" ? Number.NaN : Number(typed) / factor(row);
+  return Number.isNaN(value) ? value : Math.min(Math.max(value, row.low), row.high);
+}

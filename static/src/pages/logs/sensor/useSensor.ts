@@ -1,0 +1,48 @@
+import { type Signal, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { followMaking, type Making, newName } from "../../making";
+import { request } from "../request";
+
+/** How scans are cut out of point clouds and depth images: values of the server's table. */
+export type Cut = Readonly<Record<string, number>>;
+
+export interface SensorState {
+  /** The topic that is being read; null while none is. */
+  readonly reading: Signal<string | null>;
+  /** How far reading it is; null before that is known. */
+  readonly progress: Signal<Making | null>;
+  readonly failure: Signal<string | null>;
+  /** Map another sensor of the log, or cut its scans otherwise. */
+  readonly use: (topic: string, cut: Cut | null) => Promise<void>;
+  readonly cancel: () => void;
+}
+
+/** Changes the sensor that a session maps; `onUsed` is called with the topic once it has. */
+export function useSensor(session: string, onUsed: (topic: string) => void): SensorState {
+  const reading = useSignal<string | null>(null);
+  const progress = useSignal<Making | null>(null);
+  const failure = useSignal<string | null>(null);
+  const ending = useRef<AbortController | null>(null);
+  useEffect(() => () => ending.current?.abort(), [session]);
+  const use = async (topic: string, cut: Cut | null): Promise<void> => {
+    ending.current?.abort();
+    const own = new AbortController();
+    ending.current = own;
+    const name = newName();
+    reading.value = topic;
+    failure.value = null;
+    const stop = followMaking(name, (making) => {
+      progress.value = making;
+    });
+    try {
+      const address = `/api/sessions/${encodeURIComponent(session)}/sensor?name=${name}`;
+      await request(address, "PUT", { topic, cut }, own.signal);
+      onUsed(topic);
+    } catch (error) {
+      if (!own.signal.aborted) failure.value = (error as Error).message;
+    }
+    stop();
+    if (ending.current === own) reading.value = null;
+  };
+  return { reading, progress, failure, use, cancel: () => ending.current?.abort() };
+}

@@ -1,0 +1,14 @@
+import type { Store } from "../../store/store";
+import { Working } from "../../ui/Working";
+
+/** The progress of what the session computes for long, over the picture of its map, with a button that cancels it. */
+export function ComputingMap({ store }: { readonly store: Store }) {
+  return (
+    <Working
+      what="Computing the map"
+      work={store.working.value}
+      onCancel={() => store.send({ type: "cancel" })}
+      isInside
+    />
+  );
+}
