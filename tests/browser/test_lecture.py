@@ -9,8 +9,6 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import LOOKS
 from tests.browser.lecturing import open_section
-from tests.browser.looking import still
-from tests.marks import also_long
 
 WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
 
@@ -83,63 +81,6 @@ def test_a_log_dropped_at_the_end_leads_to_the_logs_page(page: Page, server: str
     )
     page.wait_for_url("**/logs.html")
     expect(page.locator(".log-card", has_text="lecture.log").first).to_be_visible()
-
-
-# --- presenting ------------------------------------------------------------------------------------------------------
-
-
-def test_the_presentation_mode_is_controlled_by_keys(page: Page, server: str) -> None:
-    page.goto(f"{server}/lecture.html?present#no-return")
-    count = int(page.locator(".presenter-number").inner_text().split("/")[1])
-    expect(page.locator(".presenter-number")).to_have_text(f"7 / {count}")
-    expect(page.locator("#no-return figure")).to_be_in_viewport()
-    expect(page.locator("#no-return > .prose").first).to_be_hidden()
-    page.keyboard.press("ArrowRight")
-    expect(page.locator(".presenter-number")).to_have_text(f"8 / {count}")
-    assert page.url.endswith("?present#endpoint")
-    page.keyboard.press("PageDown")
-    page.keyboard.press("PageUp")
-    page.keyboard.press("Space")
-    expect(page.locator(".presenter-number")).to_have_text(f"9 / {count}")
-    # What has the focus keeps its keys: the handle moves, the slide stays.
-    end = page.get_by_role("slider", name="Last cell of the line")
-    end.focus()
-    page.keyboard.press("ArrowRight")
-    expect(end).to_have_attribute("aria-valuetext", "column 23, row 10")
-    expect(page.locator(".presenter-number")).to_have_text(f"9 / {count}")
-    page.keyboard.press("Escape")
-    expect(page.locator(".presenter")).to_have_count(0)
-    assert page.url.endswith("/lecture.html#rays")
-    expect(page.locator("#rays h2")).to_be_in_viewport()
-
-
-@pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
-def test_every_slide_fits_its_screen(page: Page, server: str) -> None:
-    if page.viewport_size and page.viewport_size["width"] > 1100:
-        page.set_viewport_size({"width": 1280, "height": 720})  # an old projector
-    page.goto(f"{server}/lecture.html?present#landmarks")
-    count = int(page.locator(".presenter-number").inner_text().split("/")[1])
-    for i in range(count):
-        expect(page.locator(".presenter-number")).to_have_text(f"{i + 1} / {count}")
-        room, figure = page.locator(".on-slide .lesson-room"), page.locator(".on-slide .lesson-figure")
-        expect(figure).to_be_visible()
-        expect(page.locator(".presenter")).to_be_in_viewport(ratio=1)
-        still(figure)
-        assert page.evaluate(WIDER) is False
-        height, available = (box.evaluate("e => e.getBoundingClientRect().height") for box in (figure, room))
-        if page.viewport_size and page.viewport_size["width"] > 1100:  # smaller screens may scroll within the slide
-            assert height <= available + 1, page.url
-        page.keyboard.press("ArrowRight")
-
-
-def test_the_page_leads_into_the_lecturers_mode_and_the_front_page_here(page: Page, server: str) -> None:
-    page.goto(server)
-    page.get_by_role("link", name="Open the lecture").click()
-    expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_visible()
-    page.get_by_role("button", name="Presentation mode").click()
-    expect(page.locator(".presenter")).to_be_visible()
-    page.get_by_role("button", name="Exit").click()
-    expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_attached()
 
 
 def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: Page, server: str) -> None:

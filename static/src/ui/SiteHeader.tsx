@@ -7,8 +7,14 @@ const PAGES = [
   { href: "/logs.html", label: "Logs", id: "logs" },
 ] as const;
 
-/** The header of every page, with a link to its content, which has the id `main`. */
+/** Whether this page stands within another one: a slide, or the speaker's window. */
+const isFramed = parent !== window;
+
+/**
+ * The header of every page, with a link to its content, which has the id `main`. A page within a slide has none.
+ */
 export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
+  if (isFramed) return null;
   return (
     <header class="site-header">
       <a class="skip-link" href="#main">

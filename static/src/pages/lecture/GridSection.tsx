@@ -53,10 +53,10 @@ export function GridSection({ id, number, title }: { id: string; number: number;
         <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        Before any reading each cell has the <b class="noun-prior">prior</b> probability <i>p</i>(mᵢ), usually 0.5: no
-        knowledge. Occupied is <i>p</i> = 1, free is <i>p</i> = 0. With the third assumption the probability of a whole
-        map is the product over its cells, given all readings z<sub>1:t</sub> and all poses x<sub>1:t</sub> from which
-        they were taken:
+        Before any reading each cell has the <b class="noun-prior">prior</b> probability <i>p</i>(m<sub>i</sub>),
+        usually 0.5: no knowledge. Occupied is <i>p</i> = 1, free is <i>p</i> = 0. With the third assumption the
+        probability of a whole map is the product over its cells, given all readings z<sub>1:t</sub> and all poses x
+        <sub>1:t</sub> from which they were taken:
       </p>
       <MapProduct />
       <p>

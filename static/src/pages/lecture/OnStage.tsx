@@ -4,7 +4,7 @@ import { useMemo } from "preact/hooks";
 import { SCENES, type SceneId } from "../../lessons/stage/scenes";
 import { WorldStage } from "../../lessons/stage/WorldStage";
 import { printing } from "../../ui/theme";
-import { presenting } from "./present";
+import { presenting } from "./present/state";
 
 interface OnStageProps {
   readonly scene: SceneId;
