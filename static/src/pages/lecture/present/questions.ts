@@ -178,16 +178,11 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
     notes: "Drag the laser up and down past the height of the table, and watch the map.",
   },
-  doubled: {
+  odometry: {
     question: "A map shows the same wall twice, a few centimetres apart. What has happened?",
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
     right: 1,
-    answer: "The poses are taken as known. Where they drift, a place seen again is drawn in another position.",
-    notes: "Drag the error of the heading away from zero. Small errors add up: the first scans look right.",
-  },
-  odometry: {
-    question: "The wheels slip by a few percent. How good is the map after one round?",
-    answer: "Errors of raw odometry add up, that of the heading most of all; matching keeps them small.",
+    answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
     notes: "Drag the error of the heading first, then that of the way. Compare the two maps.",
   },
   probable: {
