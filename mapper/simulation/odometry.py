@@ -60,6 +60,10 @@ class Odometer:
         """Set the estimate to the true ``pose``: drift begins anew."""
         self.pose = self._true = pose
 
+    def carry(self, pose: PoseTuple) -> None:
+        """Carry the robot to the true ``pose``: the wheels do not turn, and the estimate stays."""
+        self._true = pose
+
     def move(self, pose: PoseTuple) -> PoseTuple:
         """Move to the true ``pose``; return the pose that the wheels report."""
         motion = np.asarray(compose(inverse(np.array(self._true)), np.array(pose)))

@@ -216,12 +216,14 @@ def slam_log(
     k = 0
     while k < len(wanted):
         scan = int(wanted[k])
-        passed = times[scan] - times[matched[-1]] if matched else 0.0
+        passed = float(times[scan] - times[matched[-1]]) if matched else 0.0
+        # Scans of two sensors may be taken at once; of one sensor equal times say nothing.
+        is_known = passed > 0.0 or (passed == 0.0 and bool(matched) and sensor[scan] != sensor[matched[-1]])
         motion = None if moved is None or k == 0 else moved[k - 1]
         velocity = None if sweeps is None else sweeps[scan]
         matched.append(scan)
         moved_poses = slam.add_scan(
-            log.ranges[scan], motion, start, sensor=int(sensor[scan]), seconds=passed if passed > 0.0 else None,
+            log.ranges[scan], motion, start, sensor=int(sensor[scan]), seconds=passed if is_known else None,
             velocity=velocity,
         )  # fmt: skip
         if progress is not None and (moved_poses or len(matched) % EVERY == 1):

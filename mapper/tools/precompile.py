@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mapper
-from mapper.grid import TILE
+from mapper.grid import TILE, OccupancyGrid
 from mapper.grid.compare import compare
 from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.grid.metrics import map_metrics
+from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.matching.kernels.likelihood_field import accumulate_field
@@ -79,12 +80,23 @@ def precompile() -> None:
     quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
     compare(grid, grid)
     map_metrics(grid)
+    _localize(replay.log, grid)
     _match(replay.log)
     _close_a_loop(replay.log)
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
         integrate_scan(grid.emptied(), replay.log.scan(0), pose, replace(config, traversal=traversal), _NoEvidence())
+
+
+def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
+    """Take the first scan of a log by each sensor model, at a start without a hint and at a given one."""
+    pose = grid.geometry.cell_to_world((grid.geometry.rows // 2, grid.geometry.cols // 2)).tolist()
+    for model in ("likelihood_field_prob", "beam"):
+        robot = MonteCarloLocalizer(grid, LocalizationConfig(laser_model_type=model, global_particles=1000))
+        robot.update(np.zeros(3), log.scan(0))
+        robot.start_at([*pose, 0.0])
+        robot.predict(np.zeros(3), np.array([0.5, 0.0, 0.0]))
 
 
 def _match(log: ScanLog) -> None:

@@ -73,6 +73,9 @@ class Graphed(Protocol):
     async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
         """Return an edge with both of its scans."""
 
+    async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
+        """Return the score of the poses around an edge."""
+
     async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
         """Return the loops that were tried near a place, map metres."""
 

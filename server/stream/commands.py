@@ -103,6 +103,13 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
     yaw: Annotated[Number | None, Meta(description="heading, rad; null: unchanged")] = None
 
 
+class LocalizeCommand(Struct, tag_field="type", tag="localize"):
+    """Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it."""
+
+    value: Annotated[bool, Meta(description="whether it is localized")] = False
+    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
+
+
 class DriveCommand(Struct, tag_field="type", tag="drive"):
     """Simulations: drive by hand. The speed is held for 0.5 s."""
 
@@ -179,6 +186,7 @@ Command = (
     | FaultsCommand
     | CompareCommand
     | TeleportCommand
+    | LocalizeCommand
     | DriveCommand
     | AutoCommand
     | EditCommand

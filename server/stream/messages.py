@@ -320,6 +320,29 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
     free_without_clamp: Annotated[float, Meta(description="the same without clamping")]
 
 
+class LocalizationMessage(Struct, tag_field="type", tag="localization"):
+    """Simulations: where the particle filter takes the robot to be, and how far off that is."""
+
+    is_on: Annotated[bool, Meta(description="whether the robot is localized")]
+    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
+    pose: Annotated[Pose | None, Meta(description="the best estimate")]
+    covariance: Annotated[
+        tuple[float, float, float, float] | None,
+        Meta(
+            description="variances of the estimate: xx, xy, yy in m², yaw in rad²",
+            extra={"labels": ("xx", "xy", "yy", "yaw")},
+        ),
+    ]
+    is_converged: Annotated[bool, Meta(description="whether the particles agree on one place")]
+    share: Annotated[float, Meta(description="weight of the heaviest cluster, 0 to 1")]
+    fit: Annotated[float, Meta(description="how well the last scan that was used fits, 0 to 1")]
+    entropy: Annotated[float, Meta(description="of the histogram of particles in bins of 0.5 m and 10°, bits")]
+    n_particles: Annotated[int, Meta(description="number of particles")]
+    n_updates: Annotated[int, Meta(description="scans that were used")]
+    error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
+    error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
+
+
 class WorkingMessage(Struct, tag_field="type", tag="working"):
     """Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended."""
 
@@ -399,6 +422,7 @@ ServerMessage = (
     | ComparisonMessage
     | WorldMessage
     | Forgetting
+    | LocalizationMessage
     | WorkingMessage
     | NoticeMessage
     | ErrorMessage

@@ -26,9 +26,11 @@ from mapper.tools.bench import bench_map
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
+from tests.bench.localization import localization
 from tests.bench.matching import matching
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
+from tests.bench.sensors import sensors
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
@@ -209,7 +211,9 @@ BENCHES: dict[str, Callable[[], None]] = {
     "doctor": doctor,
     "match": matching,
     "slam": slam,
+    "localization": localization,
     "size": size,
+    "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
 }
 

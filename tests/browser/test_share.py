@@ -20,7 +20,6 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     (tmp_path / "mine.log").write_bytes(carmen(60))
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "mine.log")
-    page.locator(".log-card", has_text="mine.log").get_by_role("button", name="Open map").click()
     page.wait_for_function(SHOWN)
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 25 })")

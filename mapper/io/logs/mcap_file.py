@@ -32,7 +32,7 @@ from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import inflate
-from mapper.io.logs.recording import Recording
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, opened
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -88,7 +88,7 @@ class _ChunkHead:
 
 
 class _Mcap:
-    def __init__(self, stream: ByteStream, recording: Recording, limits: Limits) -> None:
+    def __init__(self, stream: ByteStream, recording: MessageSink, limits: Limits) -> None:
         self.stream = stream
         self.recording = recording
         self.limits = limits
@@ -389,7 +389,7 @@ def _decoded(read, content: bytes):  # type: ignore[no-untyped-def]  # noqa: ANN
         raise _DamagedError from None
 
 
-def take_mcap(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def take_mcap(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
     """Hand what an MCAP file holds over to ``recording``; of one that is cut or damaged, what could be read.
 
     Raises :class:`ReadError` where nothing could be, and :class:`LimitError`.

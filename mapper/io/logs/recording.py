@@ -54,9 +54,14 @@ class Recording:
         self._readings = 0
 
     @property
-    def n_scans(self) -> int:
+    def taken(self) -> int:
         """Scans taken so far, of all sensors."""
         return self._scans
+
+    @property
+    def parts(self) -> Taken:
+        """What was taken, that the log is made of."""
+        return self._taken
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
         """Announce a stream of messages: ``kind`` is their type, ``cdr`` whether they are serialised as ROS 2 does.

@@ -23,7 +23,17 @@ from PIL import BmpImagePlugin, Image, ImageFile, PngImagePlugin
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.grid import FREE, OCCUPIED, UNKNOWN, GridGeometry, OccupancyGrid, log_odds
+from mapper.grid import (
+    FREE,
+    FREE_THRESHOLD,
+    OCCUPIED,
+    OCCUPIED_THRESHOLD,
+    UNKNOWN,
+    GridGeometry,
+    OccupancyGrid,
+    log_odds,
+)
+from mapper.io.maps.bee import is_bee_map, read_bee_map
 from mapper.io.maps.description import MapDescription, image_path, parse_description
 from mapper.io.maps.pixels import GREY_UNKNOWN
 from mapper.io.maps.plain_images import open_plain_image
@@ -54,11 +64,13 @@ class LoadedMap:
 
 
 def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> LoadedMap:
-    """Return the map that a yaml describes; its image is PGM, PNG or BMP in the same folder.
+    """Return the map that a yaml describes; its image is PGM, PNG or BMP in the same folder. Or a map of CMU's course.
 
     Raises :class:`ReadError`, naming the key or the image, and :class:`LimitError`, before anything large is decoded.
     """
     path = Path(yaml_path)
+    if is_bee_map(path):
+        return _loaded_bee(path, limits)
     try:
         with path.open("rb") as file:
             data = file.read(limits.max_yaml_bytes + 1)
@@ -73,11 +85,24 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
     values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
     rows, cols = values.shape
     geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
+    return LoadedMap(_grid(geometry, values), values, description, _notes(sums, n_channels, description))
+
+
+def _grid(geometry: GridGeometry, values: NDArray[np.int8]) -> OccupancyGrid:
     grid = OccupancyGrid(geometry)
     grid.observed = values != UNKNOWN
     of_value = log_odds(np.clip(np.arange(101) / 100.0, 1.0 - _SURE, _SURE)).astype(np.float32)
     _look_up(np.append(of_value, np.float32(0.0)), values, out=grid.log_odds)  # UNKNOWN, -1, is the last
-    return LoadedMap(grid, values, description, _notes(sums, n_channels, description))
+    return grid
+
+
+def _loaded_bee(path: Path, limits: Limits) -> LoadedMap:
+    geometry, values = read_bee_map(path, limits)
+    description = MapDescription(
+        path.name, geometry.resolution, geometry.origin, negate=False, occupied_thresh=OCCUPIED_THRESHOLD,
+        free_thresh=FREE_THRESHOLD, mode="scale",
+    )  # fmt: skip
+    return LoadedMap(_grid(geometry, values), values, description)
 
 
 def _notes(sums: NDArray[np.uint16], n_channels: int, description: MapDescription) -> tuple[str, ...]:

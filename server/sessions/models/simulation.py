@@ -26,14 +26,16 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.lab_localization import OFF, LabLocalization
+from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
+from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState, as_pose
 from server.sessions.why import Source
-from server.stream.layers import GridLayer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text, values
 
 MAX_STEP_SCANS = 100
@@ -61,14 +63,18 @@ class SimulationModel(SessionModel):
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
+        self._localization: LabLocalization | None = None
+        self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
-    def layers(self) -> Sequence[GridLayer]:
-        """The map, and the second map if there is one."""
-        return (self._map,) if self._second is None else (self._map, self._second)
+    def layers(self) -> Sequence[Layer]:
+        """The map, the second map if there is one, those of the localization if there is one, and those of SLAM."""
+        second = () if self._second is None else (self._second,)
+        localization = () if self._localization is None else self._localization.layers
+        return (self._map, *second, *localization, *self._slam.layers)
 
     @property
     def title(self) -> str:
@@ -92,8 +98,9 @@ class SimulationModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the map."""
-        return Footprint(cells=int(self.grid.log_odds.size))
+        """The cells of the map, and of what the robot is localized in."""
+        more = 0 if self._localization is None else self._localization.cells
+        return Footprint(cells=int(self.grid.log_odds.size) + more)
 
     @property
     def world(self) -> World:
@@ -186,8 +193,11 @@ class SimulationModel(SessionModel):
         }
 
     def messages(self) -> list[dict[str, Any]]:
-        """Return the parameters and the world."""
-        return [self._parameters_message(), self._world_message()]
+        """Return the parameters, the world, and how the robot is localized."""
+        return [self._parameters_message(), self._world_message(), self._localization_message()]
+
+    def _localization_message(self) -> dict[str, Any]:
+        return OFF if self._localization is None else self._localization.message()
 
     def _parameters_message(self) -> dict[str, Any]:
         """Return the parameters, the robot's faults and the parameters in which the second map differs."""
@@ -249,6 +259,8 @@ class SimulationModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
+        self._localize(result)
+        self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
         if forgetting != self._forgetting:
@@ -261,6 +273,31 @@ class SimulationModel(SessionModel):
         whole, box = second.changed()
         result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
 
+    def _localize(self, result: TickResult) -> None:
+        """Let the filter see the newest scan."""
+        one, scan = self._localization, self._mapper.newest
+        if one is None or scan is None or self._mapper.hidden:
+            return
+        if one.look(scan, self._mapper.newest_pose):
+            result.changed = True
+            result.slot(one.message())
+
+    def _begin_localizing(self, command: dict[str, Any], result: TickResult) -> None:
+        """Begin to localize the robot in the plan of the present world, or end it."""
+        simulation = self._mapper.simulation
+        self._localization = (
+            LabLocalization(
+                simulation.world,
+                simulation.sensor,
+                simulation.mount,
+                self._mapper.newest_pose,
+                values({"values": {}} | command),
+            )
+            if flag(command, "value")
+            else None
+        )
+        result.slot(self._localization_message())
+
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
@@ -268,6 +305,8 @@ class SimulationModel(SessionModel):
         match command["type"]:
             case kind if kind in ACTIONS:
                 self._act(command, result)
+            case "localize":
+                self._begin_localizing(command, result)
             case "step":
                 self._step(command, result)
             case "faults":
@@ -314,6 +353,10 @@ class SimulationModel(SessionModel):
         self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
         if command["type"] == "drive":
             self.playback.playing = True
+        if command["type"] == "teleport" and self._localization is not None:
+            self._localization.carried(mapper.newest_pose)
+        if command["type"] == "sensor":
+            self._stop_localizing(result)
         if command["type"] == "edit":
             result.slot(self._world_message())
         if command["type"] == "sensor" or mapper.second is not second:
@@ -334,7 +377,13 @@ class SimulationModel(SessionModel):
         if scans > now:
             result.unfinished = command | {"scans": scans - now}
 
+    def _stop_localizing(self, result: TickResult) -> None:
+        if self._localization is not None:
+            self._localization = None
+            result.slot(OFF)
+
     def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
+        self._stop_localizing(result)
         self._mapper.begin(world, self.sensor, edits_of(edits))
         result.new_grid = True
         result.slot(self._world_message())

@@ -9,6 +9,7 @@ import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
+import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
@@ -57,6 +58,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   table: TableSection,
   algorithm: AlgorithmSection,
   pipeline: PipelineSection,
+  characters: CharactersSection,
   sonar: SonarSection,
   "no-return": NoReturnSection,
   mount: MountSection,

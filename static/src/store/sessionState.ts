@@ -19,6 +19,7 @@ import type {
   Frame,
   FrameMessage,
   Hello,
+  LocalizationMessage,
   Point,
   Pose,
   ServerMessage,
@@ -147,6 +148,10 @@ export class SessionState implements Receiver {
   mapAt: ((point: Point) => string) | null = null;
   /** How far the maps have forgotten a removed object; null while this is not measured. */
   readonly forgetting = signal<Forgetting | null>(null);
+  /** How the simulated robot is localized; null before the first message. */
+  readonly localization = signal<LocalizationMessage | null>(null);
+  /** The grid layer that the belief shows in place of the map; null for the map. */
+  readonly underlay = signal<string | null>(null);
 
   /** The scan that is stepped through cell by cell; null for none. */
   readonly stepping = signal<Stepping | null>(null);
@@ -329,6 +334,9 @@ export class SessionState implements Receiver {
         return;
       case "forgetting":
         this.forgetting.value = message.cells > 0 ? message : null;
+        return;
+      case "localization":
+        this.localization.value = message;
         return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;

@@ -404,6 +404,35 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
+/** Simulations: where the particle filter takes the robot to be, and how far off that is. */
+export interface LocalizationMessage {
+  readonly type: "localization";
+  /** whether the robot is localized */
+  readonly is_on: boolean;
+  /** localization parameters that differ from the first ones */
+  readonly values: Values;
+  /** the best estimate */
+  readonly pose: Pose | null;
+  /** variances of the estimate: xx, xy, yy in m², yaw in rad² */
+  readonly covariance: readonly [number, number, number, number] | null;
+  /** whether the particles agree on one place */
+  readonly is_converged: boolean;
+  /** weight of the heaviest cluster, 0 to 1 */
+  readonly share: number;
+  /** how well the last scan that was used fits, 0 to 1 */
+  readonly fit: number;
+  /** of the histogram of particles in bins of 0.5 m and 10°, bits */
+  readonly entropy: number;
+  /** number of particles */
+  readonly n_particles: number;
+  /** scans that were used */
+  readonly n_updates: number;
+  /** distance of the estimate from the true pose, m */
+  readonly error_m: number | null;
+  /** its error in heading, rad */
+  readonly error_rad: number | null;
+}
+
 /** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
 export interface WorkingMessage {
   readonly type: "working";
@@ -609,6 +638,15 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
+/** Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it. */
+export interface LocalizeCommand {
+  readonly type: "localize";
+  /** whether it is localized */
+  readonly value?: boolean;
+  /** localization parameters that differ from the first ones */
+  readonly values?: Values;
+}
+
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
 export interface DriveCommand {
   readonly type: "drive";
@@ -701,6 +739,7 @@ export type ServerMessage =
   | ComparisonMessage
   | WorldMessage
   | Forgetting
+  | LocalizationMessage
   | WorkingMessage
   | NoticeMessage
   | ErrorMessage
@@ -724,6 +763,7 @@ export type Command =
   | FaultsCommand
   | CompareCommand
   | TeleportCommand
+  | LocalizeCommand
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -913,6 +953,20 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     without_clamp: oneOf(isInteger, isNull),
     free_with_clamp: isNumber,
     free_without_clamp: isNumber,
+  },
+  localization: {
+    is_on: isFlag,
+    values: isValues,
+    pose: oneOf(isPose, isNull),
+    covariance: oneOf(isTuple(isNumber, isNumber, isNumber, isNumber), isNull),
+    is_converged: isFlag,
+    share: isNumber,
+    fit: isNumber,
+    entropy: isNumber,
+    n_particles: isInteger,
+    n_updates: isInteger,
+    error_m: oneOf(isNumber, isNull),
+    error_rad: oneOf(isNumber, isNull),
   },
   working: {
     elapsed_s: oneOf(isNumber, isNull),

@@ -21,6 +21,7 @@ export type {
   Hello,
   LayerInfo,
   LayerKind,
+  LocalizationMessage,
   LogInfo,
   Numbers,
   Parameter,

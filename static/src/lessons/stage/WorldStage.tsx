@@ -68,7 +68,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   };
   const caption = now.caption(shown.value);
   return (
-    <figure class={`world-stage${still ? " still" : ""}`} aria-label="The map of the lecture">
+    <div class={`world-stage${still ? " still" : ""}`}>
       <div class="world-stage-box" ref={box}>
         <canvas ref={canvas} role="img" aria-label={caption} />
         <svg width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="presentation">
@@ -84,11 +84,11 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
           {ladder && <Ladder rect={ladder} scene={now} shown={shown.value} />}
         </svg>
       </div>
-      <figcaption>
+      <div class="world-stage-caption">
         <p>{caption}</p>
         {children}
-      </figcaption>
-    </figure>
+      </div>
+    </div>
   );
 }
 

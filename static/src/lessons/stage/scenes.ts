@@ -22,7 +22,7 @@ import {
   wallWindow,
 } from "./controls";
 import { CORNERS, sightings } from "./corners";
-import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, WALLS } from "./floor";
+import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
 import { lookOfWall, STRETCH } from "./wall";
@@ -30,6 +30,9 @@ import { lookOfWall, STRETCH } from "./wall";
 const DEGREE = Math.PI / 180;
 /** Scan at which the cupboard is taken away. */
 const REMOVED = 62;
+
+/** Everything that is really there. */
+const SOLID = [...WALLS, POLISHED, ...TABLE];
 
 const plural = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
@@ -166,6 +169,12 @@ export const SCENES = {
       view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
       caption: "One reading on its way into the map; it ends as a change of the numbers of a few cells.",
     }),
+  characters: () =>
+    scene({
+      scans: 31,
+      resolution: 0.2,
+      caption: "The map in cells of 0.2 m. Printed as characters it has one character for each cell.",
+    }),
   sonar: () =>
     scene({
       scans: 32,
@@ -187,7 +196,7 @@ export const SCENES = {
       scans: 56,
       conditions: { mountYaw: mountError.value * DEGREE },
       caption: (now) => {
-        const wrong = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
+        const wrong = phantoms(now.map, SOLID, 0.25).length;
         return `The map of the same readings, made with a mount that is rotated by ${written(mountError.value, 0)}°: ${plural(wrong, "occupied cell")} where no wall is.`;
       },
     }),
@@ -220,7 +229,7 @@ export const SCENES = {
       conditions: { drift: driftError.value * DEGREE },
       marks: ["odometry"],
       caption: (now) => {
-        const wrong = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
+        const wrong = phantoms(now.map, SOLID, 0.25).length;
         return driftError.value === 0
           ? "With the true poses every wall is drawn once."
           : `The heading is off by ${written(driftError.value, 2)}° more at each scan: walls are drawn again at another place, ${plural(wrong, "cell")} in all.`;
@@ -240,15 +249,15 @@ export const SCENES = {
     }),
   people: () =>
     scene({
-      poses: DRIVE.slice(26, 26 + peopleScans.value),
+      scans: peopleScans.value,
       conditions: { people: peopleOn.value },
-      view: { x: 5.4, y: 2.4, width: 6.4, height: 4 },
-      cell: [6.35, 2.45],
+      view: { x: 5, y: 1.9, width: 7, height: 4.2 },
+      cell: [5.15, 1.75],
       marks: ["beams"],
       caption: (now) => {
-        const trail = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
-        if (!peopleOn.value) return "Nobody walks: the corridor is free.";
-        return `Someone walked along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map: places that no later beam has passed.`;
+        const trail = phantoms(now.map, SOLID, 0.25).length;
+        if (!peopleOn.value) return "Nobody walks, and the corridor is free.";
+        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map, hidden from later beams by whoever left ${trail === 1 ? "it" : "them"}.`;
       },
     }),
   "low-table": () => {

@@ -16,6 +16,8 @@ import { WorldGroup } from "./groups/World";
 
 const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
 const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);
+const Localization = lazy(async () => (await import("../../tools/localization/Localization")).Localization);
+const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
@@ -81,11 +83,26 @@ const GROUPS: readonly Group[] = [
     content: ({ store, comparison }) => <Faults store={store} comparison={comparison} />,
   },
   {
+    id: "slam",
+    title: "SLAM",
+    purpose: "Drifting wheels, and their path corrected while the robot drives",
+    keeps: true,
+    content: ({ store }) => <SlamGroup store={store} />,
+  },
+  {
     id: "table",
     title: "Moving table",
     purpose: "How long something stays in the map after it was removed",
     keeps: true,
     content: ({ store, comparison }) => <MovingTable store={store} comparison={comparison} />,
+  },
+  {
+    id: "localize",
+    title: "Localize",
+    purpose: "Where the robot is, by a particle filter; kidnap it",
+    keeps: true,
+    badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
+    content: ({ store }) => <Localization store={store} />,
   },
   {
     id: "why",

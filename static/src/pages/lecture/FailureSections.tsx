@@ -58,7 +58,7 @@ export function PeopleSection({ id, number, title }: Props) {
       number={number}
       title={title}
       figure={
-        <OnStage scene="people" label="Someone walks in front of the robot">
+        <OnStage scene="people" label="Someone walks behind the robot">
           <Toggle
             label="someone walks"
             checked={peopleOn.value}
@@ -68,11 +68,11 @@ export function PeopleSection({ id, number, title }: Props) {
           />
           <Slider
             label="Scans of the drive"
-            sentence="Number of scans in the map since the person began to walk; the person takes a step of 0.28 m between two of them."
+            sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
             value={peopleScans.value}
-            initial={16}
-            low={2}
-            high={51}
+            initial={32}
+            low={24}
+            high={77}
             step={1}
             onInput={(value) => {
               peopleScans.value = value;
@@ -90,9 +90,9 @@ export function PeopleSection({ id, number, title }: Props) {
       }
     >
       <p>
-        The second assumption says that the world does not change. Someone who walks in front of the robot is measured
-        at a new place in every scan, and leaves a <b>trail</b> of occupied cells. Move the slider: while the robot is
-        in the corridor its beams clear the trail again; once it has left, the trail stays.
+        The second assumption says that the world does not change. Someone who follows the robot is measured at a new
+        place in every scan, and leaves a <b>trail</b> of occupied cells, hidden from the next scan by the body itself.
+        Move the slider: when the robot looks at the corridor again from elsewhere, its beams clear most of the trail.
       </p>
     </Section>
   );

@@ -20,7 +20,7 @@ export function OnStage({ scene, label, children }: OnStageProps) {
   return (
     <figure class="on-stage" aria-label={label}>
       {(presenting.value || printing.value) && <WorldStage scene={now} still={printing.value} />}
-      {children}
+      <div class="on-stage-controls">{children}</div>
     </figure>
   );
 }

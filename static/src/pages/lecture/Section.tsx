@@ -40,7 +40,7 @@ export function Section({ id, number, title, figure, children, after, sources }:
       {shown === "section" && <SlideQuestion id={id} />}
       <div class="lesson-room">
         <div class="lesson-figure" ref={frame}>
-          <LazyFigure now={shown === "section"} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0]}>
+          <LazyFigure now={shown === "section"} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0, 0]}>
             {figure}
           </LazyFigure>
         </div>

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { centreOf } from "../../grid/lattice";
+import type { Layer } from "../../render/map/renderer";
 import {
   type Brush,
   paintBeam,
@@ -21,6 +22,7 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
+import { paintLocalization } from "../localization/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
@@ -62,7 +64,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
           store,
           canvas,
           invalidate,
-          () => comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }],
+          () => underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }],
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
@@ -85,6 +87,9 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.stepping.value;
             void store.inspected.value;
             void store.scanPair.value;
+            void store.localization.value;
+            const under = store.underlay.value;
+            if (under) void store.layers.grid(under).version.value;
             void pictureColours.value;
             comparison?.watch();
           },
@@ -98,6 +103,13 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
       {failure.value && <p class="picture-failure">{failure.value}</p>}
     </LinkedPicture>
   );
+}
+
+/** The grid that is shown in place of the map; null for none, or while none was received. */
+function underlay(store: Store): readonly [Layer] | null {
+  const name = store.underlay.peek();
+  const map = name === null ? null : store.layers.grid(name).map.peek();
+  return map && [{ map }];
 }
 
 /** The path and the beams are painted between the fractions `from` and `to` of the picture's width. */
@@ -116,6 +128,7 @@ function paintOverlay(
   for (const content of store.layers.contents.peek()) paintLayer(brush, content);
   const moves = paintScan(store, brush, fade, now);
   ctx.restore();
+  paintLocalization(store, brush);
   paintScanPair(store, brush);
   paintWhy(store, brush);
   const cell = store.cell.peek();

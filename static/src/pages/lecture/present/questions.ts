@@ -61,8 +61,15 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "For each beam: find its cells, look up the evidence of each, add it. Nothing else.",
     notes: "Step by line first, then by cell, by beam and by scan. Drag the robot and let it run from there.",
   },
+  characters: {
+    question: "Three states, or six steps of density: which picture shows a doubt?",
+    options: ["The three states", "The density", "Both"],
+    right: 1,
+    answer: "Density shows by how much a cell is occupied; three states show only on which side of the margin it is.",
+    notes: "Switch between states and density at the same scan. Look at cells at the edge of what was seen.",
+  },
   sonar: {
-    question: "Sonars look through an open door from both sides. What does the map show in the door?",
+    question: "Sonars see an open door from both sides. What does the map show in it?",
     options: ["An opening", "A wall", "It depends on the method"],
     right: 2,
     answer: "Bayes’ filter, cell by cell, marks whole arcs and closes the door; Moravec and Elfes keep it open.",

@@ -13,7 +13,7 @@ import { Panel } from "../../../ui/Panel";
 import { Toggle } from "../../../ui/Toggle";
 import type { Compared, LogInfo } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
-import { logs, watch } from "../library";
+import { logs, watchAll } from "../library";
 import { compareWith, differing, endComparison, type Kind, kindOf, type Other } from "./sides";
 
 interface CompareProps {
@@ -165,7 +165,7 @@ function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonl
 const VALUE_SEPARATOR = "\n";
 
 function Logs({ own, compared, disabled, onChoose }: ChooseProps & { readonly own: string }) {
-  useEffect(watch, []);
+  useEffect(watchAll, []);
   const list = (logs.value ?? []).filter((log) => log.state === "ready" && log.id !== own);
   const choices = list.flatMap((log) => {
     const sensors = log.topics.filter((topic) => topic.beams !== null);

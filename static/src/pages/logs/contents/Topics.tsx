@@ -70,7 +70,7 @@ function Table({ contents, sensor, mapped }: TableProps) {
               topic={topic}
               whole={wholeSpan(topics)}
               isMapped={mapped.includes(topic.name)}
-              sensor={sensor && (isSensor(topic) ? sensor : null)}
+              sensor={isSensor(topic) && (mapped.length > 1 || !mapped.includes(topic.name)) ? sensor : null}
             />
           ))}
         </tbody>
@@ -114,7 +114,7 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
           {type}
           {isMapped && <strong class="topic-mapped"> · mapped</strong>}
         </span>
-        {sensor && !isMapped && (
+        {sensor && (
           <Button
             kind="quiet"
             label={`Map ${name}`}

@@ -12,6 +12,7 @@ import type { SlamState } from "./api";
 import { Graph } from "./Graph";
 import type { Healing } from "./healing";
 import "./heal.css";
+import { Parameters } from "./Parameters";
 
 interface HealProps {
   readonly store: Store;
@@ -48,6 +49,7 @@ export function Heal({ store, session, healing, comparison, isGuest }: HealProps
                 {healing.failure.value}
               </p>
             )}
+            {!isUnderWay && <Parameters parameters={healing.parameters} />}
             {!isUnderWay && (
               <div class="heal-actions">
                 <Button

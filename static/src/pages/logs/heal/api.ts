@@ -1,7 +1,9 @@
 /** Requests about SLAM of a log and about its pose graph. Each rejects with the server's sentence. */
 
 import type { ScanPair } from "../../../store/sessionState";
+import type { LoopHill } from "../../../tools/heal/hill";
 import type { Candidate, Edge, Place, PoseGraph } from "../../../tools/heal/model";
+import type { Parameter, Values } from "../../../wire/protocol";
 import { request } from "../request";
 
 /** SLAM of a log: what is under way, or what came of it. */
@@ -15,6 +17,8 @@ export interface SlamState {
   readonly elapsed_s: number | null;
   /** Jobs that are begun before this one. */
   readonly ahead: number;
+  /** Parameters that differ from the first values. */
+  readonly parameters: Values;
   readonly error: { readonly code: string; readonly message: string } | null;
   readonly result: {
     readonly trajectory: string;
@@ -30,7 +34,11 @@ export interface SlamState {
 const session = (id: string): string => `/api/sessions/${encodeURIComponent(id)}`;
 const healing = (id: string): string => `${session(id)}/heal`;
 
-export const heal = (id: string): Promise<SlamState> => request(healing(id), "POST");
+export const heal = (id: string, parameters: Values): Promise<SlamState> =>
+  request(healing(id), "POST", { parameters });
+
+export const slamParameters = async (): Promise<readonly Parameter[]> =>
+  (await request<{ table: readonly Parameter[] }>("/api/slam/parameters")).table;
 
 export const slamState = (id: string): Promise<SlamState> => request(healing(id));
 
@@ -55,6 +63,9 @@ export const changeGraph = async (id: string, change: Change): Promise<PoseGraph
   (await request<{ graph: PoseGraph }>(`${session(id)}/graph`, "POST", change)).graph;
 
 export const edgeOf = (id: string, edge: number): Promise<Edge> => request(`${session(id)}/graph/edges/${edge}`);
+
+export const hillOf = (id: string, edge: number): Promise<LoopHill> =>
+  request(`${session(id)}/graph/edges/${edge}/hill`);
 
 export const placeOf = (id: string, x: number, y: number): Promise<Place> =>
   request(`${session(id)}/graph/candidates?x=${x}&y=${y}`);

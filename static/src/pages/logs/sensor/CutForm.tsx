@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
 import { Disclosure } from "../../../ui/Panel";
 import type { LogInfo, Parameter, Values } from "../../../wire/protocol";
-import { shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
+import { faultOf, shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
 import "./sensor.css";
 import { SensorProgress } from "./SensorProgress";
 import type { Cut, SensorState } from "./useSensor";
@@ -43,7 +43,7 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
     typed.value = start();
   }, [values]);
   const stated: Cut = Object.fromEntries(table.map((row) => [row.name, statedValue(row, typed.value[row.name] ?? "")]));
-  const isWhole = Object.values(stated).every((value) => Number.isFinite(value));
+  const fault = faultOf(stated);
   const isChanged = table.some((row) => Math.abs((stated[row.name] ?? 0) - Number(values[row.name])) > 1e-9);
   return (
     <form
@@ -65,10 +65,15 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
         />
       ))}
       <div class="actions">
-        <button type="submit" class="button primary" disabled={!isWhole || !isChanged || sensor.reading.value !== null}>
+        <button
+          type="submit"
+          class="button primary"
+          disabled={fault !== null || !isChanged || sensor.reading.value !== null}
+        >
           Cut the scans so
         </button>
       </div>
+      <p role="status">{fault}</p>
       <SensorProgress sensor={sensor} />
     </form>
   );

@@ -1,0 +1,200 @@
+"""Parameters of AMCL as yaml: Nav2's layout (``amcl: ros__parameters:``) and that of ROS 1 (names by themselves).
+
+Only plain scalars count, and aliases are refused, as in the yaml of a map. Source: the documentation of nav2_amcl
+(docs.nav2.org) and of amcl (wiki.ros.org/amcl), for names and defaults.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import yaml
+
+from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.localization.parameters import BY_NAME, LocalizationConfig
+
+Layout = Literal["nav2", "ros1"]
+
+_NAV2_NAMES = {"max_beams": "laser_max_beams", "laser_likihood_max_dist": "laser_likelihood_max_dist"}
+_ROS1_NAMES = {
+    **{f"odom_alpha{k}": f"alpha{k}" for k in range(1, 6)},
+    **{f"laser_{name}": name for name in ("z_hit", "z_short", "z_max", "z_rand", "sigma_hit", "lambda_short")},
+    "kld_err": "pf_err",
+    "kld_z": "pf_z",
+    "odom_model_type": "robot_model_type",
+}
+#: Defaults of ROS 1's AMCL that differ from Nav2's.
+ROS1_DEFAULTS: Mapping[str, Any] = {
+    "laser_model_type": "likelihood_field", "laser_max_beams": 30, "laser_max_range": -1.0, "z_hit": 0.95,
+    "z_short": 0.1, "z_rand": 0.05, "update_min_d": 0.2, "update_min_a": math.pi / 6.0, "min_particles": 100,
+    "max_particles": 5000, "pf_err": 0.01, "resample_interval": 2,
+}  # fmt: skip
+_MODELS = {
+    "nav2_amcl::DifferentialMotionModel": "differential", "nav2_amcl::OmniMotionModel": "omni",
+    "differential": "differential", "omnidirectional": "omni",
+    "diff": "differential", "diff-corrected": "differential", "omni": "omni", "omni-corrected": "omni",
+}  # fmt: skip
+#: What AMCL's yamls have that does not change where the robot is found: frames, topics, rates, where it starts.
+_OTHER = frozenset(
+    re.findall(
+        r"\w+",
+        "always_reset_initial_pose base_frame_id beam_skip_distance beam_skip_error_threshold beam_skip_threshold "
+        "do_beamskip first_map_only freespace_downsampling force_update_after_initialpose force_update_after_set_map "
+        "global_frame_id gui_publish_rate initial_cov_aa initial_cov_xx initial_cov_yy initial_pose initial_pose_a "
+        "initial_pose_x initial_pose_y introspection_mode map_topic odom_frame_id random_seed save_pose_rate "
+        "scan_topic service_introspection_mode set_initial_pose tf_broadcast transform_tolerance use_map_topic "
+        "use_sim_time bond_heartbeat_period std_warn_level_enabled qos_overrides",
+    )
+)
+MOST_DEPTH = 6  #: of keys inside one another
+
+
+@dataclass(frozen=True, slots=True)
+class AmclParameters:
+    """What an AMCL yaml says: the parameters, the layout, and the names that do not change where the robot is found."""
+
+    config: LocalizationConfig
+    layout: Layout
+    ignored: tuple[str, ...]
+
+
+def read_amcl_yaml(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> AmclParameters:
+    """Return the parameters in an AMCL yaml. Raises as :func:`parse_amcl_yaml`, and for a file that cannot be read."""
+    place = Path(path)
+    try:
+        with place.open("rb") as file:
+            data = file.read(limits.max_yaml_bytes + 1)
+    except OSError as error:
+        raise ReadError("amcl.unreadable", f"The file {place.name!r} cannot be read: {error.strerror}.") from error
+    return parse_amcl_yaml(data, limits)
+
+
+def parse_amcl_yaml(data: bytes, limits: Limits = DEFAULT_LIMITS) -> AmclParameters:
+    """Return the parameters in the text of an AMCL yaml, whose node may stand anywhere in a Nav2 file.
+
+    Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Raises :class:`ReadError` for text
+    that is no such yaml, and for a value that is none, and :class:`ConfigError` for a name that AMCL does not have and
+    a value that is impossible.
+    """
+    if len(data) > limits.max_yaml_bytes:
+        raise LimitError("amcl.too_large", f"The parameters' yaml is larger than {limits.max_yaml_bytes} bytes.")
+    values, layout = _node(_loaded(data))
+    names = _NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
+    given: dict[str, Any] = {}
+    ignored = []
+    for name, value in values.items():
+        own = names.get(name, name)
+        if own in BY_NAME:
+            given[own] = _value(name, own, value)
+        elif name.split(".")[0] in _OTHER:
+            ignored.append(name)
+        else:
+            raise ConfigError("amcl.unknown", f"AMCL has no parameter {name!r:.80}.")
+    start = LocalizationConfig() if layout == "nav2" else LocalizationConfig().with_values(ROS1_DEFAULTS)
+    if layout == "nav2" and "laser_model_type" not in given:
+        given["laser_model_type"] = "likelihood_field"
+    return AmclParameters(start.with_values(given), layout, tuple(ignored))
+
+
+def _loaded(data: bytes) -> object:
+    try:
+        text = data.decode("utf-8-sig")
+        depth = 0
+        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            if isinstance(event, yaml.AliasEvent):
+                raise ReadError("amcl.yaml", "The parameters' yaml has an alias, which is not allowed.")
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > 4 * MOST_DEPTH:
+                raise ReadError("amcl.yaml", "The parameters' yaml is nested too deeply.")
+        return yaml.safe_load(text)
+    except UnicodeDecodeError as error:
+        raise ReadError("amcl.yaml", f"The parameters' yaml is not UTF-8 text: byte {error.start} is wrong.") from error
+    except yaml.MarkedYAMLError as error:
+        line = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
+        raise ReadError("amcl.yaml", f"The parameters' yaml is malformed{line}: {error.problem}.") from error
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise ReadError("amcl.yaml", "The parameters' yaml is malformed.") from error
+
+
+def _node(root: object, depth: int = 0) -> tuple[dict[str, Any], Layout]:
+    """Return AMCL's parameters: of ``amcl: ros__parameters:`` anywhere, of ``amcl:``, or the file's own keys."""
+    found = _below(root, "amcl", depth)
+    if isinstance(found, dict) and isinstance(found.get("ros__parameters"), dict):
+        return _named(found["ros__parameters"]), "nav2"
+    top = found if isinstance(found, dict) else root
+    if isinstance(top, dict) and isinstance(top.get("ros__parameters"), dict):
+        return _named(top["ros__parameters"]), "nav2"
+    if not isinstance(top, dict) or not top:
+        raise ReadError("amcl.yaml", "The yaml has no parameters of AMCL: no 'amcl' with 'ros__parameters', no names.")
+    values = _named(top)
+    is_ros1 = any(name in _ROS1_NAMES or name == "laser_max_beams" for name in values)
+    return values, "ros1" if is_ros1 else "nav2"
+
+
+def _below(root: object, key: str, depth: int) -> object:
+    if not isinstance(root, dict) or depth > MOST_DEPTH:
+        return None
+    if key in root:
+        return root[key]
+    for value in root.values():
+        found = _below(value, key, depth + 1)
+        if found is not None:
+            return found
+    return None
+
+
+def _named(node: dict[Any, Any]) -> dict[str, Any]:
+    return {str(name).removeprefix("~"): value for name, value in node.items()}
+
+
+def _value(name: str, own: str, value: object) -> object:
+    row = BY_NAME[own]
+    if own == "robot_model_type":
+        if value not in _MODELS:
+            raise ConfigError("amcl.value", f"{name} must be one of {', '.join(_MODELS)}, not {value!r:.80}.")
+        return _MODELS[str(value)]
+    if row.kind == "number" and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise ConfigError("amcl.value", f"{name} must be a number, not {value!r:.80}.")
+    return value
+
+
+def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2") -> str:
+    """Return the parameters as the yaml of an AMCL; rows that AMCL lacks are remarks at its end."""
+    names = {own: name for name, own in (_NAV2_NAMES if layout == "nav2" else _ROS1_NAMES).items()}
+    names["laser_likelihood_max_dist"] = "laser_likelihood_max_dist"
+    own_rows = ("global_particles", "least_effective", "reset_below") + (
+        ("selective_resampling",) if layout == "nav2" else ()
+    )
+    lines: list[str] = []
+    remarks: list[str] = []
+    for name, value in config.as_dict().items():
+        text = _text(name, value, layout)
+        (remarks if name in own_rows else lines).append(f"{names.get(name, name)}: {text}")
+    if layout == "ros1":
+        return "".join(f"{line}\n" for line in lines) + "".join(f"# gridbloom: {line}\n" for line in remarks)
+    return (
+        "amcl:\n  ros__parameters:\n"
+        + "".join(f"    {line}\n" for line in lines)
+        + "".join(f"    # gridbloom: {line}\n" for line in remarks)
+    )
+
+
+def _text(name: str, value: object, layout: Layout) -> str:
+    if name == "robot_model_type":
+        nav2 = {"differential": '"nav2_amcl::DifferentialMotionModel"', "omni": '"nav2_amcl::OmniMotionModel"'}
+        ros1 = {"differential": '"diff-corrected"', "omni": '"omni-corrected"'}
+        return (nav2 if layout == "nav2" else ros1)[str(value)]
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    number = float(str(value))
+    whole = BY_NAME[name].step >= 1.0
+    return str(int(number)) if whole else repr(number)

@@ -1,0 +1,124 @@
+"""The pose that particles stand for: their heaviest cluster, as AMCL has it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import wrap_angle
+from mapper.localization.kernels.resampling import add_moments, fill_bins, join_bins
+from mapper.localization.kernels.types import Bins
+
+Float64Array = NDArray[np.float64]
+
+BINS = Bins(0.5, math.pi / 18.0)  #: those of AMCL's kd-tree: 0.5 m and 10°
+TURNS = 36  #: bins of a full turn
+CONVERGED_SHARE = 0.9  #: least weight of the best cluster,
+CONVERGED_M = 0.5  #: and its largest standard deviations
+CONVERGED_RAD = math.radians(20.0)
+LOST_SHARE, LOST_TIMES = 0.5, 2.0  #: a converged filter remains so down to this share, and up to these times wider
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """Where the robot is, ``T_map_base``.
+
+    ``pose`` (3,) and ``covariance`` (3, 3) are, once it ``is_converged``, those of the heaviest cluster of particles;
+    before, the covariance is that of all particles around that pose. ``share`` is the cluster's weight of 1, ``fit``
+    how well the last scan fits: 1 where each end point is on a wall. ``entropy`` is that of the histogram of poses in
+    bins of 0.5 m and 10°, bits. ``is_updated`` tells whether the last scan was used.
+    """
+
+    pose: Float64Array
+    covariance: Float64Array
+    is_converged: bool
+    share: float
+    fit: float
+    entropy: float
+    n_particles: int
+    n_clusters: int
+    is_updated: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clusters:
+    """Clusters of particles: ``weight`` (k,), ``mean`` (k, 3), ``covariance`` (k, 3, 3); ``number`` (n,) of each one's.
+
+    ``n_bins`` is how many bins of :data:`BINS` the particles fill, ``entropy`` that of their weights, bits.
+    """
+
+    weight: Float64Array
+    mean: Float64Array
+    covariance: Float64Array
+    number: NDArray[np.int64]
+    n_bins: int
+    entropy: float
+
+
+def find_clusters(particles: Float64Array, weights: Float64Array) -> Clusters:
+    """Return the clusters of ``particles`` (n, 3) with ``weights`` (n,), Σ = 1. Source: AMCL, pf_cluster_stats.
+
+    The variance of the angle is −2 ln R of the mean direction's length R (Mardia 1972).
+    """
+    n = len(particles)
+    size = 1 << (2 * n - 1).bit_length()
+    table, numbers = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    bins = np.empty(n, dtype=np.int64)
+    count = fill_bins(particles, np.arange(n), BINS, table, numbers, bins)
+    cluster_of_bin = np.empty(count, dtype=np.int64)
+    moments = np.zeros((join_bins(table, numbers, TURNS, cluster_of_bin), 8))
+    number = cluster_of_bin[bins]
+    share = np.bincount(bins, weights=weights, minlength=count)
+    share = share[share > 0.0]
+    origin = particles[:, :2].mean(axis=0)
+    add_moments(particles, weights, number, origin, moments)
+    mean, covariance = statistics(moments, origin)
+    return Clusters(moments[:, 0], mean, covariance, number, count, float(-np.sum(share * np.log2(share))))
+
+
+def statistics(moments: Float64Array, origin: Float64Array) -> tuple[Float64Array, Float64Array]:
+    """Return means (k, 3) and covariances (k, 3, 3) of the moments that ``add_moments`` makes.
+
+    x and y do not correlate with the angle here, as in AMCL.
+    """
+    w = np.maximum(moments[:, 0], 1e-300)
+    x, y, c, s, xx, xy, yy = (moments[:, k] / w for k in range(1, 8))
+    mean = np.column_stack([x + origin[0], y + origin[1], np.arctan2(s, c)])
+    length = np.clip(np.hypot(c, s), 1e-12, 1.0)
+    covariance = np.zeros((len(moments), 3, 3))
+    covariance[:, 0, 0], covariance[:, 1, 1] = np.maximum(xx - x * x, 0.0), np.maximum(yy - y * y, 0.0)
+    covariance[:, 0, 1] = covariance[:, 1, 0] = xy - x * y
+    covariance[:, 2, 2] = -2.0 * np.log(length)
+    return mean, covariance
+
+
+def estimate_of(clusters: Clusters, fit: float, *, was_converged: bool, is_updated: bool) -> Estimate:
+    """Return the estimate that clusters give, of a filter that had converged before or had not."""
+    best = int(np.argmax(clusters.weight))
+    pose, covariance = clusters.mean[best], clusters.covariance[best]
+    share = float(clusters.weight[best] / clusters.weight.sum())
+    widest = math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1]))
+    times = LOST_TIMES if was_converged else 1.0
+    is_converged = (
+        share >= (LOST_SHARE if was_converged else CONVERGED_SHARE)
+        and widest <= times * CONVERGED_M
+        and math.sqrt(covariance[2, 2]) <= times * CONVERGED_RAD
+    )
+    if not is_converged:
+        covariance = _around(clusters, pose)
+    return Estimate(
+        pose, covariance, is_converged, share, fit, clusters.entropy, len(clusters.number), len(clusters.weight),
+        is_updated,
+    )  # fmt: skip
+
+
+def _around(clusters: Clusters, pose: Float64Array) -> Float64Array:
+    """Return the mean squares (3, 3) of all particles around a pose."""
+    weight = clusters.weight / clusters.weight.sum()
+    off = clusters.mean - pose
+    off[:, 2] = wrap_angle(off[:, 2])
+    whole = clusters.covariance + off[:, :, np.newaxis] * off[:, np.newaxis, :]
+    return np.asarray(np.einsum("k,kij->ij", weight, whole))

@@ -1,0 +1,1 @@
+"""Compiled functions of Monte Carlo localization: arrays and numbers in, ``out`` written."""

@@ -1,0 +1,124 @@
+"""A whole log localized in a map: a trajectory in the map's frame."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError, WorkCancelledError
+from mapper.grid import OccupancyGrid
+from mapper.localization.map_model import MapModel
+from mapper.localization.monte_carlo import MonteCarloLocalizer
+from mapper.localization.parameters import LocalizationConfig
+from mapper.localization.scan_beams import scan_beams
+from mapper.sensors.scan import ScanLog
+
+Float64Array = NDArray[np.float64]
+
+LOCALIZED = "localized"  #: name of the trajectory
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Localized:
+    """Where the robot was at each scan, in the log's order.
+
+    ``poses`` (n, 3) are ``T_map_base``; ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
+    filter ``is_converged`` (n,); ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) how well the last
+    scan that was used fits, ``n_particles`` (n,) how many there were. ``odometry`` names the trajectory that was used.
+    """
+
+    poses: Float64Array
+    covariance: Float64Array
+    is_converged: NDArray[np.bool_]
+    share: Float64Array
+    fit: Float64Array
+    n_particles: NDArray[np.int64]
+    odometry: str
+    cpu_seconds: float
+
+    @property
+    def first_converged(self) -> int | None:
+        """The first scan from which on the filter had converged; None if it never had."""
+        found = np.flatnonzero(self.is_converged)
+        return int(found[0]) if len(found) else None
+
+
+def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
+    """Return the trajectory that is the odometry: ``trajectory``, or the first in a frame ``odom``, or the log's first.
+
+    Raises :class:`ConfigError` for a log without odometry.
+    """
+    if trajectory is not None:
+        moving = [trajectory] if not log.trajectory(trajectory).is_placeholder else []
+    else:
+        named = [name for name, one in log.trajectories.items() if not one.is_placeholder]
+        raw = [name for name in named if (log.trajectories[name].frame_id or "").strip("/").endswith("odom")]
+        moving = raw or named
+    if not moving:
+        raise ConfigError(
+            "localization.no_odometry",
+            "The log has no odometry: localization needs to know how the robot moved between its scans.",
+        )
+    return moving[0]
+
+
+def localize_log(
+    log: ScanLog,
+    grid: OccupancyGrid | MapModel,
+    config: LocalizationConfig | None = None,
+    *,
+    trajectory: str | None = None,
+    initial_pose: ArrayLike | None = None,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+    wanted: Callable[[], bool] | None = None,
+) -> Localized:
+    """Return where in a map the robot was at each scan of a log, by the odometry ``trajectory`` and the scans.
+
+    Without an ``initial_pose`` (3,) the filter starts everywhere. ``progress`` is called with the share that is done,
+    ``wanted`` now and then: False raises :class:`WorkCancelledError`. Raises :class:`ConfigError` for a log without
+    scans or odometry, a map without free or occupied cells, and a pose outside it.
+    """
+    began = time.process_time()
+    config = config or LocalizationConfig()
+    n = log.n_scans
+    if not n:
+        raise ConfigError("log.no_scans", "The log has no scans to localize with.")
+    name = odometry_of(log, trajectory)
+    odometry = log.trajectory(name).poses
+    robot = MonteCarloLocalizer(
+        grid, config, range_min=log.range_min, range_max=log.range_max, mount=log.mount, initial_pose=initial_pose,
+        seed=seed,
+    )  # fmt: skip
+    poses, covariance = np.empty((n, 3)), np.empty((n, 3, 3))
+    converged, numbers = np.zeros(n, dtype=np.bool_), np.empty((n, 2))
+    counts = np.empty(n, dtype=np.int64)
+    for i in range(n):
+        if wanted is not None and not wanted():
+            raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
+        x, y, yaw = log.mounts_at(i).tolist()
+        found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config))
+        poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
+        numbers[i], counts[i] = (found.share, found.fit), found.n_particles
+        if progress is not None:
+            progress((i + 1) / n)
+    return Localized(
+        poses, covariance, converged, numbers[:, 0], numbers[:, 1], counts, name, time.process_time() - began
+    )
+
+
+def covariance_lines(log: ScanLog, found: Localized) -> list[str]:
+    """Return a table as comma-separated text: a line for each scan with how certain its pose is."""
+    lines = ["scan,stamp_ns,converged,share,fit,particles,xx,xy,xyaw,yy,yyaw,yawyaw\n"]
+    for i in range(log.n_scans):
+        c = found.covariance[i]
+        upper = ",".join(f"{value:.9g}" for value in (c[0, 0], c[0, 1], c[0, 2], c[1, 1], c[1, 2], c[2, 2]))
+        lines.append(
+            f"{i},{int(log.stamps_ns[i])},{int(found.is_converged[i])},{found.share[i]:.6f},{found.fit[i]:.6f},"
+            f"{found.n_particles[i]},{upper}\n"
+        )
+    return lines

@@ -1,0 +1,58 @@
+"""What localization needs of a map, computed once: the likelihood field, the occupied and the free cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.grid import FREE, GridGeometry, OccupancyGrid
+from mapper.localization.kernels.types import OccupiedCells
+from mapper.localization.likelihood_field import LikelihoodField, likelihood_field, occupied_cells
+from mapper.localization.parameters import LocalizationConfig
+
+
+@dataclass(frozen=True, slots=True)
+class MapModel:
+    """One map for one set of parameters; filters may share it.
+
+    ``free_cells`` (m,) int64 are row · columns + column of the cells in which a robot may be.
+    """
+
+    geometry: GridGeometry
+    field: LikelihoodField
+    cells: OccupiedCells
+    free_cells: NDArray[np.int64]
+
+
+def check_pose(geometry: GridGeometry, pose: ArrayLike) -> NDArray[np.float64]:
+    """Return a pose (3,) as an array. Raises :class:`ConfigError` unless it is finite and in the map."""
+    found = np.asarray(pose, dtype=np.float64)
+    if found.shape != (3,) or not np.isfinite(found).all():
+        raise ConfigError(
+            "localization.pose", f"A pose must be three finite numbers, x, y and yaw, not {found.tolist()!r:.80}."
+        )
+    if not geometry.contains(geometry.world_to_cell(found[:2])):
+        corners = geometry.cell_to_world([[r, c] for r in (0, geometry.rows - 1) for c in (0, geometry.cols - 1)])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        raise ConfigError(
+            "localization.pose_outside",
+            f"The pose ({found[0]:g}, {found[1]:g}) m is outside the map, which goes from ({low[0]:g}, {low[1]:g}) to "
+            f"({high[0]:g}, {high[1]:g}) m.",
+        )
+    return found
+
+
+def map_model(grid: OccupancyGrid, config: LocalizationConfig, range_max: float) -> MapModel:
+    """Return what localization needs of a map; ``range_max``, metres, is the longest range that is used.
+
+    Raises :class:`ConfigError` for a map without free or without occupied cells.
+    """
+    free = np.flatnonzero(grid.classify().ravel() == FREE)
+    if not len(free):
+        raise ConfigError("localization.no_free_cells", "The map has no free cells: the robot can be nowhere in it.")
+    field = likelihood_field(grid, config, range_max)
+    cells = OccupiedCells(occupied_cells(grid), grid.geometry.frame)
+    return MapModel(grid.geometry, field, cells, free.astype(np.int64))

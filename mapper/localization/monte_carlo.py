@@ -1,0 +1,214 @@
+"""Monte Carlo localization: a filter that takes odometry and scans, and says where in the map the robot is.
+
+Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. What neither has: many particles until
+the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, and
+sensor resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import between_one, compose_one
+from mapper.grid import OccupancyGrid
+from mapper.localization.estimate import Estimate, estimate_of, find_clusters
+from mapper.localization.map_model import MapModel, check_pose, map_model
+from mapper.localization.motion import anywhere, around, key_of, motion_between, move
+from mapper.localization.parameters import LocalizationConfig
+from mapper.localization.recovery import Recovery
+from mapper.localization.resample import drawn, resampled
+from mapper.localization.scan_beams import ScanBeams, limits_of, scan_beams
+from mapper.localization.textbook import effective_number
+from mapper.localization.weighing import log_likelihoods, normalised, scan_sums, tempering
+from mapper.sensors.scan import RangeScan
+
+Float64Array = NDArray[np.float64]
+
+INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
+_MOVE, _START, _DRAW, _RESET, _REPLACE = range(5)  #: purposes of random numbers
+
+
+class MonteCarloLocalizer:
+    """A particle filter on one map.
+
+    ``particles`` (n, 3) are ``T_map_base`` and ``weights`` (n,) sum to 1; :meth:`set_particles` replaces them. The same
+    seed and calls give the same particles, whatever the number of threads.
+    """
+
+    def __init__(
+        self,
+        grid: OccupancyGrid | MapModel,
+        config: LocalizationConfig | None = None,
+        *,
+        range_min: float = 0.0,
+        range_max: float = 100.0,
+        mount: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        initial_pose: ArrayLike | None = None,
+        seed: int = 0,
+    ) -> None:
+        """Make a filter for scans of a sensor at ``mount``, ``T_base_laser``, that measures to ``range_max`` m.
+
+        Without an ``initial_pose`` (3,) it starts everywhere. ``grid`` may be the :class:`MapModel` of another filter
+        with the same parameters of the sensor. Raises :class:`ConfigError` for a map without free or occupied cells,
+        and a pose that is not in it.
+        """
+        self.config = config or LocalizationConfig()
+        _, longest = limits_of(self.config, range_min, range_max)
+        self.model = grid if isinstance(grid, MapModel) else map_model(grid, self.config, longest)
+        self.mount, self.seed = mount, seed
+        self.n_updates = 0  #: scans that were used
+        self._odometry: tuple[float, float, float] | None = None  # at the last scan that was used
+        self._recovery = Recovery(self.config)
+        self._steps = 0
+        if initial_pose is None:
+            self.start_anywhere()
+        else:
+            self.start_at(initial_pose)
+
+    def start_anywhere(self) -> None:
+        """Spread the particles uniformly over the free cells and all headings."""
+        self._begin(anywhere(self.model, int(self.config.global_particles), self._key(_START)))
+
+    def start_at(self, pose: ArrayLike, covariance: ArrayLike = INITIAL_COVARIANCE) -> None:
+        """Spread the particles normally around a pose (3,). Raises :class:`ConfigError` for one outside the map."""
+        place = check_pose(self.model.geometry, pose)
+        spread = np.asarray(covariance, dtype=np.float64)
+        if spread.shape != (3, 3) or not np.isfinite(spread).all():
+            raise ConfigError("localization.covariance", "The covariance of a pose must be 3 × 3 finite numbers.")
+        self._begin(around(place, spread, int(self.config.max_particles), self._key(_START)))
+
+    def set_particles(self, particles: ArrayLike, weights: ArrayLike | None = None) -> None:
+        """Replace the particles (n, 3) and their weights (n,), which need not sum to 1.
+
+        Raises :class:`ConfigError` for poses or weights that are not finite, and weights that are negative or all 0.
+        """
+        poses = np.array(particles, dtype=np.float64)
+        if poses.ndim != 2 or poses.shape[1] != 3 or not len(poses) or not np.isfinite(poses).all():
+            raise ConfigError("localization.particles", "Particles must be one or more rows of three finite numbers.")
+        w = np.ones(len(poses)) if weights is None else np.array(weights, dtype=np.float64)
+        if w.shape != (len(poses),) or not np.isfinite(w).all() or (w < 0.0).any() or not w.sum() > 0.0:
+            raise ConfigError(
+                "localization.weights",
+                f"Weights of particles must be {len(poses)} finite numbers, none negative and not all of them 0.",
+            )
+        self._begin(poses, w / w.sum())
+
+    def _begin(self, particles: Float64Array, weights: Float64Array | None = None) -> None:
+        self.particles = particles
+        self.weights = np.full(len(particles), 1.0 / len(particles)) if weights is None else weights
+        self._odometry = None
+        self._recovery = Recovery(self.config)
+        clusters = find_clusters(self.particles, self.weights)
+        self.estimate = estimate_of(clusters, 0.0, was_converged=False, is_updated=False)
+        self._base = tuple(self.estimate.pose.tolist())
+
+    def update(self, odometry: ArrayLike, scan: RangeScan) -> Estimate:
+        """Take the odometry's pose (3,), ``T_odom_base``, at a scan, and the scan; return where the robot is.
+
+        The scan is used once the robot moved by ``update_min_d`` or turned by ``update_min_a``; before, the odometry
+        carries the estimate on. Raises :class:`ConfigError` for odometry that is not finite.
+        """
+        return self.update_beams(odometry, scan_beams(scan, self.mount, self.config))
+
+    def update_beams(self, odometry: ArrayLike, scan: ScanBeams) -> Estimate:
+        """As :meth:`update`, of a scan whose beams are chosen (:func:`scan_beams`)."""
+        now = np.asarray(odometry, dtype=np.float64)
+        if now.shape != (3,) or not np.isfinite(now).all():
+            raise ConfigError(
+                "localization.odometry", f"Odometry must be three finite numbers, not {now.tolist()!r:.80}."
+            )
+        here: tuple[float, float, float] = tuple(now.tolist())
+        if self._odometry is not None:
+            moved = between_one(self._odometry, here)
+            if math.hypot(moved[0], moved[1]) < self.config.update_min_d and abs(moved[2]) < self.config.update_min_a:
+                return self._carried(moved)
+            self.predict(np.array(self._odometry), now)
+        self._odometry = here
+        self.correct(scan)
+        return self.estimate
+
+    def _carried(self, moved: tuple[float, float, float]) -> Estimate:
+        last = self.estimate
+        pose = np.array(compose_one(self._base, moved))
+        self.estimate = Estimate(
+            pose, last.covariance, last.is_converged, last.share, last.fit, last.entropy, last.n_particles,
+            last.n_clusters, is_updated=False,
+        )  # fmt: skip
+        return self.estimate
+
+    def predict(self, before: Float64Array, after: Float64Array) -> None:
+        """Move the particles as the odometry moved from ``before`` to ``after``, both (3,), with errors."""
+        self._steps += 1
+        move(self.particles, motion_between(before, after, self.config), self._key(_MOVE))
+
+    def correct(self, scan: ScanBeams) -> None:
+        """Weigh the particles by a scan, set the estimate, and draw the particles anew where it is time."""
+        config = self.config
+        self._steps += 1
+        self.n_updates += 1
+        fit, random_share = 0.0, 0.0
+        if len(scan.beams):
+            sums = scan_sums(self.model, scan, self.particles)
+            logs = log_likelihoods(self.model, scan, self.particles, sums, config)
+            power = tempering(self.weights, logs, config.least_effective) if config.least_effective > 0.0 else 1.0
+            with np.errstate(divide="ignore"):
+                self.weights = normalised(np.log(self.weights) + power * logs)
+            fit = float(self.weights @ self.model.field.fit(sums, len(scan.points)))
+            random_share = self._recovery.random_share(logs, len(scan.beams))
+        was_converged = self.estimate.is_converged
+        clusters = find_clusters(self.particles, self.weights)
+        self.estimate = estimate_of(clusters, fit, was_converged=was_converged, is_updated=True)
+        self._base = tuple(self.estimate.pose.tolist())
+        if self._is_time():
+            self._resample()
+        if random_share > 0.0:
+            self._scatter(random_share)
+        if len(scan.points) and self._recovery.wants_comparison(is_converged=self.estimate.is_converged):
+            self._compare(scan, fit)
+
+    def _is_time(self) -> bool:
+        if self.n_updates % int(self.config.resample_interval):
+            return False
+        return not self.config.selective_resampling or effective_number(self.weights) < 0.5 * len(self.weights)
+
+    def _resample(self) -> None:
+        most = int(self.config.max_particles)
+        if not self.estimate.is_converged:
+            most = max(most, int(self.config.global_particles))
+        self.particles = resampled(self.particles, self.weights, most, self._uniform(_DRAW), self.config)
+        self.weights = np.full(len(self.particles), 1.0 / len(self.particles))
+
+    def _scatter(self, share: float) -> None:
+        """Replace a share of the particles by ones drawn from all free space: augmented MCL."""
+        count = round(share * len(self.particles))
+        if count:
+            places = np.linspace(0, len(self.particles) - 1, count).astype(np.int64)
+            self.particles[places] = anywhere(self.model, count, self._key(_REPLACE))
+
+    def _compare(self, scan: ScanBeams, fit: float) -> None:
+        """Compare how a scan fits with how it fits all over the map; where it is much worse, reset.
+
+        Particles drawn from the likelihood of the scan are added then, as many as a start without a hint has. They have
+        half of the weight: whether the filter has lost the robot is as likely as not.
+        """
+        count = int(self.config.global_particles)
+        places = anywhere(self.model, count, self._key(_RESET))
+        sums = scan_sums(self.model, scan, places)
+        if not self._recovery.is_lost(fit, float(self.model.field.fit(sums.max(keepdims=True), len(scan.points))[0])):
+            return
+        logs = log_likelihoods(self.model, scan, places, sums, self.config)
+        flat = np.full(count, 1.0 / count)
+        weights = normalised(tempering(flat, logs, max(self.config.least_effective, 0.01)) * logs)
+        added = places[drawn(weights, count, self._uniform(_REPLACE))]
+        self.particles = np.concatenate([self.particles, added])
+        self.weights = 0.5 * np.concatenate([self.weights, flat])
+
+    def _key(self, purpose: int) -> int:
+        return key_of(self.seed, self._steps, purpose)
+
+    def _uniform(self, purpose: int) -> float:
+        return self._key(purpose) / float(1 << 62)

@@ -1,0 +1,60 @@
+"""Whether the filter has lost the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.localization.parameters import LocalizationConfig
+from mapper.localization.textbook import augmented_share
+
+Float64Array = NDArray[np.float64]
+
+RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhere
+PATIENCE = 4  #: scans that are compared after a reset before there is another one
+INTERVAL = 2  #: updates from one comparison to the next
+
+
+class Recovery:
+    """Averages of how well scans fit compared with other poses in the map, and of the weights (augmented MCL)."""
+
+    def __init__(self, config: LocalizationConfig) -> None:
+        self._config = config
+        self._ratio = 1.0
+        self._compared = 0
+        self._slow = self._fast = 0.0
+        self._updates = 0
+
+    def wants_comparison(self, *, is_converged: bool) -> bool:
+        """Return whether the next scan is to be compared with poses all over the map."""
+        self._updates += 1
+        return self._config.reset_below > 0.0 and is_converged and self._updates % INTERVAL == 0
+
+    def is_lost(self, fit: float, best: float) -> bool:
+        """Take how a scan fits, and how it fits at the best of many poses; return whether the robot seems lost."""
+        self._compared += 1
+        self._ratio += RATE * (fit / max(fit, best, 1e-9) - self._ratio)
+        lost = self._ratio < self._config.reset_below and self._compared >= PATIENCE
+        if lost:
+            self._ratio, self._compared = 1.0, 0
+        return lost
+
+    def random_share(self, log_likelihoods: Float64Array, n_beams: int) -> float:
+        """Return the share of random particles that augmented MCL adds after a scan, 0 where it is off.
+
+        The averages begin anew where it is above 0, as in AMCL. They are of the n-th root of the product of n beams: a
+        product changes by orders of magnitude from scan to scan.
+        """
+        config = self._config
+        if config.recovery_alpha_slow == 0.0:
+            return 0.0
+        root = 1.0 if config.laser_model_type == "likelihood_field" else 1.0 / max(n_beams, 1)
+        average = float(np.mean(np.exp(root * log_likelihoods)))
+        if self._slow == 0.0:
+            self._slow = self._fast = average
+        self._slow, self._fast, share = augmented_share(
+            average, self._slow, self._fast, config.recovery_alpha_slow, config.recovery_alpha_fast
+        )
+        if share > 0.0:
+            self._slow = self._fast = 0.0
+        return share

@@ -1,0 +1,43 @@
+"""Particles drawn anew by their weights, as many as their spread needs."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.localization.estimate import BINS
+from mapper.localization.kernels.resampling import fill_bins, low_variance
+from mapper.localization.parameters import LocalizationConfig
+from mapper.localization.textbook import kld_number
+
+Float64Array = NDArray[np.float64]
+
+
+def drawn(weights: Float64Array, count: int, u: float) -> NDArray[np.int64]:
+    """Return which particles (count,) are drawn for ``weights`` (n,), Σ = 1, and a random 0 ≤ ``u`` < 1."""
+    out = np.empty(count, dtype=np.int64)
+    low_variance(weights, u / count, out)
+    return out
+
+
+def number_of_bins(particles: Float64Array, chosen: NDArray[np.int64]) -> int:
+    """Return how many bins of poses the ``chosen`` (m,) of ``particles`` (n, 3) fill."""
+    size = 1 << (2 * len(chosen) - 1).bit_length()
+    table, numbers = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    return fill_bins(particles, chosen, BINS, table, numbers, np.empty(len(chosen), dtype=np.int64))
+
+
+def resampled(
+    particles: Float64Array, weights: Float64Array, most: int, u: float, config: LocalizationConfig
+) -> Float64Array:
+    """Return particles (m, 3) drawn from ``particles`` (n, 3) with ``weights`` (n,), by low variance.
+
+    m is what the KLD bound needs for the bins that as many draws as there were particles fill, from ``min_particles``
+    to ``most``. Table 8.4 counts the bins while it draws; here they are counted over one low-variance draw.
+    """
+    chosen = drawn(weights, len(weights), u)
+    wanted = kld_number(number_of_bins(particles, chosen), config.pf_err, config.pf_z)
+    count = int(min(max(wanted, config.min_particles), most))
+    if count != len(chosen):
+        chosen = drawn(weights, count, u)
+    return particles[chosen]

@@ -1,0 +1,274 @@
+"""Monte Carlo localization in plain NumPy, as Probabilistic Robotics prints it: what the compiled one is compared with.
+
+Source: Thrun, Burgard and Fox 2005, chapters 4, 5, 6 and 8. Random numbers are arguments, so that each function has one
+result. Poses are (3,), particles (n, 3), metres and radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, wrap_angle
+from mapper.grid import GridGeometry
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+Alphas = tuple[float, float, float, float]
+
+
+def odometry_control(before: Float64Array, after: Float64Array) -> tuple[float, float, float]:
+    """Return turn, distance and turn (rad, m, rad) between two poses of the odometry. Table 5.6, lines 2 to 4.
+
+    Below 1 cm the direction of the distance is noise: the first turn is 0 then, as in AMCL.
+    """
+    dx, dy = after[0] - before[0], after[1] - before[1]
+    distance = math.hypot(dx, dy)
+    turn_1 = 0.0 if distance < 0.01 else float(wrap_angle(math.atan2(dy, dx) - before[2]))
+    return turn_1, distance, float(wrap_angle(after[2] - before[2] - turn_1))
+
+
+def odometry_sigmas(control: tuple[float, float, float], alphas: Alphas) -> Float64Array:
+    """Return the standard deviations (3,) of turn, distance and turn. Table 5.6, lines 5 to 7.
+
+    A turn counts from straight on or from straight back, whichever is nearer, as in AMCL: driving backwards is no half
+    turn.
+    """
+    a1, a2, a3, a4 = alphas
+    turn_1, distance, turn_2 = control
+    r1, r2 = (min(abs(r), math.pi - abs(r)) for r in (turn_1, turn_2))
+    return np.sqrt(
+        [
+            a1 * r1**2 + a2 * distance**2,
+            a3 * distance**2 + a4 * (r1**2 + r2**2),
+            a1 * r2**2 + a2 * distance**2,
+        ]
+    )
+
+
+def sample_motion_model_odometry(
+    control: tuple[float, float, float], sigmas: Float64Array, pose: Float64Array, normals: Float64Array
+) -> Float64Array:
+    """Return a pose after a motion. Table 5.6, lines 5 to 11, with ``sample(σ²)`` = σ · one of ``normals`` (3,)."""
+    turn_1, distance, turn_2 = np.array(control) - sigmas * normals
+    x, y, theta = pose
+    return np.array(
+        [
+            x + distance * math.cos(theta + turn_1),
+            y + distance * math.sin(theta + turn_1),
+            wrap_angle(theta + turn_1 + turn_2),
+        ]
+    )
+
+
+def sample_motion_model_omni(
+    motion: Float64Array, alphas: tuple[float, ...], pose: Float64Array, normals: Float64Array
+) -> Float64Array:
+    """Return a pose after a ``motion`` (3,) of a robot that moves sideways too, ``normals`` (3,) as above.
+
+    Source: Nav2's AMCL, OmniMotionModel: distance, sideways distance and turn have errors.
+    """
+    a1, a2, a3, a4, a5 = alphas
+    distance, turn = math.hypot(motion[0], motion[1]), motion[2]
+    direction = pose[2] + math.atan2(motion[1], motion[0])
+    sideways = math.sqrt(a4 * turn**2 + a5 * distance**2) * normals[0]
+    forward = distance - math.sqrt(a3 * distance**2 + a4 * turn**2) * normals[1]
+    turned = turn - math.sqrt(a1 * turn**2 + a2 * distance**2) * normals[2]
+    c, s = math.cos(direction), math.sin(direction)
+    return np.array(
+        [pose[0] + forward * c - sideways * s, pose[1] + forward * s + sideways * c, wrap_angle(pose[2] + turned)]
+    )
+
+
+def motion_model_odometry(
+    after: Float64Array, control: tuple[float, float, float], before: Float64Array, alphas: Alphas
+) -> float:
+    """Return p(x_t | u_t, x_{t−1}), the density of the pose ``after``. Table 5.5, with ``prob`` the normal density."""
+    hypothesis = odometry_control(before, after)
+    sigmas = odometry_sigmas(hypothesis, alphas)
+    errors = np.array(control) - np.array(hypothesis)
+    errors[[0, 2]] = wrap_angle(errors[[0, 2]])
+    return float(np.prod(np.exp(-0.5 * (errors / sigmas) ** 2) / (sigmas * math.sqrt(2.0 * math.pi))))
+
+
+def expected_range(
+    occupied: BoolArray, geometry: GridGeometry, sensor_pose: Float64Array, bearing: float, range_max: float
+) -> float:
+    """Return where a beam enters the first occupied cell, at most ``range_max``, metres.
+
+    All crossings of the beam with the lines of the lattice are sorted by distance; between two of them it is in one
+    cell.
+    """
+    u, v = geometry.to_lattice(sensor_pose[:2])
+    heading = sensor_pose[2] + bearing - geometry.origin[2]
+    d = np.array([math.cos(heading), math.sin(heading)])
+    far = range_max / geometry.resolution
+    crossings = [0.0, far]
+    for start, slope in ((u, d[0]), (v, d[1])):
+        if slope != 0.0:
+            low, high = sorted((start, start + far * slope))
+            lines = np.arange(math.ceil(low), math.floor(high) + 1)
+            crossings += ((lines - start) / slope).tolist()
+    ordered = sorted(t for t in crossings if 0.0 <= t <= far)
+    for near, next_one in pairwise(ordered):
+        middle = 0.5 * (near + next_one)
+        row, col = math.floor(v + middle * d[1]), math.floor(u + middle * d[0])
+        if 0 <= row < geometry.rows and 0 <= col < geometry.cols and occupied[row, col]:
+            return near * geometry.resolution
+    return range_max
+
+
+def beam_density(
+    z: float, expected: float, z_hit: float, z_short: float, z_max: float, z_rand: float, sigma_hit: float,
+    lambda_short: float, range_max: float,
+) -> float:  # fmt: skip
+    """Return p(z | x, m) of one reading, table 6.1, line 4, with equations (6.4) to (6.11).
+
+    p_hit is the normal density without the factor that makes its integral over [0, ``range_max``] one.
+    """
+    p_hit = math.exp(-0.5 * ((z - expected) / sigma_hit) ** 2) / (sigma_hit * math.sqrt(2.0 * math.pi))
+    share = 1.0 - math.exp(-lambda_short * expected)
+    p_short = lambda_short * math.exp(-lambda_short * z) / share if z <= expected and share > 0.0 else 0.0
+    p_max = 1.0 if z >= range_max else 0.0
+    p_rand = 1.0 / range_max if z < range_max else 0.0
+    return z_hit * p_hit + z_short * p_short + z_max * p_max + z_rand * p_rand
+
+
+def beam_range_finder_model(readings: Sequence[float], expected: Sequence[float], *mixture: float) -> float:
+    """Return q = Π p(z_k | x, m) for readings and the ranges that the map has there. Table 6.1."""
+    q = 1.0
+    for z, z_map in zip(readings, expected, strict=True):
+        q *= beam_density(z, z_map, *mixture)
+    return q
+
+
+def likelihood_field_range_finder_model(
+    distances: Float64Array, z_hit: float, z_rand: float, sigma_hit: float, range_max: float
+) -> float:
+    """Return q of a scan whose end points lie ``distances`` (k,) from the nearest occupied cell. Table 6.3.
+
+    Without the factor 1 / (σ √2π) of ``prob``, as AMCL has it, so that ``z_hit`` and ``z_rand`` mean what they mean
+    there. Readings of ``range_max`` and more are left out by the caller (line 3).
+    """
+    q = 1.0
+    for distance in distances:
+        q *= z_hit * math.exp(-(distance**2) / (2.0 * sigma_hit**2)) + z_rand / range_max
+    return q
+
+
+def distances_to_occupied(occupied: BoolArray, resolution: float, most: float) -> Float64Array:
+    """Return how far each cell's centre (rows, cols) is from that of the nearest occupied cell, at most ``most`` m."""
+    rows, cols = np.nonzero(occupied)
+    out = np.full(occupied.shape, most)
+    for r, c in np.ndindex(*occupied.shape):
+        if len(rows):
+            out[r, c] = min(most, resolution * math.sqrt(float(np.min((rows - r) ** 2 + (cols - c) ** 2))))
+    return out
+
+
+def field_score(scores: NDArray[np.uint16], geometry: GridGeometry, points: Float64Array, pose: Float64Array) -> int:
+    """Return the sum of a field's ``scores`` (rows, cols) under end points (k, 2) of a scan taken at ``pose``."""
+    total = 0
+    for point in points:
+        end = compose(pose, np.array([point[0], point[1], 0.0]))[:2]
+        row, col = geometry.world_to_cell(end)
+        if 0 <= row < geometry.rows and 0 <= col < geometry.cols:
+            total += int(scores[row, col])
+    return total
+
+
+def low_variance_sampler(weights: Float64Array, r: float, count: int) -> Int64Array:
+    """Return which particles (count,) are drawn for ``weights`` (n,), Σ = 1, and 0 ≤ r < 1/count. Table 4.4."""
+    drawn, c, i = [], weights[0], 0
+    for m in range(count):
+        u = r + m / count
+        while u > c and i < len(weights) - 1:
+            i += 1
+            c += weights[i]
+        drawn.append(i)
+    return np.array(drawn, dtype=np.int64)
+
+
+def effective_number(weights: Float64Array) -> float:
+    """Return N_eff = 1 / Σ w² of weights (n,), Σ = 1. Source: Liu 1996; Grisetti et al. 2005, equation 9."""
+    return float(1.0 / np.sum(weights**2))
+
+
+def bin_of(pose: Float64Array, side: float, turn: float) -> tuple[int, int, int]:
+    """Return the bin of a pose: x and y in steps of ``side`` metres, the angle in steps of ``turn`` radians."""
+    return math.floor(pose[0] / side), math.floor(pose[1] / side), math.floor(pose[2] / turn)
+
+
+def kld_number(k: int, error: float, z: float) -> float:
+    """Return how many particles k bins need. Table 8.4, line 11: equation (8.11)."""
+    if k < 2:
+        return 0.0
+    a = 2.0 / (9.0 * (k - 1))
+    return (k - 1) / (2.0 * error) * (1.0 - a + math.sqrt(a) * z) ** 3
+
+
+def kld_sampling_mcl(
+    draw: Callable[[], Float64Array], least: int, most: int, error: float, z: float, side: float, turn: float
+) -> Float64Array:
+    """Return particles (n, 3), drawn one at a time by ``draw`` until they are as many as their bins need. Table 8.4."""
+    particles: list[Float64Array] = []
+    bins: set[tuple[int, int, int]] = set()
+    while len(particles) < most and (len(particles) < least or len(particles) < kld_number(len(bins), error, z)):
+        particles.append(draw())
+        bins.add(bin_of(particles[-1], side, turn))
+    return np.array(particles)
+
+
+def mcl(
+    particles: Float64Array,
+    sample_motion: Callable[[Float64Array], Float64Array],
+    measurement: Callable[[Float64Array], float],
+    r: float,
+) -> Float64Array:
+    """Return the particles (n, 3) after a motion and a measurement. Table 8.2, drawn as table 4.4 says."""
+    moved = np.array([sample_motion(particle) for particle in particles])
+    weights = np.array([measurement(particle) for particle in moved])
+    return moved[low_variance_sampler(weights / weights.sum(), r, len(moved))]
+
+
+def augmented_share(
+    average: float, slow: float, fast: float, alpha_slow: float, alpha_fast: float
+) -> tuple[float, float, float]:
+    """Return w_slow, w_fast and the share of random particles, max(0, 1 − w_fast / w_slow). Table 8.3, line 10 on."""
+    slow += alpha_slow * (average - slow)
+    fast += alpha_fast * (average - fast)
+    return slow, fast, max(0.0, 1.0 - fast / slow)
+
+
+def clusters(particles: Float64Array, side: float, turn: float) -> Int64Array:
+    """Return the number (n,) of each particle's cluster: bins that touch, also by a corner, are of one cluster.
+
+    Clusters are numbered by their first particles. The angle goes round. Source: AMCL, pf_kdtree_cluster.
+    """
+    turns = round(2.0 * math.pi / turn)
+    bins = [bin_of(particle, side, turn) for particle in particles]
+
+    def neighbours(a: tuple[int, int, int], b: tuple[int, int, int]) -> bool:
+        round_way = (a[2] - b[2]) % turns
+        return abs(a[0] - b[0]) <= 1 and abs(a[1] - b[1]) <= 1 and min(round_way, turns - round_way) <= 1
+
+    number = np.full(len(particles), -1, dtype=np.int64)
+    count = 0
+    for start in range(len(particles)):
+        if number[start] >= 0:
+            continue
+        waiting = [start]
+        number[start] = count
+        while waiting:
+            at = waiting.pop()
+            for other in np.flatnonzero(number < 0):
+                if neighbours(bins[at], bins[other]):
+                    number[other] = count
+                    waiting.append(int(other))
+        count += 1
+    return number

@@ -1,0 +1,91 @@
+"""Weights of particles: how likely a scan is at each of them."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.parallel import cores, in_parallel, shares
+from mapper.localization.kernels.beam_model import weigh_by_beams
+from mapper.localization.kernels.score_poses import score_poses
+from mapper.localization.kernels.types import Mixture
+from mapper.localization.map_model import MapModel
+from mapper.localization.parameters import LocalizationConfig
+from mapper.localization.scan_beams import ScanBeams
+
+Float64Array = NDArray[np.float64]
+
+_PART = 1000  #: particles below which no further thread is worth it
+_SAMPLE = 4096  #: particles by which the power of tempering is found
+
+
+def parts(n: int) -> list[tuple[int, int]]:
+    """Split n particles into ranges, one for each core that they are worth."""
+    return shares(n, max(1, min(cores(), n // _PART)))
+
+
+def scan_sums(model: MapModel, scan: ScanBeams, particles: Float64Array) -> NDArray[np.int64]:
+    """Return the sums of the likelihood field's scores (n,) under a scan's end points, for ``particles`` (n, 3)."""
+    sums = np.empty(len(particles), dtype=np.int64)
+    in_parallel(
+        [partial(score_poses, model.field.field, scan.points, particles, a, b, sums) for a, b in parts(len(particles))]
+    )
+    return sums
+
+
+def log_likelihoods(
+    model: MapModel, scan: ScanBeams, particles: Float64Array, sums: NDArray[np.int64], config: LocalizationConfig
+) -> Float64Array:
+    """Return log p(z | x, m) (n,) for ``particles`` (n, 3), up to a constant, by the model that ``config`` names."""
+    if config.laser_model_type != "beam":
+        return model.field.log_weights(sums, len(scan.points))
+    out = np.empty(len(particles))
+    mixture = Mixture(
+        config.z_hit, config.z_short, config.z_max, config.z_rand, config.sigma_hit, config.lambda_short,
+        scan.range_max,
+    )  # fmt: skip
+    in_parallel(
+        [
+            partial(weigh_by_beams, model.cells, mixture, scan.beams, scan.sensor, particles, a, b, out)
+            for a, b in parts(len(particles))
+        ]
+    )
+    return out
+
+
+def normalised(log_weights: Float64Array) -> Float64Array:
+    """Return weights (n,), Σ = 1, for their logarithms. Raises :class:`ConfigError` where one is not a number."""
+    most = float(log_weights.max())
+    if not np.isfinite(most):
+        raise ConfigError("localization.weights", "Weights of particles must be numbers, and not all of them 0.")
+    weights = np.exp(log_weights - most)
+    weights /= weights.sum()
+    return weights
+
+
+def effective(weights: Float64Array) -> float:
+    """Return N_eff = (Σw)² / Σw² of weights (n,)."""
+    total = float(weights.sum())
+    return total * total / float(weights @ weights)
+
+
+def tempering(prior: Float64Array, log_likelihood: Float64Array, least: float) -> float:
+    """Return the greatest power β ≤ 1 of the likelihood after which N_eff is at least ``least`` of the particles.
+
+    ``prior`` (n,) are the weights before. The power is found by bisection, on every k-th particle where there are many.
+    Source: Del Moral, Doucet and Jasra 2012, An adaptive sequential Monte Carlo method (the level of N_eff).
+    """
+    step = max(1, len(prior) // _SAMPLE)
+    w, value = prior[::step], log_likelihood[::step]
+    value = value - value.max()
+    wanted = least * min(len(w), effective(w))
+    if effective(w * np.exp(value)) >= wanted:
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if effective(w * np.exp(middle * value)) >= wanted else (low, middle)
+    return low

@@ -1,0 +1,160 @@
+"""``localize``: where in a map the robot was at each scan of a log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.core.errors import MapperError
+from server.cli.app import app
+from server.cli.common import (
+    AsJson,
+    LogPath,
+    TopicName,
+    TrajectoryName,
+    fail,
+    numbers,
+    print_json,
+    progress_bar,
+    read_log,
+    refusing,
+)
+
+if TYPE_CHECKING:
+    from mapper.localization import LocalizationConfig, Localized
+    from mapper.sensors.scan import ScanLog
+
+COVARIANCE = ".covariance.csv"
+
+
+@app.command()
+def localize(
+    log: LogPath,
+    map_file: Annotated[Path, typer.Option("--map", metavar="MAP.yaml", help="The map, or a map of CMU's course.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="POSES.tum",
+            help="Write a pose in the map for each scan, in the log's order, and POSES.covariance.csv: how certain "
+            "each is, and whether the filter had converged.",
+        ),
+    ] = None,
+    initial_pose: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,YAW", help="Where in the map the robot starts (m, m, rad). [anywhere]"),
+    ] = None,
+    params: Annotated[
+        Path | None, typer.Option(metavar="AMCL.yaml", help="Parameters of an AMCL, as Nav2 or ROS 1 has them.")
+    ] = None,
+    values: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A localization parameter; given again, another one."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random numbers. [0]", show_default=False)] = 0,
+    topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the robot of a log in a map, by its odometry and its scans (Monte Carlo localization)."""
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.localization import localize_log  # noqa: PLC0415 - start-up
+
+    begin = None
+    if initial_pose is not None:
+        begin = numbers("--initial-pose", "three numbers, X,Y,YAW in metres and radians", 3, initial_pose)
+    config, ignored = _configured(params, values or [])
+    with refusing(map_file):
+        loaded = load_map(map_file)
+        if begin is not None:
+            from mapper.localization.map_model import check_pose  # noqa: PLC0415 - start-up
+
+            check_pose(loaded.grid.geometry, begin)
+    scans = read_log(log, topic)
+    with progress_bar("Localizing") as bar:
+        try:
+            found = localize_log(
+                scans, loaded.grid, config, trajectory=trajectory, initial_pose=begin, seed=seed, progress=bar
+            )
+        except MapperError as error:
+            fail(f"{log} in {map_file}: {error.message}")
+    written = [] if out is None else _write(out, scans, found, loaded.description.frame or "map")
+    notes = [*scans.notes, *loaded.notes]
+    if ignored:
+        notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(ignored)}.")
+    first = found.first_converged
+    facts: dict[str, Any] = {
+        "log": scans.name,
+        "map": map_file.name,
+        "scans": scans.n_scans,
+        "odometry": found.odometry,
+        "initial_pose": begin,
+        "converged_at_scan": first,
+        "scans_converged": int(found.is_converged.sum()),
+        "last_pose": [round(float(v), 6) for v in found.poses[-1]],
+        "last_converged": bool(found.is_converged[-1]),
+        "median_fit": round(float(sorted(found.fit)[len(found.fit) // 2]), 4),
+        "cpu_seconds": round(found.cpu_seconds, 3),
+        "files": [str(path) for path in written],
+        "notes": notes,
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{scans.name} in {map_file.name}: {scans.n_scans} scans, odometry {found.odometry!r}")
+    if first is None:
+        typer.echo("  The filter never converged: where the robot was is not known.")
+    else:
+        typer.echo(f"  converged at scan {first}; it had converged at {facts['scans_converged']} scans")
+    x, y, yaw = facts["last_pose"]
+    typer.echo(f"  last pose {x:.3f} m, {y:.3f} m, {yaw:.4f} rad")
+    typer.echo(f"  {found.cpu_seconds:.1f} s of processor time")
+    for path in written:
+        typer.echo(f"  wrote {path}")
+    for note in notes:
+        typer.echo(f"  note: {note}")
+
+
+def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationConfig, tuple[str, ...]]:
+    """Return the parameters of a yaml with those given as NAME=VALUE replaced, or end the command with an error."""
+    from mapper.localization import PARAMETERS, LocalizationConfig, read_amcl_yaml  # noqa: PLC0415 - start-up
+    from server.cli.common import value_of  # noqa: PLC0415 - start-up
+
+    config = LocalizationConfig()
+    ignored: tuple[str, ...] = ()
+    if params is not None:
+        with refusing(params):
+            read = read_amcl_yaml(params)
+        config, ignored = read.config, read.ignored
+    rows = {row.name: row for row in PARAMETERS}
+    given: dict[str, Any] = {}
+    for one in values:
+        name, equals, text = one.partition("=")
+        if not equals:
+            fail(f"--set needs NAME=VALUE, not {one!r:.80}.")
+        name = name.strip().replace("-", "_")
+        given[name] = value_of(rows[name], text.strip()) if name in rows else text
+    try:
+        return config.with_values(given), ignored
+    except MapperError as error:
+        fail(error.message)
+
+
+def _write(path: Path, log: ScanLog, found: Localized, frame: str) -> list[Path]:
+    from dataclasses import replace  # noqa: PLC0415 - start-up
+
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
+    from mapper.localization.localize import LOCALIZED, covariance_lines  # noqa: PLC0415 - start-up
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
+
+    placed = replace(log, trajectories={LOCALIZED: Trajectory(found.poses, "localized in a map", frame)})
+    texts = {path: tum_text(placed, LOCALIZED), path.with_suffix(COVARIANCE): "".join(covariance_lines(log, found))}
+    for place, text in texts.items():
+        try:
+            with atomic_write(place) as file:
+                file.write(text.encode())
+        except OSError as error:
+            fail(f"{place}: the file cannot be written: {error.strerror}.")
+    return list(texts)

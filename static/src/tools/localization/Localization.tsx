@@ -1,0 +1,127 @@
+/** The robot localized in the plan of its world: begun, kidnapped, and what goes wrong. */
+
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import type { LocalizationMessage } from "../../wire/protocol";
+import { ErrorChart } from "./ErrorChart";
+import { grown, type Point, SETTINGS, valuesOf } from "./model";
+import "./localization.css";
+
+const PARTICLES = "particles";
+const FIELD = "likelihood_field";
+
+export function Localization({ store }: { readonly store: Store }) {
+  const message = store.localization.value;
+  const isOn = message?.is_on === true;
+  const on = useSignal<readonly string[]>([]);
+  const points = useSignal<readonly Point[]>([]);
+  useSignalEffect(() => {
+    const news = store.localization.value;
+    points.value = news ? grown(points.peek(), news) : [];
+  });
+  useEffect(() => (isOn ? store.layers.subscribe(PARTICLES) : undefined), [store, isOn]);
+  const showsField = store.underlay.value === FIELD;
+  useEffect(() => {
+    if (!isOn && store.underlay.peek() === FIELD) store.underlay.value = null;
+    return isOn && showsField ? store.layers.subscribe(FIELD) : undefined;
+  }, [store, isOn, showsField]);
+  const begin = (names: readonly string[]): void => {
+    on.value = names;
+    points.value = [];
+    store.send({ type: "localize", value: true, values: valuesOf(names) });
+  };
+  const turn = (name: string): void =>
+    begin(on.peek().includes(name) ? on.peek().filter((one) => one !== name) : [...on.peek(), name]);
+  return (
+    <div class="localization">
+      <p class="localization-note">
+        A particle filter gets the plan of the world as it is now, the wheels' odometry and the scans. It has to find
+        out where the robot is.
+      </p>
+      <div class="localization-row">
+        <Button
+          kind="primary"
+          label={isOn ? "Start anew, anywhere" : "Find the robot"}
+          onClick={() => begin(on.peek())}
+        />
+        {isOn && <Button kind="quiet" label="End" onClick={() => store.send({ type: "localize", value: false })} />}
+      </div>
+      {isOn && message && (
+        <>
+          <Outcome message={message} />
+          <ErrorChart points={points.value} />
+          <p class="localization-key">
+            <span class="key error" aria-hidden="true" /> error <span class="key entropy" aria-hidden="true" /> entropy
+          </p>
+          <p class="localization-note">
+            <b>Kidnap the robot:</b> click somewhere else in the world. The filter is not told.
+          </p>
+        </>
+      )}
+      <fieldset class="localization-row">
+        <legend>What goes wrong</legend>
+        {SETTINGS.map(({ name, label, look }) => (
+          <button
+            key={name}
+            type="button"
+            role="switch"
+            class="localization-chip"
+            aria-checked={on.value.includes(name)}
+            title={look}
+            onClick={() => turn(name)}
+          >
+            {label}
+          </button>
+        ))}
+      </fieldset>
+      {isOn && (
+        <button
+          type="button"
+          role="switch"
+          class="localization-chip"
+          aria-checked={showsField}
+          onClick={() => {
+            store.underlay.value = showsField ? null : FIELD;
+          }}
+        >
+          Likelihood field under the particles
+        </button>
+      )}
+      <div class="localization-note" role="status">
+        {SETTINGS.filter(({ name }) => on.value.includes(name)).map(({ name, look }) => (
+          <p key={name}>
+            <b>Look for:</b> {look}
+          </p>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+function Outcome({ message }: { readonly message: LocalizationMessage }) {
+  const off = message.error_m ?? 0;
+  const isRight = message.is_converged && off < 1;
+  const verdict = isRight ? "Found" : message.is_converged ? "Wrong, and sure of it" : "Not found yet";
+  return (
+    <dl class="localization-numbers">
+      <div>
+        <dt>State</dt>
+        <dd>{verdict}</dd>
+      </div>
+      <div>
+        <dt>Error</dt>
+        <dd>{off.toFixed(2)} m</dd>
+      </div>
+      <div>
+        <dt>Particles</dt>
+        <dd>{message.n_particles.toLocaleString("en")}</dd>
+      </div>
+      <div>
+        <dt>Entropy</dt>
+        <dd>{message.entropy.toFixed(1)} bit</dd>
+      </div>
+    </dl>
+  );
+}

@@ -1,0 +1,47 @@
+/** What the belief shows of a localized robot: the best estimate, how certain it is, and the scan seen from it. */
+
+import { compose } from "../../grid/lattice";
+import { type Brush, paintBeams } from "../../render/picture/brush";
+import { toScreen } from "../../render/view";
+import type { Store } from "../../store/store";
+import type { Pose } from "../../wire/protocol";
+import { ellipseOf } from "./model";
+
+const CROSS_PX = 10;
+
+/** Pose `b` as pose `a` sees it: the inverse of `a`, composed with `b`. */
+function seenFrom(a: Pose, b: Pose): Pose {
+  const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+  const [c, s] = [Math.cos(a[2]), Math.sin(a[2])];
+  return [c * dx + s * dy, c * dy - s * dx, b[2] - a[2]];
+}
+
+/** Paint the estimate; nothing while the robot is not localized. */
+export function paintLocalization(store: Store, brush: Brush): void {
+  const message = store.localization.peek();
+  const frame = store.frame.peek();
+  if (!message?.pose || !message.covariance) return;
+  const { ctx, view, size, colours } = brush;
+  const { pose, covariance } = message;
+  const [xx, xy, yy] = covariance;
+  const [x, y] = toScreen(view, size, pose[0], pose[1]);
+  if (frame && message.is_converged) {
+    // The scan was taken at the newest scan's pose; seen from the estimate it lies on the walls if that is right.
+    const mount = seenFrom(frame.pose, frame.scan_pose);
+    paintBeams(brush, compose(pose, mount), frame, frame.range_max, 0.35, 1.5);
+  }
+  const [long, short, turn] = ellipseOf(xx, xy, yy);
+  ctx.lineWidth = 2;
+  ctx.strokeStyle = colours.outline;
+  ctx.setLineDash(message.is_converged ? [] : [6, 5]);
+  ctx.beginPath();
+  ctx.ellipse(x, y, Math.max(long / view.scale, 3), Math.max(short / view.scale, 3), -turn, 0, 2 * Math.PI);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.beginPath();
+  ctx.moveTo(x - CROSS_PX, y);
+  ctx.lineTo(x + CROSS_PX, y);
+  ctx.moveTo(x, y - CROSS_PX);
+  ctx.lineTo(x, y + CROSS_PX);
+  ctx.stroke();
+}

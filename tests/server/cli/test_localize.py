@@ -1,0 +1,86 @@
+"""``gridbloom localize``: what it writes, and what it refuses."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.io.maps import save_map
+from mapper.io.trajectories import read_tum
+from mapper.localization import LocalizationConfig, amcl_yaml
+from mapper.sensors.scan import ScanLog
+from tests.mapper.localization.rooms import office
+from tests.server.cli.running import Run
+from tests.server.cli.test_slam import carmen
+
+FEW = ("--set", "global_particles=8000")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ScanLog]:
+    grid, log = office()
+    folder = tmp_path_factory.mktemp("localize")
+    save_map(grid, folder / "office", "trinary")
+    return carmen(folder / "office.log", log), folder / "office.yaml", log
+
+
+def test_writes_a_pose_for_each_scan_and_how_certain_it_is(run: Run, files, tmp_path: Path):
+    log, grid, drive = files
+    out = tmp_path / "poses.tum"
+    status, printed, err = run("localize", log, "--map", grid, "--out", out, "--json", "--seed", "1", *FEW)
+    assert status == 0, err
+    facts = json.loads(printed)
+    assert facts["scans"] == drive.n_scans
+    assert facts["last_converged"] is True
+    poses = read_tum(out).poses
+    true = drive.trajectory("true").poses
+    assert len(poses) == drive.n_scans
+    assert np.hypot(*(poses - true)[-10:, :2].T).max() < 0.4
+    with (tmp_path / "poses.covariance.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    assert [int(row["scan"]) for row in rows] == list(range(drive.n_scans))
+    first = facts["converged_at_scan"]
+    assert [row["converged"] for row in rows[: first + 1]] == ["0"] * first + ["1"]
+    assert float(rows[0]["xx"]) > 1.0
+    assert float(rows[-1]["xx"]) < 0.25
+    assert facts["files"] == [str(out), str(tmp_path / "poses.covariance.csv")]
+
+
+def test_with_a_hint_and_an_amcl_yaml(run: Run, files, tmp_path: Path):
+    log, grid, drive = files
+    params = tmp_path / "amcl.yaml"
+    params.write_text(amcl_yaml(LocalizationConfig(laser_max_beams=30)) + "    base_frame_id: base\n")
+    x, y, yaw = drive.trajectory("true").poses[0]
+    status, out, err = run(
+        "localize", log, "--map", grid, "--initial-pose", f"{x:.3f},{y:.3f},{yaw:.3f}", "--params", params
+    )
+    assert status == 0, err
+    assert "converged at scan 0" in out or "converged at scan 1" in out
+    assert "these say nothing about where the robot is: base_frame_id" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--initial-pose", "1,2"], "--initial-pose needs three numbers"),
+        (["--initial-pose", "900,2,0"], "is outside the map, which goes from"),
+        (["--set", "sigma_hit=0"], "sigma_hit"),
+        (["--set", "speed=1"], "There is no localization parameter 'speed'"),
+        (["--set", "speed"], "--set needs NAME=VALUE"),
+        (["--trajectory", "tf"], "The log has no trajectory 'tf'"),
+        (["--params", "nothing.yaml"], "cannot be read"),
+        (["--out", "/proc/nothing/poses.tum"], "cannot be written"),
+    ],
+)
+def test_bad_options(run: Run, files, arguments: list[str], said: str):
+    status, out, err = run("localize", files[0], "--map", files[1], *FEW, *arguments)
+    assert (status, out) == (2, "")
+    assert said in err
+
+
+def test_a_map_that_is_missing(run: Run, files):
+    status, _, err = run("localize", files[0], "--map", "no.yaml")
+    assert status == 2
+    assert "There is no file 'no.yaml'" in err

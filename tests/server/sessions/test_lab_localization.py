@@ -1,0 +1,102 @@
+"""The lab localizes its robot: found without a hint, kidnapped by a click, found again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError
+from mapper.simulation import WORLDS
+from mapper.simulation.live_map import LiveMap
+from server.sessions import SessionRegistry
+from server.sessions.models.lab_localization import MOST_SHOWN, LabLocalization
+from server.sessions.models.simulation import SimulationModel
+from server.sessions.tick import TickResult
+from server.stream.protocol import ProtocolError
+from tests.server.begin import new_simulation
+
+FEW = {"global_particles": 4000}
+
+
+def lab_localization(mapper: LiveMap, values: dict[str, Any]) -> LabLocalization:
+    simulation = mapper.simulation
+    return LabLocalization(simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, values)
+
+
+def drive(mapper: LiveMap, one: LabLocalization, seconds: float) -> dict[str, Any]:
+    for _ in range(int(4 * seconds)):
+        mapper.advance(0.25)
+        assert mapper.newest is not None
+        one.look(mapper.newest, mapper.newest_pose)
+    return one.message()
+
+
+def test_the_robot_is_found_kidnapped_and_found_again() -> None:
+    mapper = LiveMap(WORLDS["office"], seed=2)
+    one = lab_localization(mapper, FEW)
+    assert not one.message()["is_converged"]
+    wide = one.message()["entropy"]
+    found = drive(mapper, one, 25.0)
+    assert found["is_converged"]
+    assert found["error_m"] < 0.4
+    assert found["entropy"] < wide - 3.0
+    mapper.teleport(16.5, 3.0, 1.0)
+    one.carried(mapper.newest_pose)
+    assert mapper.newest is not None
+    one.look(mapper.newest, mapper.newest_pose)
+    assert one.message()["error_m"] > 5.0  # it was not told
+    for _ in range(60):
+        found = drive(mapper, one, 2.0)
+        if found["is_converged"] and found["error_m"] < 0.4:
+            break
+    assert found["error_m"] < 0.4
+    assert found["error_rad"] < 0.3
+
+
+def test_of_many_particles_some_are_sent() -> None:
+    one = lab_localization(LiveMap(WORLDS["room"], seed=1), {"global_particles": 25_000})
+    particles, field = one.layers
+    particles.publish()
+    count, parts = particles.body  # type: ignore[attr-defined]
+    assert MOST_SHOWN / 2 < count <= MOST_SHOWN
+    table = np.frombuffer(b"".join(parts), dtype=np.float32)
+    assert len(table) >= 4 * count
+    assert (field.name, field.kind) == ("likelihood_field", "grid")
+
+
+async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:
+    session = await new_simulation(registry, "me", "room", 3, playing=False)
+    model: SimulationModel = session.model
+    async with session.locked():
+        result = TickResult()
+        model.obey({"type": "localize", "value": True, "values": {"global_particles": 500}}, result)
+        assert [layer.name for layer in model.layers] == ["map", "particles", "likelihood_field"]
+        before = model.footprint.cells
+        message = model.messages()[-1]
+        assert message["is_on"]
+        assert message["values"] == {"global_particles": 500}
+        for values in ({"sigma_hit": -1.0}, {"speed": 1.0}):
+            with pytest.raises(ConfigError):
+                model.obey({"type": "localize", "value": True, "values": values}, result)
+        with pytest.raises(ProtocolError):
+            model.obey({"type": "localize", "value": True, "values": 3}, result)
+        assert model.messages()[-1] == message  # what was refused changed nothing
+        model.obey({"type": "teleport", "x": 8.0, "y": 6.0}, result)
+        model.draw(result)
+        assert model.messages()[-1]["error_m"] > 0.5
+        model.obey({"type": "localize", "value": False}, result)
+        assert [layer.name for layer in model.layers] == ["map"]
+        assert not model.messages()[-1]["is_on"]
+        assert model.footprint.cells < before
+
+
+async def test_another_world_ends_it(registry: SessionRegistry) -> None:
+    session = await new_simulation(registry, "me", "room", 3, playing=False)
+    model: SimulationModel = session.model
+    async with session.locked():
+        result = TickResult()
+        model.obey({"type": "localize", "value": True, "values": FEW}, result)
+        model.obey({"type": "world", "name": "maze"}, result)
+        assert len(model.layers) == 1
