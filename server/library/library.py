@@ -93,7 +93,7 @@ class Library:
         self._cache = LogCache(self._limits.cache_bytes)
         root = settings.data_dir / "library"
         scratch = root / "incoming"
-        for folder in (root, root / "packs", scratch):
+        for folder in (root, root / "packs", root / "pictures", scratch):
             private_folder(folder)
         memory = self._limits.read_memory_bytes
         self._reader = reader or Reader(

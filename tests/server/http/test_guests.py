@@ -106,6 +106,12 @@ NEVER = {
     ("GET", "/scenes/{session_id}"),
     ("GET", "/scenes/{session_id}/"),
     ("HEAD", "/scenes/{session_id}/"),
+    ("GET", "/scenes/{session_id}/plain/"),
+    ("HEAD", "/scenes/{session_id}/plain/"),
+    ("GET", "/scenes/{session_id}/settings"),
+    ("POST", "/scenes/{session_id}/settings"),
+    ("SOCKET", "/scenes/{session_id}/plain"),
+    ("SOCKET", "/scenes/{session_id}/plain/"),
     ("SOCKET", "/scenes/{session_id}"),
     ("SOCKET", "/scenes/{session_id}/"),
 }
