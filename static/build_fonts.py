@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from fontTools import subset
 from fontTools.ttLib import TTFont
+from fontTools.ttLib.tables._c_m_a_p import CmapSubtable
 from fontTools.varLib import instancer
 
 STATIC = Path(__file__).parent
@@ -25,17 +26,16 @@ TEXT = frozenset([*range(0x20, 0x7F), *range(0xA0, 0x100), *map(ord, "‘’‚�
 GREEK = frozenset(map(ord, "ΔΓΘΛΞΠΣΦΨΩαβγδεζηθικλμνξοπρστυφχψω"))
 #: what formulas in text have
 SIGNS = frozenset(map(ord, "ℓ←↑→↓↔∂∏∑√∞∩∫≈≠≤≥×÷±¬ⁿ⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺₀₁₂₃₄₅₆₇₈₉₊₋ᵀ✓"))
-#: what MathML has, and the signs that the text font lacks; MathML shows a variable of one letter in italic by U+1D434 …
+#: what MathML has, and the signs that the text font lacks
 MATH = frozenset(
     [
         *map(ord, " ()[]{}|+−=<>·,:;/¬"),
-        *map(ord, "ℓ←→∇∂∈∏∑√∝∞∣∥∧∨∩∪∫≈≠≤≥⊕⋅∘±×⟨⟩⏞⏟⎴⎵"),
-        *GREEK,
-        0x210E,  # italic h
-        *(set(range(0x1D434, 0x1D468)) - {0x1D455}),
-        *range(0x1D6FC, 0x1D716),
+        *map(ord, "ℓ←→∇∂∈∏∑√∝∞∣∥∧∨∩∪∫≈≠≤≥⊕⋅∗∘±×⟨⟩⏞⏟⎴⎵"),
     ]
 )
+_LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+#: MathML shows a variable of one letter by a character of its own, U+1D434 …; the italic h has another place
+ITALIC_OF = {0x210E if letter == "h" else 0x1D434 + i: ord(letter) for i, letter in enumerate(_LETTERS)}
 #: OpenType features: kerning, ligatures, accents; figures of one width, which `tabular-nums` asks for
 FEATURES = ("kern", "liga", "ccmp", "locl", "mark", "mkmk", "tnum")
 
@@ -47,6 +47,8 @@ class Face(NamedTuple):
     source: str
     characters: frozenset[int]
     weights: tuple[int, int] | int | None = None
+    #: characters that the glyphs of others show: these are the face's, if there are any
+    shown_by: dict[int, int] | None = None
 
     @property
     def package(self) -> Path:
@@ -62,6 +64,7 @@ FACES = (
     Face("serif-greek", f"{_SERIF}-greek-wght-normal.woff2", GREEK, (400, 650)),
     Face("serif-italic", f"{_SERIF}-latin-wght-italic.woff2", TEXT, 400),
     Face("mono", "@fontsource/source-code-pro/files/source-code-pro-latin-400-normal.woff2", TEXT),
+    Face("math-italic", f"{_SERIF}-latin-wght-italic.woff2", frozenset(ITALIC_OF.values()), 400, ITALIC_OF),
     Face("math", "@fontsource/noto-sans-math/files/noto-sans-math-latin-400-normal.woff2", MATH),
 )
 
@@ -79,6 +82,12 @@ def make_face(face: Face, to: Path) -> None:
     cutter.subset(font)
     if face.weights is not None:
         font = instancer.instantiateVariableFont(font, {"wght": face.weights})
+    if face.shown_by:
+        glyphs = font.getBestCmap()
+        table = CmapSubtable.newSubtable(12)  # others have no characters beyond U+FFFF
+        table.platformID, table.platEncID, table.language = 3, 10, 0
+        table.cmap = {shown: glyphs[by] for shown, by in face.shown_by.items()}
+        font["cmap"].tables = [table]
     for name_id in (1, 4, 6):
         font["name"].setName(f"Gridbloom{'' if name_id == 6 else ' '}{face.name}", name_id, 3, 1, 0x409)
     font.flavor = "woff2"

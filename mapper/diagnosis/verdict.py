@@ -12,6 +12,7 @@ from mapper.diagnosis.contradiction import LEAST_EVIDENCE, WITHIN, Contradiction
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import POSSIBLE, Finding
 from mapper.diagnosis.several import of_sensors, share_of
+from mapper.grid import OccupancyGrid
 from mapper.grid.compare import wall_contrast
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
@@ -187,12 +188,17 @@ def _sharpness(
     return sharpness, [Reason("sharpness", sharpness, limits.min_sharpness, said)]
 
 
-def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:
-    """Return the sharpness, 0 … 1, of the walls in the map of a log with the default parameters of its sensor."""
+def map_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> OccupancyGrid:
+    """Return the map of a log with the default parameters of its sensor."""
     config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"time_offset": time_offset}))
     grid = grid_for(log, config, trajectory)
     integrate_log(grid, log, config, trajectory)
-    return wall_contrast(grid)
+    return grid
+
+
+def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:
+    """Return the sharpness, 0 … 1, of the walls in :func:`map_of` a log."""
+    return wall_contrast(map_of(log, trajectory, time_offset))
 
 
 def _drift_reasons(drift: float | None, limit: float, why: str) -> list[Reason]:

@@ -4,6 +4,7 @@ from mapper.evaluation.alignment import ALIGNMENTS, Alignment, align
 from mapper.evaluation.association import associate
 from mapper.evaluation.pairs import DELTA_UNITS, pairs_over
 from mapper.evaluation.pose_error import absolute_errors, relative_errors
+from mapper.evaluation.published import PUBLISHED, PublishedResult, benchmark_named
 from mapper.evaluation.relations import RelationErrors, Relations, evaluate_relations
 from mapper.evaluation.statistics import ErrorSeries, ErrorStatistics
 from mapper.evaluation.trajectory_error import Comparison, ComparisonOptions, compare_trajectories
@@ -11,16 +12,19 @@ from mapper.evaluation.trajectory_error import Comparison, ComparisonOptions, co
 __all__ = [
     "ALIGNMENTS",
     "DELTA_UNITS",
+    "PUBLISHED",
     "Alignment",
     "Comparison",
     "ComparisonOptions",
     "ErrorSeries",
     "ErrorStatistics",
+    "PublishedResult",
     "RelationErrors",
     "Relations",
     "absolute_errors",
     "align",
     "associate",
+    "benchmark_named",
     "compare_trajectories",
     "evaluate_relations",
     "pairs_over",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog, Topic
+from mapper.sensors.streams import CloudStream, ImuStream
 from mapper.sensors.timed_poses import TimedPoses
 
 
@@ -35,12 +36,15 @@ class RobotLog:
     ``sensors`` has the planar range sensors that were asked for, by topic, each with its mount and with the poses at
     its stamps; the first is the one to map where nothing else is said. ``trajectories`` has the robot's poses by name,
     as their sources state them: at their own rates, with their own stamps. ``transforms`` is the tree of frames as it
-    was read, ``topics`` all that the file holds. Raises :class:`ConfigError` for a log without a sensor.
+    was read, ``topics`` all that the file holds. ``clouds`` and ``imus`` are the point clouds and the IMUs by topic,
+    which are read from the recording when they are asked for. Raises :class:`ConfigError` for a log without a sensor.
     """
 
     sensors: Mapping[str, ScanLog]
     trajectories: Mapping[str, TimedPoses] = field(default_factory=dict)
     transforms: tuple[TransformEdge, ...] = ()
+    clouds: Mapping[str, CloudStream] = field(default_factory=dict)
+    imus: Mapping[str, ImuStream] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.sensors:

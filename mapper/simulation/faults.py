@@ -31,6 +31,10 @@ FAULT_PARAMETERS: tuple[Parameter, ...] = (
         "Make the map with the poses that the wheels report, which drift, instead of the true ones.",
     ),
     Parameter(
+        "slam", "SLAM while driving", "faults", "flag", False,
+        "Correct the drifting poses with SLAM of the scans, as the robot drives; without drift there is no effect.",
+    ),
+    Parameter(
         "specular", "Polished walls", "faults", "flag", False,
         "Long straight walls reflect a slanting beam away, so that it does not return.",
     ),
@@ -41,12 +45,14 @@ FAULT_PARAMETERS: tuple[Parameter, ...] = (
 class Faults:
     """One value for each row of :data:`FAULT_PARAMETERS`: the faults that the map is made with.
 
-    ``drift`` uses the poses of :class:`~mapper.simulation.odometry.Odometer`. ``specular`` uses the walls of
-    :func:`polished_faces`: a lidar's slanting beam does not return, a sonar hears only what else is in its cone.
+    ``drift`` uses the poses of :class:`~mapper.simulation.odometry.Odometer`, with ``slam`` as SLAM corrects them.
+    ``specular`` uses the walls of :func:`polished_faces`: a lidar's slanting beam does not return, a sonar hears only
+    what else is in its cone.
     Raises :class:`mapper.core.errors.ConfigError` for a value that is not true or false.
     """
 
     drift: bool = False
+    slam: bool = False
     specular: bool = False
 
     def __post_init__(self) -> None:
@@ -62,7 +68,14 @@ class Faults:
     @property
     def trajectory(self) -> str:
         """The trajectory of a :class:`~mapper.simulation.recording.Recording` that the map is made with."""
-        return "odometry" if self.drift else "true"
+        if not self.drift:
+            return "true"
+        return "slam" if self.slam else "odometry"
+
+    @property
+    def heals(self) -> bool:
+        """Whether the map is made with corrected poses."""
+        return self.trajectory == "slam"
 
 
 check_table(Faults, FAULT_PARAMETERS)

@@ -20,6 +20,7 @@ from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 from mapper.simulation.edits import Edits, edited
 from mapper.simulation.faults import Faults, lengthened, with_lengthened
 from mapper.simulation.floor_plans import WORLDS
+from mapper.simulation.healing import Healing, MakeCorrector, pose_tuple
 from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.odometry import Odometer
 from mapper.simulation.recording import Recording
@@ -51,8 +52,13 @@ class LiveMap:
         *,
         mapping: bool = True,
         wanted: Callable[[], bool] = lambda: True,
+        make_corrector: MakeCorrector = lambda *_: None,
     ) -> None:
-        """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`."""
+        """Begin in ``world``. Without ``mapping`` scans are only recorded, until :meth:`begin_mapping`.
+
+        ``make_corrector`` makes what corrects the poses of a sensor, for :attr:`Faults.slam`.
+        """
+        self._make_corrector = make_corrector
         sensor = sensor or SensorConfig()
         self.wanted = wanted  #: called while maps are made: False ends that with :class:`WorkCancelledError`
         self.fraction: float | None = None  #: how much of the map that is being made is done; None while none is
@@ -87,6 +93,8 @@ class LiveMap:
         self._noise = np.random.default_rng(self.seed)
         self._odometer = Odometer(self.simulation.pose, np.random.default_rng([self.seed, 1]))
         self.recordings = [Recording(sensor)]
+        self.healing = Healing(self._make_corrector)
+        self._has_moved = False  #: whether poses of scans in the map were corrected since it was made
         self.grid = grid
         self.vanishing = None
         if self.second is not None:
@@ -121,7 +129,11 @@ class LiveMap:
     def logs(self, faults: Faults | None = None) -> list[ScanLog]:
         """What the sensors reported so far, one log for each kind of sensor; None for the faults of the moment."""
         faults = faults or self.faults
-        return [recording.as_log(specular=faults.specular) for recording in self.recordings if len(recording)]
+        return [
+            recording.as_log(specular=faults.specular, corrected=self.healing.poses_of(recording))
+            for recording in self.recordings
+            if len(recording)
+        ]
 
     # -- the maps ---------------------------------------------------------------------------------------------------
 
@@ -149,6 +161,8 @@ class LiveMap:
     def set_up(self, config: MappingConfig, faults: Faults) -> None:
         """Make the map anew with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
         config = _live(config)
+        if faults.heals:
+            self._heal(faults)
         if not self._mapping:
             self.config, self.faults = config, faults
             return
@@ -161,6 +175,20 @@ class LiveMap:
         if second is not None:
             second.begin(other, remade)
         self.vanishing = None
+        self._has_moved = False
+
+    def _heal(self, faults: Faults) -> None:
+        """Correct the poses of what was recorded. Raises :class:`WorkCancelledError`; it can be gone on with then."""
+
+        def wanted(fraction: float) -> bool:
+            self.fraction = fraction
+            return self.wanted()
+
+        try:
+            for recording in self.recordings:
+                self.healing.add(recording, wanted, specular=faults.specular)
+        finally:
+            self.fraction = None
 
     def begin_mapping(self) -> None:
         """Make the map of what was recorded without one, and go on with it. Raises as :meth:`remake`."""
@@ -188,6 +216,9 @@ class LiveMap:
         for scan, pose in self.simulation.advance(dt):
             changes.append(self._take(scan, pose))
             self.wanted()  # other computations may run here; the time passes in any case
+        if self._has_moved and self._mapping:
+            self.remake(self.config)
+            changes.append(Change(None, geometry_changed=True, cells_updated=0))
         return changes
 
     def look(self) -> Change:
@@ -215,7 +246,7 @@ class LiveMap:
         """Take the newest scan that is not hidden; return it with its true readings."""
         recording = self.recordings[-1]
         at = len(recording) - 1 - self.hidden
-        log = recording.as_log(specular=self.faults.specular)
+        log = recording.as_log(specular=self.faults.specular, corrected=self.healing.poses_of(recording))
         self.newest = log.scan(at)
         self.newest_pose = pose_tuple(log.trajectory("true").poses[at])
         self.believed_pose = pose_tuple(log.trajectory(self.faults.trajectory).poses[at])
@@ -246,6 +277,11 @@ class LiveMap:
         reported = with_lengthened(scan.ranges, longer, scan.range_max) if self.faults.specular else scan.ranges
         self.newest, self.newest_pose = replace(scan, ranges=reported), pose
         self.believed_pose = odometry if self.faults.drift else pose
+        if self.faults.heals:
+            self._has_moved |= self.healing.add(recording, specular=self.faults.specular)
+            corrector = self.healing.corrector_of(recording)
+            if corrector is not None:
+                self.believed_pose = corrector.newest
         self.scans += 1
         if recording.generation != generation:
             # The recording was thinned: the map is made of what it still holds, as any later re-make will be.
@@ -338,12 +374,6 @@ def _live(config: MappingConfig) -> MappingConfig:
 
 def _only(log: ScanLog, trajectory: str) -> ScanLog:
     return replace(log, trajectories={trajectory: log.trajectory(trajectory)})
-
-
-def pose_tuple(row: NDArray[np.float64]) -> PoseTuple:
-    """Return (3,) as plain numbers."""
-    x, y, yaw = (float(v) for v in row)
-    return (x, y, yaw)
 
 
 def world_named(name: str) -> World:

@@ -42,6 +42,7 @@ class Recording:
         self.capacity = capacity
         self.mount = (float(mount[0]), float(mount[1]), float(mount[2]))
         self.generation = 0
+        self._taken = 0
         self._start_empty()
 
     def _start_empty(self) -> None:
@@ -52,9 +53,15 @@ class Recording:
         self._poses = np.empty((rows, 3))
         self._odometry = np.empty((rows, 3))
         self._stamps = np.empty(rows, dtype=np.int64)
+        self._numbers = np.empty(rows, dtype=np.int64)
 
     def __len__(self) -> int:
         return self._n
+
+    @property
+    def numbers(self) -> NDArray[np.int64]:
+        """Which of all scans that were ever appended these are (n,), from 0, ascending."""
+        return self._numbers[: self._n]
 
     def fits(self, sensor: SensorConfig) -> bool:
         """Return whether scans of ``sensor`` can be appended: a log has one number and angle of beams and one range.
@@ -100,17 +107,26 @@ class Recording:
         self._odometry[self._n] = pose if odometry is None else odometry
         self._longer[self._n] = 0.0 if longer is None else longer
         self._stamps[self._n] = scan.stamp_ns
+        self._numbers[self._n] = self._taken
+        self._taken += 1
         self._n += 1
 
-    def as_log(self, *, specular: bool = False) -> ScanLog:
+    def reported(self, rows: slice, *, specular: bool) -> NDArray[np.float32]:
+        """Return readings (n, n_beams), with ``specular`` those that polished walls leave of them."""
+        ranges = self._ranges[rows]
+        return with_lengthened(ranges, self._longer[rows], self.sensor.range_max) if specular else ranges
+
+    def as_log(self, *, specular: bool = False, corrected: NDArray[np.float64] | None = None) -> ScanLog:
         """Return the recording so far as a log with the trajectories "true" and "odometry".
+
+        ``corrected`` (n, 3) are poses for a third one, "slam".
 
         Its arrays are views and nothing is copied, except that with ``specular`` the readings are those that polished
         walls leave.
         """
-        ranges = self._ranges[: self._n]
-        if specular:
-            ranges = with_lengthened(ranges, self._longer[: self._n], self.sensor.range_max)
+        ranges = self.reported(slice(0, self._n), specular=specular)
+        described = "Corrected by SLAM while the robot drives."
+        slam = {} if corrected is None else {"slam": Trajectory(corrected, described, "map")}
         return ScanLog(
             ranges,
             self.sensor.angle_min,
@@ -123,6 +139,7 @@ class Recording:
                 "odometry": Trajectory(
                     self._odometry[: self._n], "What its wheels report: the truth with a drift.", "odom"
                 ),
+                **slam,
             },
             self.mount,
             beam_width=self.sensor.cone,
@@ -158,7 +175,7 @@ class Recording:
 
     def _resize(self, keep: NDArray[np.int64], rows: int) -> None:
         """Move the scans ``keep`` to the front of new arrays of ``rows`` rows; old arrays stay as they are."""
-        for name in ("_ranges", "_longer", "_poses", "_odometry", "_stamps"):
+        for name in ("_ranges", "_longer", "_poses", "_odometry", "_stamps", "_numbers"):
             old = getattr(self, name)
             new = np.empty((rows, *old.shape[1:]), dtype=old.dtype)
             new[: len(keep)] = old[keep]

@@ -36,7 +36,9 @@ BETTER = 0.03  #: by how much the agreement of a searched pose must exceed that 
 WIDER = 3.0  #: the second window beside the first
 WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: of any window, to each side
 MARGIN = 5.0  #: metres around what the first scan of a submap saw
-LONGEST = 3.0  #: of the last step's time: the motion goes on as before for so long at most
+POINTS = 720  #: of a scan and those before it that are paired
+SEARCHED = 90  #: points of a scan that are looked up in a search
+LONGEST = 1.0  #: seconds: the motion goes on as before for so long at most
 LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
 
 
@@ -83,11 +85,14 @@ class FrontEnd:
         self._n = 0
         self._half = int(config.submap_scans) * store.n_sensors
         self._seen: list[int] = []  # scans with points
-        self._rule = pair_rule(store.least_step)
+        # So many points show how a scan lies; the refinement of the whole takes them all.
+        stride = max(1, store.n_beams * int(config.neighbours) // POINTS)
+        self._rule = pair_rule(store.least_step)._replace(stride=stride)
         self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
         self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
         self._motion = np.zeros(3)
-        self._seconds: float | None = None  # in which that was
+        self._clock = [0.0]  # at which each scan was taken, seconds, as far as the times are known
+        self._velocity: Float64Array | None = None  # as far as they are
         self._is_reliable = False  # whether the last scan fitted well
         self._many = store.n_sensors  # of whose scans as many are needed to see all around
         self.submaps: list[tuple[int, int]] = []  #: finished ones: first scan and the one after the last
@@ -103,7 +108,7 @@ class FrontEnd:
     @property
     def velocity(self) -> Float64Array | None:
         """The velocity (3,) of the last step, metres and radians a second; None where it is not known well."""
-        return self._motion / self._seconds if self._seconds and self._is_reliable else None
+        return self._velocity if self._is_reliable else None
 
     def add(
         self,
@@ -120,8 +125,8 @@ class FrontEnd:
         :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
         """
         expected = self._expected(seconds) if motion is None else motion
-        if velocity is None and seconds:
-            velocity = expected / seconds
+        if velocity is None:
+            velocity = expected / seconds if motion is not None and seconds else self._velocity
         i = self._store.append(ranges, sensor, velocity)
         if self._n == len(self._poses):
             self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
@@ -129,9 +134,10 @@ class FrontEnd:
             step = Step(np.zeros(3), np.eye(3), 1.0, True, 1.0)
         else:
             step = self._align(i, expected, has_odometry=motion is not None)
-            self._motion, self._seconds = step.relative if step.is_aligned else expected, seconds
+            self._motion = step.relative if step.is_aligned else expected
             self._is_reliable = step.is_aligned and step.agreement >= FAIR
             self._poses[i] = compose_one(self._poses[i - 1].tolist(), step.relative.tolist())
+            self._note_velocity(i, seconds)
         self._n += 1
         if self._store.count(i) >= LEAST_PAIRS:
             self._seen.append(i)
@@ -140,9 +146,19 @@ class FrontEnd:
 
     def _expected(self, seconds: float | None) -> Float64Array:
         """Return the motion in ``seconds`` if the robot moves on as before."""
-        if not seconds or not self._seconds:
+        if seconds is None or self._velocity is None:
             return self._motion
-        return self._motion * min(seconds / self._seconds, LONGEST)
+        return self._velocity * min(seconds, LONGEST)
+
+    def _note_velocity(self, i: int, seconds: float | None) -> None:
+        """Take the velocity over the last scans of all sensors, for those of two sensors may be nearly at one time."""
+        self._clock.append(self._clock[-1] + (seconds or 0.0))
+        before = max(0, i - self._many)
+        passed = self._clock[i] - self._clock[before]
+        self._velocity = None
+        if seconds is not None and passed > 0.0:
+            moved = between_one(self._poses[before].tolist(), self._poses[i].tolist())
+            self._velocity = np.array(moved) / passed
 
     def _align(self, i: int, expected: Float64Array, *, has_odometry: bool) -> Step:
         way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
@@ -176,8 +192,9 @@ class FrontEnd:
         self, i: int, predicted: Float64Array, spread: Float64Array, window: float, turn_window: float
     ) -> _Attempt:
         """Align scan i from the best pose of a window around the predicted one."""
+        stride = max(2, self._store.count(i) // SEARCHED)
         start, score, _ = self._field().search(
-            self._store.arrays, i, predicted, min(window, WIDEST), min(turn_window, WIDEST_TURN), TURN, 2
+            self._store.arrays, i, predicted, min(window, WIDEST), min(turn_window, WIDEST_TURN), TURN, stride
         )
         return self._refined(i, start, predicted, spread, score)
 

@@ -5,6 +5,7 @@ Source: Lu & Milios 1997, with point-to-line residuals (Censi 2008) in place of 
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable
 from functools import partial
 
@@ -27,7 +28,9 @@ from mapper.slam.sparse_system import SparseSystem
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
-RADIUS = 3.0  #: metres
+RADIUS = 5.0  #: metres
+MOST_NEAR = 400  #: scans within it that are looked at
+BLOCK = 256  #: scans whose neighbours are looked up at once
 BEFORE = 4  #: scans before each one that it is aligned with
 FIRST_GATE, LAST_GATE, SHRINK = 0.3, 0.10, 0.7
 LEAST_SHARE, LEAST_PAIRS = 0.35, 25
@@ -59,7 +62,7 @@ def refine(
     system: SparseSystem | None = None
     for done in range(1, iterations + 1):
         if system is None or done == SECOND_SEARCH:
-            pairs = neighbour_pairs(poses, int(config.refinement_neighbours))
+            pairs = neighbour_pairs(poses, int(config.refinement_neighbours), BEFORE * store.n_sensors)
             first, second = pairs.T.copy()
             ends = np.column_stack([np.r_[first, edges[0]], np.r_[second, edges[1]]])
             system = SparseSystem(m, ends, np.array([0]))
@@ -97,27 +100,33 @@ def _accumulated(
     return hessians, gradients, figures
 
 
-def neighbour_pairs(poses: Float64Array, n: int) -> Int64Array:
-    """Return pairs (p, 2) of poses to align: each with the ones before it and with ``n`` nearby.
+def neighbour_pairs(poses: Float64Array, n: int, before: int = BEFORE) -> Int64Array:
+    """Return pairs (p, 2) of poses to align: each with the ``before`` ones before it and with ``n`` nearby.
 
     Half of the ``n`` are the nearest in place and heading (1 rad counts as 1 m), the others are spread evenly over the
-    rest within :data:`RADIUS`. Whose points are laid on whose lines takes turns, for each favours one direction.
+    rest within :data:`RADIUS`. Of more than :data:`MOST_NEAR` there, evenly spread ones are looked at. Whose points are
+    laid on whose lines takes turns, for each favours one direction.
     """
     m = len(poses)
-    near = KDTree(poses[:, :2]).query_pairs(RADIUS, output_type="ndarray").astype(np.int64)
-    near = near[near[:, 1] - near[:, 0] > BEFORE]
-    turned = np.abs(wrap_angle(poses[near[:, 0], 2] - poses[near[:, 1], 2]))
-    cost = np.hypot(*(poses[near[:, 0], :2] - poses[near[:, 1], :2]).T) + turned
-    near = near[np.lexsort((near[:, 0], cost, near[:, 1]))]
-    starts = np.searchsorted(near[:, 1], np.arange(m + 1))
-    rank, count = np.arange(len(near)) - starts[near[:, 1]], np.diff(starts)[near[:, 1]]
-    half, rest = n // 2, n - n // 2
-    # Of those behind the nearest half, each at which the number of evenly spaced ones passes a whole number.
-    behind, others = rank - half, np.maximum(count - half, 1)
-    chosen = (rank < half) | (np.minimum(behind + 1, others) * rest // others > behind * rest // others)
-    chosen |= count <= n
-    before = [np.column_stack([np.arange(m - k), np.arange(k, m)]) for k in range(1, min(BEFORE, m - 1) + 1)]
-    pairs = np.concatenate([*before, near[chosen]])
+    tree = KDTree(poses[:, :2])
+    found = [np.zeros((0, 2), dtype=np.int64)]
+    for begin in range(0, m, BLOCK):
+        rows = np.arange(begin, min(begin + BLOCK, m))
+        near = tree.query_ball_point(poses[rows, :2], RADIUS, return_sorted=True)
+        for row, others in zip(rows.tolist(), near, strict=True):
+            earlier = np.array(others[: bisect_left(others, row - before)], dtype=np.int64)
+            if len(earlier) > MOST_NEAR:
+                earlier = earlier[np.arange(MOST_NEAR) * len(earlier) // MOST_NEAR]
+            cost = np.hypot(*(poses[earlier, :2] - poses[row, :2]).T)
+            cost += np.abs(wrap_angle(poses[earlier, 2] - poses[row, 2]))
+            earlier = earlier[np.argsort(cost, kind="stable")]
+            rest = earlier[n // 2 :]
+            wanted = min(n - n // 2, len(rest))
+            spread = rest[(np.arange(wanted) + 1) * len(rest) // max(wanted, 1) - 1]
+            chosen = np.concatenate([earlier[: n // 2], spread])
+            found.append(np.column_stack([chosen, np.full(len(chosen), row)]))
+    found += [np.column_stack([np.arange(m - k), np.arange(k, m)]) for k in range(1, min(before, m - 1) + 1)]
+    pairs = np.concatenate(found)
     pairs = pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))]
     flipped = pairs.sum(axis=1) % 2 == 1
     pairs[flipped] = pairs[flipped, ::-1]

@@ -41,11 +41,11 @@ class ScanStore:
         self._beams = [Beams.of(log, range_max=below, most=max_beams) for log in logs]
         self.can_deskew = any(one.times.any() for one in self._beams)  #: whether the times of beams are known
         self._n = 0
-        self._n_beams = max(len(one) for one in self._beams)
+        self.n_beams = max(len(one) for one in self._beams)  #: of the sensor with most
         self._rows = ScanArrays(
-            np.empty((FIRST_ROWS, self._n_beams, 2), dtype=np.float32),
-            np.empty((FIRST_ROWS, self._n_beams, 2), dtype=np.float32),
-            np.zeros((FIRST_ROWS, self._n_beams), dtype=np.uint8),
+            np.empty((FIRST_ROWS, self.n_beams, 2), dtype=np.float32),
+            np.empty((FIRST_ROWS, self.n_beams, 2), dtype=np.float32),
+            np.zeros((FIRST_ROWS, self.n_beams), dtype=np.uint8),
             np.empty(FIRST_ROWS, dtype=np.int64),
             np.empty(FIRST_ROWS),
             np.empty(FIRST_ROWS),
@@ -54,7 +54,7 @@ class ScanStore:
         )
         self._sensor = np.zeros(FIRST_ROWS, dtype=np.int64)
         # Ranges are kept where points are to be moved later.
-        self._ranges = np.empty((FIRST_ROWS if self.can_deskew else 0, self._n_beams), dtype=np.float32)
+        self._ranges = np.empty((FIRST_ROWS if self.can_deskew else 0, self.n_beams), dtype=np.float32)
 
     def __len__(self) -> int:
         return self._n

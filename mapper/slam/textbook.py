@@ -1,14 +1,17 @@
-"""Graph optimisation as the tutorial prints it: dense matrices, one edge at a time.
+"""Graph optimisation as the tutorial prints it, dense matrices, one edge at a time; and what is counted of scans.
 
 Source: Grisetti et al. 2010, A tutorial on graph-based SLAM, algorithm 1 and its equations for SE(2).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.matching.textbook import PointScan, beam_towards, beams_around
 from mapper.sensors.pose_graph import PoseGraph
 
 Float64Array = NDArray[np.float64]
@@ -90,3 +93,53 @@ def information(
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     own = turn.T @ (shrink @ pairs @ shrink + np.diag(prior)) @ turn * scale + 1e-3 * np.eye(3)
     return np.asarray(np.linalg.inv(np.linalg.inv(own) + np.diag(floor**2)))
+
+
+def agreement(
+    moving: PointScan, pose: Float64Array, others: Sequence[PointScan], poses: Float64Array, gate: float
+) -> tuple[int, int, int]:
+    """Return how many points a scan has, and how many of them agree with and contradict others at ``poses`` (k, 3).
+
+    A point agrees with the others where it is nearer than ``gate`` to a point of one of them, of the beams that pass
+    within a gate of it. It contradicts them where it does not, and one of them saw through it: the beam that points
+    there and its two neighbours all end two gates or more behind it.
+    """
+    agreeing = contradicting = 0
+    placed = transform_points(pose, moving.points)[moving.is_point]
+    for point in placed:
+        is_near = is_free = False
+        for other, at in zip(others, poses, strict=True):
+            x = transform_points(inverse(at), point)
+            beam = beam_towards(other, x)
+            if beam < 0:
+                continue
+            r = float(np.linalg.norm(x - other.sensor))
+            half = int(min(gate / max(r, 0.3), np.deg2rad(12.0)) / other.step) + 1
+            around = beams_around(other, beam, half)
+            around = around[other.is_point[around]]
+            is_near |= bool((np.linalg.norm(other.points[around] - x, axis=1) < gate).any())
+            three = beams_around(other, beam, 1)
+            measured = np.linalg.norm(other.points[three] - other.sensor, axis=1)
+            is_free |= len(three) == 3 and bool((other.is_point[three] & (measured >= r + 2.0 * gate)).all())
+        agreeing += is_near
+        contradicting += is_free and not is_near
+    return len(placed), agreeing, contradicting
+
+
+def shrunk_pair(
+    hessian: Float64Array, gradient: Float64Array, first: Float64Array, second: Float64Array, false_share: float
+) -> tuple[Float64Array, Float64Array]:
+    """Return what :func:`mapper.slam.kernels.information.shrink_pairs` makes of one pair of poses (3,).
+
+    ``hessian`` (3, 3) and ``gradient`` (3,) are those over the first pose; the result is over both (6, 6) and (6,).
+    The second pose's derivative is the first one's times M: its step is the opposite, turning around its own place.
+    """
+    values, vectors = np.linalg.eigh(hessian[:2, :2])
+    values = np.maximum(values, 1e-9)
+    kept = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / values)
+    shrink = np.eye(3)
+    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
+    a, b = first[1] - second[1], second[0] - first[0]
+    to_second = -np.array([[1.0, 0.0, -a], [0.0, 1.0, -b], [0.0, 0.0, 1.0]])
+    both = np.concatenate([np.eye(3), to_second], axis=1)
+    return both.T @ shrink @ hessian @ shrink @ both, both.T @ shrink @ gradient

@@ -1,11 +1,7 @@
 """The ``gridbloom`` command.
 
-``serve`` runs the service and ``upload`` sends a log to one; ``info``, ``doctor``, ``check``, ``map``, ``why``,
-``view``, ``merge``, ``compare``, ``evaluate``, ``match`` and ``bench map`` work on files. What is slow to import is
-
-# isort: split
-``view``, ``merge``, ``compare``, ``evaluate``, ``slam`` and ``bench map`` work on files. What is slow to import is
-imported where it is used, so that the command starts quickly. Bad input is one sentence on standard error and exit
+``serve`` runs the service and ``upload`` sends a log to one; all other commands work on files. What is slow to import
+is imported where it is used, so that the command starts quickly. Bad input is one sentence on standard error and exit
 status 2; a log that does not keep the limits of ``check`` is exit status 1. With ``--json`` standard output is one JSON
 object and nothing else.
 """
@@ -44,6 +40,9 @@ from server.cli import slam as correcting  # noqa: F401
 
 # isort: split
 from server.cli import localize as localizing  # noqa: F401
+
+# isort: split
+from server.cli import costmap as costing  # noqa: F401
 
 # isort: split
 from server.cli import bench as measuring  # noqa: F401

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -13,7 +14,7 @@ from server.cli.app import app
 from server.cli.common import AsJson, TopicName, fail, print_json, read_log, refusing
 
 if TYPE_CHECKING:
-    from mapper.evaluation import ErrorSeries
+    from mapper.evaluation import ErrorSeries, PublishedResult, RelationErrors
     from mapper.sensors.scan import ScanLog
     from mapper.sensors.timed_poses import TimedPoses
 
@@ -34,7 +35,11 @@ def evaluate(
     ] = None,
     relations: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Known relations (Kümmerle et al. 2009); REFERENCE is their log then."),
+        typer.Option(
+            metavar="FILE",
+            help="Known relations (Kümmerle et al. 2009); REFERENCE is their log then. Published results stand beside, "
+            "of a log of that benchmark by the file's name, as intel.relations.",
+        ),
     ] = None,
     max_difference: Annotated[float, typer.Option(metavar="S", help="Greatest difference of stamps of a pair.")] = 0.01,
     offset: Annotated[float, typer.Option(metavar="S", help="Seconds to add to the stamps of ESTIMATE.")] = 0.0,
@@ -118,7 +123,7 @@ def evaluate(
 
 def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: str | None, *, as_json: bool) -> None:
     """Print the errors of a log's poses, or of others of its scans, over known relations."""
-    from mapper.evaluation import evaluate_relations  # noqa: PLC0415 - start-up
+    from mapper.evaluation import PUBLISHED, benchmark_named, evaluate_relations  # noqa: PLC0415 - start-up
     from mapper.io.logs import is_log, odometry_records  # noqa: PLC0415 - start-up
     from mapper.io.trajectories import read_relations  # noqa: PLC0415 - start-up
 
@@ -141,6 +146,8 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
     clear = dict(zip(every, found.only_unambiguous(), strict=True)) if found.policy == "records" else None
     if clear is not None and not len(clear["translation"].errors):
         clear = None
+    benchmark = benchmark_named(relations.name)
+    published = () if benchmark is None else PUBLISHED[benchmark]
     if as_json:
         print_json(
             {
@@ -153,6 +160,8 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
                 "unambiguous": None
                 if clear is None
                 else {"count": len(clear["translation"].errors), **_figures(clear)},
+                "benchmark": benchmark,
+                "published": [asdict(one) for one in published],
                 "notes": list(poses.notes),
             }
         )
@@ -169,8 +178,28 @@ def _evaluate_relations(log: str, estimate: str | None, relations: Path, topic: 
     _table(f"all, {len(found.translation.errors)} relations", every)
     if clear is not None:
         _table(f"unambiguous, {len(clear['translation'].errors)} relations of one message for each stamp", clear)
+    if published:
+        _beside(published, found, clear)
     for note in poses.notes:
         typer.echo(f"  note: {note}")
+
+
+def _beside(published: Sequence[PublishedResult], found: RelationErrors, clear: dict[str, ErrorSeries] | None) -> None:
+    """Print the mean errors of the poses beside published ones."""
+    rows = [("these poses", found.translation, found.rotation)]
+    if clear is not None:
+        rows.append(("these poses, unambiguous", clear["translation"], clear["rotation"]))
+    typer.echo("  mean errors beside published ones")
+    typer.echo(f"    {'':<26} {'m':>8} {'°':>8} {'stamps by':>10} {'relations':>10}  source")
+    for name, translation, rotation in rows:
+        t, r = translation.statistics.mean, math.degrees(rotation.statistics.mean)
+        typer.echo(f"    {name:<26} {t:>8.4f} {r:>8.3f} {found.policy:>10} {len(translation.errors):>10}")
+    for one in published:
+        turn = "–" if one.rotation is None else f"{one.rotation:.3f}"
+        count = "–" if one.count is None else str(one.count)
+        typer.echo(
+            f"    {one.program:<26} {one.translation:>8.4f} {turn:>8} {one.policy:>10} {count:>10}  {one.source}"
+        )
 
 
 def _path_and_name(text: str) -> tuple[Path, str | None]:

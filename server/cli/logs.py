@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from server.cli.app import app
@@ -21,10 +22,15 @@ from server.cli.common import (
     print_json,
     progress_bar,
     read_joint,
-    read_log,
     refusing,
     with_parameter_options,
 )
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from mapper.io.contents.model import TopicContents
+    from mapper.sensors.robot_log import RobotLog
 
 
 @app.command()
@@ -39,8 +45,10 @@ def info(
     """Print the contents of a log."""
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
-    facts = asdict(summarise(read_log(log, topic)))
-    facts["contents"] = _contents(log) if contents else []
+    robot, topics = _read(log, topic, with_contents=contents)
+    facts = asdict(summarise(robot.first))
+    facts["contents"] = [asdict(one) | {"span_s": one.span_s, "rate_hz": one.rate_hz} for one in topics]
+    facts["clouds"], facts["imus"] = _clouds(robot), _imus(robot)
     if as_json:
         print_json(facts)
         return
@@ -65,17 +73,73 @@ def info(
         typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}{size}")
     for one in held.values():
         typer.echo(f"    {one['name']}: {one['messages']} × {one['type']}{_size_line(one)}")
+    for one in [*facts["clouds"], *facts["imus"]]:
+        typer.echo(f"  {_stream_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
 
 
-def _contents(log: Path) -> list[dict[str, Any]]:
-    """Return every topic of a recording with its messages, bytes, rate and span."""
-    from mapper.io.contents.inspection import inspect  # noqa: PLC0415 - start-up
+def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLog, tuple[TopicContents, ...]]:
+    """Return a log, and every topic of a recording if they are wanted, in one pass; end the command where it fails."""
+    from mapper.io.contents.inspection import open_inspected  # noqa: PLC0415 - start-up
+    from mapper.io.logs import open_robot_log  # noqa: PLC0415 - start-up
+    from mapper.io.logs.selection import Selection  # noqa: PLC0415 - start-up
 
-    with refusing(log), progress_bar("Counting") as bar:
-        topics = inspect(log, progress=bar).topics
-    return [asdict(topic) | {"span_s": topic.span_s, "rate_hz": topic.rate_hz} for topic in topics]
+    with refusing(log), progress_bar("Reading") as bar:
+        if not with_contents:
+            return open_robot_log(log, selection=Selection.of(topic), progress=bar), ()
+        robot, contents = open_inspected(log, selection=Selection.of(topic), progress=bar)
+        return robot, contents.topics
+
+
+def _clouds(robot: RobotLog) -> list[dict[str, Any]]:
+    """Return what the clouds of a recording are, by the first of each topic."""
+    found = []
+    for stream in robot.clouds.values():
+        first = next(iter(stream), None)
+        if first is None:
+            continue
+        said = {"height": first.shape[0], "width": first.shape[1]} if first.shape else {}
+        fields = {"fields": list(first.fields), "has_times": first.times is not None}
+        mount = _place(stream.mounts(first.frame_id, np.array([first.stamp_ns])))
+        found.append(
+            {"topic": stream.topic, "count": stream.count, "frame": first.frame_id, **said, **fields, "mount": mount}
+        )
+    return found
+
+
+def _imus(robot: RobotLog) -> list[dict[str, Any]]:
+    """Return what the IMUs of a recording are, by the first messages of each topic."""
+    found = []
+    for stream in robot.imus.values():
+        first = next(iter(stream), None)
+        if first is None:
+            continue
+        has_orientation = bool(np.isfinite(first.orientation).any())
+        mount = _place(stream.mounts(first.frame_id, first.stamps_ns[:1]))
+        found.append(
+            {"topic": stream.topic, "count": stream.count, "frame": first.frame_id,
+             "has_orientation": has_orientation, "mount": mount}
+        )  # fmt: skip
+    return found
+
+
+def _place(mounts: NDArray[np.float64] | None) -> list[float] | None:
+    """Return the place x, y, z (m) of the first of the mounts (n, 4, 4)."""
+    return None if mounts is None else [round(float(value), 6) for value in mounts[0, :3, 3]]
+
+
+def _stream_line(one: dict[str, Any]) -> str:
+    """Say what the clouds or the IMU of one topic are."""
+    at = "" if one["mount"] is None else f" at {', '.join(f'{value:g}' for value in one['mount'])} m"
+    said = f"frame {one['frame']}{at}"
+    if "fields" not in one:
+        return f"IMU {one['topic']}: {one['count']} messages, {said}" + (
+            ", with orientation" if one["has_orientation"] else ""
+        )
+    times = ", a time for each point" if one["has_times"] else ""
+    fields = ", ".join(["x, y, z", *one["fields"]])
+    return f"clouds {one['topic']}: {one['count']} of {one['width']} × {one['height']} points ({fields}){times}, {said}"
 
 
 def _size_line(topic: dict[str, Any], *, with_rate: bool = True) -> str:

@@ -1,4 +1,4 @@
-"""``merge``: add map files of one place."""
+"""``merge``: add map files of one place, or bring two logs of one place into one map."""
 
 from __future__ import annotations
 
@@ -8,22 +8,47 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, fail, print_json, refusing
+from server.cli.common import AsJson, fail, numbers, print_json, refusing
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
+from server.cli.merge_logs import are_logs, merge_log_files
 
 
 @app.command()
 def merge(
-    maps: Annotated[list[Path], typer.Argument(metavar="MAP.yaml", help="Map files with the same cells.")],
-    out: Annotated[Path, typer.Option(metavar="PREFIX", help=OUT_HELP)],
+    maps: Annotated[
+        list[Path], typer.Argument(metavar="MAP.yaml|LOG", help="Map files with the same cells; or two logs.")
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar="PREFIX",
+            help=OUT_HELP + " Of logs also PREFIX-1.tum and PREFIX-2.tum, the poses, and PREFIX.g2o, the graph.",
+        ),
+    ],
     mode: MapMode = "trinary",
+    guess: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,YAW",
+            help="Of logs: about the pose of the second one's frame in the first one's (m, m, rad). [searched for]",
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Add the evidence of maps that were made from different scans of one place."""
+    """Add the evidence of maps that were made from different scans of one place.
+
+    Two logs of one place are corrected by SLAM, their maps laid on one another, and their scans joined in one graph.
+    """
     from mapper.grid.merge import merged  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
 
     check_mode(mode)
+    begin = None if guess is None else numbers("--guess", "three numbers, X,Y,YAW in metres and radians", 3, guess)
+    if are_logs(maps):
+        merge_log_files(maps, out, mode, begin, as_json=as_json)
+        return
+    if begin is not None:
+        fail("--guess is for logs: map files are merged where their cells are.")
     whole, frames = None, []
     for path in maps:
         with refusing(path):

@@ -24,7 +24,6 @@ from server.cli.common import (
 from server.cli.map_files import save
 
 if TYPE_CHECKING:
-    from mapper.grid import OccupancyGrid
     from mapper.sensors.scan import ScanLog
     from mapper.slam import SlamConfig, SlamProgress, SlamResult
 
@@ -52,6 +51,8 @@ def slam(
     as_json: AsJson = False,
 ) -> None:
     """Correct the poses of a log by aligning its scans with one another (SLAM)."""
+    from mapper.diagnosis.verdict import map_of, sharpness_of  # noqa: PLC0415 - start-up
+    from mapper.grid.compare import wall_contrast  # noqa: PLC0415 - start-up
     from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
 
     config = _configured(values or [])
@@ -72,8 +73,9 @@ def slam(
 
             found = slam_log(scans, config, trajectory=trajectory, progress=report)
         corrected = _with_poses(scans, found)
-        before = None if found.odometry is None else _map_and_sharpness(scans, found.odometry)[1]
-        grid, after = _map_and_sharpness(corrected, SLAM)
+        before = None if found.odometry is None else sharpness_of(scans, found.odometry)
+        grid = map_of(corrected, SLAM)
+        after = wall_contrast(grid)
     written = [] if out is None else [*save(grid, out, "trinary", "map"), *_write(out, corrected, found)]
     loops = found.graph.kind == 1
     residuals = found.graph.residual[loops]
@@ -140,23 +142,17 @@ def _with_poses(log: ScanLog, found: SlamResult) -> ScanLog:
     return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
 
 
-def _map_and_sharpness(log: ScanLog, trajectory: str) -> tuple[OccupancyGrid, float]:
-    from mapper.grid.compare import wall_contrast  # noqa: PLC0415 - start-up
-    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
-    from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415 - start-up
-
-    config = MappingConfig()
-    grid = grid_for(log, config, trajectory)
-    integrate_log(grid, log, config, trajectory)
-    return grid, wall_contrast(grid)
-
-
 def _write(prefix: Path, log: ScanLog, found: SlamResult) -> list[Path]:
-    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
     from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
     from mapper.io.graphs import g2o_lines  # noqa: PLC0415 - start-up
 
-    texts = {".tum": tum_text(log, SLAM), ".g2o": "".join(g2o_lines(found.graph))}
+    return write_texts(prefix, {".tum": tum_text(log, SLAM), ".g2o": "".join(g2o_lines(found.graph))})
+
+
+def write_texts(prefix: Path, texts: dict[str, str]) -> list[Path]:
+    """Write files whose names begin with a prefix, by what their names end with; return their paths."""
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+
     paths = []
     for ending, text in texts.items():
         path = prefix.with_name(prefix.name + ending)

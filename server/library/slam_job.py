@@ -14,7 +14,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +42,13 @@ PROGRESS, TUM, GRAPH = ".progress", ".tum", ".graph"
 class SlamJob:
     """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
 
-    ``out`` is the path of its files without their endings.
+    ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
     """
 
     pack: str
     out: str
     trajectory: str | None
+    parameters: dict[str, Any]
     timeout_s: float
     cpu_s: float
     memory_bytes: int
@@ -86,7 +87,7 @@ class PartialPoses:
 
 def do_slam_job(job: SlamJob) -> SlamOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
-    _lower_priority()
+    lower_priority()
     return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _slam(job), DOING, "slam")
 
 
@@ -94,7 +95,7 @@ def _slam(job: SlamJob) -> SlamOutcome:
     from mapper.diagnosis.verdict import sharpness_of  # noqa: PLC0415 - only this process needs SciPy and SLAM
     from mapper.io.export import tum_text  # noqa: PLC0415
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
-    from mapper.slam import slam_log  # noqa: PLC0415
+    from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
     from server.library.graph_file import graph_bytes  # noqa: PLC0415
 
     try:
@@ -103,7 +104,8 @@ def _slam(job: SlamJob) -> SlamOutcome:
         raise ReadError("log.gone", "What was read of this log is no longer there.") from None
     if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
-    result = slam_log(log, trajectory=job.trajectory, progress=_Reporter(job.out))
+    config = SlamConfig().with_values(job.parameters)
+    result = slam_log(log, config, trajectory=job.trajectory, progress=_Reporter(job.out))
     log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses)})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
     Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
@@ -144,7 +146,7 @@ def read_progress(out: Path) -> PartialPoses | None:
         return None
 
 
-def _lower_priority() -> None:
+def lower_priority() -> None:
     """Let the sessions be computed first; a process of a pool does it once."""
     if sys.platform == "linux":
         wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS

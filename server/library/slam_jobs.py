@@ -14,7 +14,7 @@ import shutil
 import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -138,12 +138,19 @@ class SlamJobs:
     # -- asked for ------------------------------------------------------------------------------------------------
 
     async def begin(
-        self, owner: str, log_id: str, topic: str | None = None, trajectory: str | None = None
+        self,
+        owner: str,
+        log_id: str,
+        topic: str | None = None,
+        trajectory: str | None = None,
+        parameters: dict[str, Any] | None = None,
     ) -> dict[str, Any]:
         """Queue SLAM of a log, and return its state; one that is queued or running goes on.
 
-        Raises :class:`LimitError` for one job too many, and as the library for a log that the owner may not open.
+        Raises :class:`LimitError` for one job too many, :class:`mapper.core.errors.ConfigError` for a parameter that
+        SLAM refuses, and as the library for a log that the owner may not open.
         """
+        changed = await asyncio.to_thread(changed_parameters, parameters or {})
         log_record = self._logs.get(owner, log_id)
         key = (owner, log_id)
         if key not in self._running:
@@ -152,7 +159,7 @@ class SlamJobs:
                 raise LimitError("slam.too_many", message)
             if len(self._running) >= MOST:
                 raise LimitError("slam.busy", "Too many SLAM jobs are under way; try again later.")
-            record = SlamRecord(log_id, owner, topic, trajectory, "queued", time.time())
+            record = SlamRecord(log_id, owner, topic, trajectory, "queued", time.time(), parameters=changed)
             self._queue(record)
             try:
                 await self._database.run(lambda connection: put_slam_record(connection, log_record, record))
@@ -258,9 +265,12 @@ class SlamJobs:
         await asyncio.to_thread(private_folder, folder)
         try:
             pack, out = folder / "log.npz", folder / "slam"
-            await asyncio.to_thread(_packed, log, pack)
+            await asyncio.to_thread(packed, log, pack)
             limits = self._limits
-            job = SlamJob(str(pack), str(out), record.trajectory, limits.timeout_s, limits.cpu_s, limits.memory_bytes)
+            job = SlamJob(
+                str(pack), str(out), record.trajectory, record.parameters, limits.timeout_s, limits.cpu_s,
+                limits.memory_bytes,
+            )  # fmt: skip
             outcome = await self._followed(job, out, running)
             text, graph = await asyncio.to_thread(
                 lambda: (out.with_name(out.name + TUM).read_bytes(), out.with_name(out.name + GRAPH).read_bytes())
@@ -319,12 +329,31 @@ class SlamJobs:
             written.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
 
 
+def changed_parameters(values: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters of SLAM that differ from the first values (worker thread: it imports SLAM).
+
+    Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
+    """
+    from mapper.slam.config import SlamConfig  # noqa: PLC0415 - few visitors begin SLAM
+
+    first = SlamConfig().as_dict()
+    return {name: value for name, value in SlamConfig().with_values(values).as_dict().items() if value != first[name]}
+
+
+def parameter_table() -> list[dict[str, Any]]:
+    """Return the table of SLAM's parameters (worker thread: it imports SLAM)."""
+    from mapper.slam.config import SLAM_PARAMETERS  # noqa: PLC0415 - few visitors begin SLAM
+
+    return [asdict(row) for row in SLAM_PARAMETERS]
+
+
 def _emptied(folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     private_folder(folder)
 
 
-def _packed(log: ScanLog, path: Path) -> None:
+def packed(log: ScanLog, path: Path) -> None:
+    """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
         write_pack(RobotLog.of_one(log), path)
     except OSError:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from sqlalchemy import Connection, delete, insert, select
@@ -12,6 +12,8 @@ from sqlalchemy import Connection, delete, insert, select
 from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
 from server.library.tables import slam_jobs
+
+_TEXTS = ("result", "parameters")  # columns of JSON
 
 SlamState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
@@ -21,7 +23,7 @@ class SlamRecord:
     """A job of ``owner`` that corrects the poses of a log, beginning with those of ``trajectory``.
 
     ``attempts`` counts the runs that the end of the service interrupted; ``result`` is what the HTTP interface shows of
-    a job that is done.
+    a job that is done. ``parameters`` are those of SLAM that differ from the first values.
     """
 
     log_id: str
@@ -33,6 +35,7 @@ class SlamRecord:
     attempts: int = 0
     error: Failure | None = None
     result: dict[str, Any] | None = None
+    parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def is_unfinished(self) -> bool:
@@ -45,6 +48,7 @@ class SlamRecord:
             "log": self.log_id,
             "topic": self.topic,
             "odometry": self.trajectory,
+            "parameters": self.parameters,
             "state": self.state,
             "created_s": self.created_s,
             "error": None if self.error is None else asdict(self.error),
@@ -59,8 +63,8 @@ def load_slam_records(connection: Connection) -> Sequence[SlamRecord]:
         values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
         code, message = values.pop("error_code"), values.pop("error_message")
         error = None if code is None else Failure(code, message or "")
-        result = values.pop("result")
-        found.append(SlamRecord(**values, error=error, result=None if result is None else json.loads(result)))
+        result, parameters = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
+        found.append(SlamRecord(**values, error=error, result=result, parameters=parameters or {}))
     return found
 
 
@@ -81,5 +85,6 @@ def put_slam_record(connection: Connection, log: Record, record: SlamRecord) -> 
             error_code=None if record.error is None else record.error.code,
             error_message=None if record.error is None else record.error.message,
             result=None if record.result is None else json.dumps(record.result),
+            parameters=json.dumps(record.parameters),
         )
     )

@@ -110,6 +110,7 @@ slam_jobs = Table(
     Column("error_code", String(64)),
     Column("error_message", Text),
     Column("result", Text),  # JSON
+    Column("parameters", Text),  # JSON, those that differ from the first values
 )
 
 #: One row: what tells the store of logs that the records belong to from every other.

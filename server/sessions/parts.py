@@ -41,6 +41,10 @@ class Recording(Protocol):
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
 
+    @property
+    def examined_share(self) -> float | None:
+        """The share of the examination with the present trajectory that is done, 0 to 1; None before it has begun."""
+
     async def examined(self) -> list[Finding]:
         """Return the diagnosis of the log with the present trajectory.
 
@@ -72,6 +76,9 @@ class Graphed(Protocol):
 
     async def edge(self, edge: int, source: GraphSource) -> dict[str, Any]:
         """Return an edge with both of its scans."""
+
+    async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
+        """Return the score of the poses around an edge."""
 
     async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
         """Return the loops that were tried near a place, map metres."""

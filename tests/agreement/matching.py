@@ -113,11 +113,14 @@ def prepared_by_textbook(case: MatchCase) -> tuple[Any, ...]:
     return tuple(np.stack(part) for part in zip(*out, strict=True))
 
 
-def equations_by_textbook(case: MatchCase, gate: float, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def equations_by_textbook(
+    case: MatchCase, gate: float, poses: np.ndarray, stride: int = 1
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The normal equations (6, 6), (6,) of the second scan against the first, and the counts and sums (4,)."""
     moving, fixed = point_scan(case.scans, 1), point_scan(case.scans, 0)
     if case.min_cosine > -1.0:
         moving = replace(moving, is_point=moving.has_normal)
+    moving = replace(moving, is_point=moving.is_point & (np.arange(len(moving.points)) % stride == 0))
     if not case.to_line and case.min_cosine <= -1.0:
         fixed = replace(fixed, has_normal=fixed.is_point)
     ours, theirs, tried = textbook.pairs_by_bearing(moving, poses[1], fixed, poses[0], gate, case.max_beams)
@@ -171,10 +174,11 @@ def refined_by_textbook(case: MatchCase) -> tuple[Any, ...]:
     poses, hessian = case.poses.copy(), np.empty((3, 3))
     gate = ITERATIONS.first_gate
     for _ in range(ITERATIONS.most):
-        both, gradient, _figures = equations_by_textbook(case, gate, poses)
-        hessian = both[:3, :3] + np.diag(PRIOR_WEIGHT)
+        stride = 1 if gate <= ITERATIONS.last_gate else 2
+        both, gradient, _figures = equations_by_textbook(case, gate, poses, stride)
+        hessian = stride * both[:3, :3] + np.diag(PRIOR_WEIGHT)
         off = poses[1] - case.poses[1]
-        poses[1] += np.linalg.solve(hessian, gradient[:3] - PRIOR_WEIGHT * off)
+        poses[1] += np.linalg.solve(hessian, stride * gradient[:3] - PRIOR_WEIGHT * off)
         gate = max(gate * ITERATIONS.shrink, ITERATIONS.last_gate)
     poses[1, 2] = (poses[1, 2] + np.pi) % (2 * np.pi) - np.pi
     return poses[1], hessian, ITERATIONS.most

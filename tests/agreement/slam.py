@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam import textbook
+from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.edges import edge_errors, linearise_edges
-from mapper.slam.kernels.graph_distance import ways_from
-from mapper.slam.kernels.information import write_information
+from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
+from mapper.slam.kernels.information import shrink_pairs, write_information
 from mapper.slam.sparse_system import SparseSystem
+from tests.agreement.matching import MatchCase, point_scan
 
 FLOOR = np.array([0.01, 0.01, 0.005])
 
@@ -118,3 +120,54 @@ def information_by_textbook(case: GraphCase) -> tuple[Any, ...]:
     prior = np.array([0.5, 0.5, 2.0])
     out = textbook.information(case.hessian + np.diag(prior), prior, case.heading, 0.03, 50.0, FLOOR)
     return (out / np.abs(out).max(),)
+
+
+def nearest_by_kernel(case: GraphCase) -> tuple[Any, ...]:
+    out = np.empty(len(case.graph.i), dtype=np.int64)
+    least_of_ranges(case.graph.poses[:, 0], *_ranges(case), out)
+    return (out,)
+
+
+def nearest_by_textbook(case: GraphCase) -> tuple[Any, ...]:
+    begin, end = _ranges(case)
+    values = case.graph.poses[:, 0]
+    return (np.array([a + np.argmin(values[a:b]) for a, b in zip(begin, end, strict=True)]),)
+
+
+def _ranges(case: GraphCase) -> tuple[np.ndarray, np.ndarray]:
+    graph = case.graph
+    return np.minimum(graph.i, graph.j), np.maximum(graph.i, graph.j)
+
+
+def shrunk_by_kernel(case: GraphCase) -> tuple[Any, ...]:
+    graph = case.graph
+    p = len(graph.i)
+    hessians, gradients = np.zeros((p, 6, 6)), np.zeros((p, 6))
+    hessians[:, :3, :3], gradients[:, :3] = graph.information, graph.relative
+    shrink_pairs(graph.i, graph.j, graph.poses, 0.03, hessians, gradients)
+    return hessians, gradients
+
+
+def shrunk_by_textbook(case: GraphCase) -> tuple[Any, ...]:
+    graph = case.graph
+    pairs = [
+        textbook.shrunk_pair(graph.information[k], graph.relative[k], graph.poses[i], graph.poses[j], 0.03)
+        for k, (i, j) in enumerate(zip(graph.i, graph.j, strict=True))
+    ]
+    return tuple(np.array(part) for part in zip(*pairs, strict=True))
+
+
+def agreement_by_kernel(case: MatchCase) -> tuple[Any, ...]:
+    """Of the second scan with both, and with each by itself."""
+    counts, common = np.empty(3, dtype=np.int64), np.empty(2, dtype=np.int64)
+    both, pose = np.arange(2), case.poses[1] + np.array([0.1, 0.05, 0.02])
+    count_agreement(case.scans, 1, pose, both, case.poses, case.gate, 1, counts)
+    count_common(case.scans, 1, pose, both, case.poses, case.gate, 1, common)
+    return counts, common
+
+
+def agreement_by_textbook(case: MatchCase) -> tuple[Any, ...]:
+    scans, pose = [point_scan(case.scans, k) for k in range(2)], case.poses[1] + np.array([0.1, 0.05, 0.02])
+    whole = textbook.agreement(scans[1], pose, scans, case.poses, case.gate)
+    each = [textbook.agreement(scans[1], pose, scans[k : k + 1], case.poses[k : k + 1], case.gate) for k in range(2)]
+    return np.array(whole), np.array([counts[1] for counts in each])

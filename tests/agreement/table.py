@@ -37,6 +37,17 @@ from tests.agreement.asking import (
     provenance_of_sweeps_by_kernel,
     provenance_of_sweeps_by_textbook,
 )
+from tests.agreement.costmap import (
+    costmap_cases,
+    inflated_by_kernel,
+    inflated_by_textbook,
+    interpreted_by_table,
+    interpreted_by_textbook,
+    laid_by_kernel,
+    laid_by_textbook,
+    observed_by_kernel,
+    observed_by_textbook,
+)
 from tests.agreement.inputs import (
     STEPS,
     CloudCase,
@@ -96,11 +107,17 @@ from tests.agreement.matching import (
     views_by_textbook,
 )
 from tests.agreement.slam import (
+    agreement_by_kernel,
+    agreement_by_textbook,
     edges_by_kernel,
     edges_by_textbook,
     graph_cases,
     information_by_kernel,
     information_by_textbook,
+    nearest_by_kernel,
+    nearest_by_textbook,
+    shrunk_by_kernel,
+    shrunk_by_textbook,
     solved_by_kernel,
     solved_by_textbook,
     ways_by_kernel,
@@ -430,6 +447,9 @@ TABLE = (
     Row("edges of a pose graph", edges_by_kernel, edges_by_textbook, graph_cases(), 1e-9),
     Row("block Cholesky", solved_by_kernel, solved_by_textbook, graph_cases(), 1e-6),
     Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
+    Row("nearest node of each submap", nearest_by_kernel, nearest_by_textbook, graph_cases()),
+    Row("information of a pair of scans", shrunk_by_kernel, shrunk_by_textbook, graph_cases(), 1e-9),
+    Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, match_cases()),
     Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
     Row("odometry motion model", moved_by_kernel, moved_by_textbook, localization_cases(), 1e-5),
     Row("particles anywhere and around a pose", drawn_by_kernel, drawn_by_textbook, localization_cases(), 1e-5),
@@ -437,4 +457,8 @@ TABLE = (
     Row("beam range finder model", beams_by_kernel, beams_by_textbook, localization_cases(), 1e-6),
     Row("low-variance resampling", resampled_by_kernel, resampled_by_textbook, localization_cases()),
     Row("clusters of particles", clusters_by_kernel, clusters_by_textbook, localization_cases(), 1e-6),
+    Row("costs of map values", interpreted_by_table, interpreted_by_textbook, costmap_cases()),
+    Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
+    Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
+    Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
 )

@@ -30,6 +30,7 @@ from tests.bench.localization import localization
 from tests.bench.matching import matching
 from tests.bench.peer import PeerAbsentError, build_mrpt, mrpt_ms
 from tests.bench.reading import reading
+from tests.bench.sensors import sensors
 from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
@@ -212,6 +213,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "slam": slam,
     "localization": localization,
     "size": size,
+    "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
 }
 

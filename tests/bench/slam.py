@@ -9,13 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
+from mapper.diagnosis.verdict import sharpness_of
 from mapper.evaluation import evaluate_relations
-from mapper.grid.compare import wall_contrast
 from mapper.io.logs import odometry_records, open_log
 from mapper.io.trajectories import read_relations
-from mapper.mapping.integrate import grid_for, integrate_log
-from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.scan import Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 from mapper.slam import slam_log
 
@@ -29,13 +27,6 @@ LOGS = (
     ("carmen/intel-robotlaser.log.gz", "", ""),
     ("breezyslam/exp1.dat.gz", "", ""),
 )
-
-
-def sharpness(log: ScanLog, trajectory: str | None = None) -> float:
-    config = MappingConfig()
-    grid = grid_for(log, config, trajectory)
-    integrate_log(grid, log, config, trajectory)
-    return wall_contrast(grid)
 
 
 def over_relations(path: Path, relations: Path, poses: TimedPoses) -> str:
@@ -75,11 +66,13 @@ def slam() -> None:
         )
         span = float(np.ptp(log.stamps_ns)) / 1e9
         theirs = (
-            f"{sharpness(open_log(folder / corrected)):.3f}" if corrected and (folder / corrected).is_file() else "–"
+            f"{sharpness_of(open_log(folder / corrected), None):.3f}"
+            if corrected and (folder / corrected).is_file()
+            else "–"
         )
         print(
             f"| {name} | {log.n_scans} | {errors} | {found.cpu_seconds:.2f} | "
             f"{f'{span / found.cpu_seconds:.0f}' if span else '–'} | {found.graph.n_loops} | "
-            f"{sharpness(log, found.odometry):.3f} | {sharpness(after):.3f} | {theirs} |",
+            f"{sharpness_of(log, found.odometry):.3f} | {sharpness_of(after, None):.3f} | {theirs} |",
             flush=True,
         )

@@ -67,9 +67,9 @@ def test_both_outcomes_are_shown_with_the_prediction_after_the_table_is_removed(
     section.get_by_role("button", name="Remove the table").click()
     caption = section.locator("figcaption")
     expect(caption).to_contain_text("Your guess: 10")
-    # (3.5 − log 0.196/0.804) / 0.4 is 12.3, and (40 · 0.85 − …) / 0.4 is 88.5.
-    expect(caption).to_contain_text("With the clamp: forgotten after 13")
-    expect(caption).to_contain_text("without it: forgotten after 89. Your guess was 3 too low.")
+    # (3.5 − log 0.25/0.75) / 0.4 is 11.5, and (40 · 0.85 − …) / 0.4 is 87.7.
+    expect(caption).to_contain_text("With the clamp: forgotten after 12")
+    expect(caption).to_contain_text("without it: forgotten after 88. Your guess was 2 too low.")
     section.get_by_role("button", name="Put the table back").click()
     expect(caption).to_contain_text("How many scans does the map need")
 
@@ -99,7 +99,7 @@ def test_with_reduced_motion_the_table_is_removed_in_steps(page: Page, server: s
     section.get_by_role("button", name="Forward one scan").click()
     expect(caption).to_contain_text("1 scan since it was removed")
     section.get_by_role("button", name="To the end").click()
-    expect(caption).to_contain_text("forgotten after 84")
+    expect(caption).to_contain_text("forgotten after 88")
 
 
 # --- per beam or per scan --------------------------------------------------------------------------------------------

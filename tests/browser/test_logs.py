@@ -130,10 +130,24 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
 ) -> None:
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(data_file("carmen/aces-corrected.log.gz"))
-    card = page.locator(".log-card", has_text="aces-corrected.log.gz")
-    card.get_by_role("button", name="Open map").click()
+    # Once it was read it opens by itself, and its map fills in.
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().occupied > 100")
     page.get_by_role("button", name="All logs").click()
+    card = page.locator(".log-card", has_text="aces-corrected.log.gz")
+    picture = card.locator(".log-picture img")
+    expect(picture).to_be_visible()
+    until("its picture", lambda: picture.evaluate("(img) => img.naturalWidth") > 100)
+    card.get_by_role("button", name="Add a tag to aces-corrected.log.gz").click()
+    page.keyboard.type("Austin, corridor")
+    page.keyboard.press("Enter")
+    expect(card.locator(".tag")).to_have_text(["austin", "corridor", "Change"])
+    finder = page.get_by_role("search")
+    finder.get_by_role("button", name="corridor").click()
+    expect(page.locator(".log-card")).to_have_count(1)
+    finder.get_by_role("button", name="corridor").click()
+    finder.get_by_role("searchbox").fill("sample")
+    expect(card).to_have_count(0)
+    finder.get_by_role("searchbox").fill("aces")
     card.get_by_role("button", name="Delete aces-corrected.log.gz").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     expect(card).to_have_count(0)
@@ -147,6 +161,7 @@ def test_an_interrupted_upload_resumes(context: BrowserContext, server: str) -> 
         log = carmen(12_000)
         assert len(log) > 2 * line.most
         page.locator("input[type=file]").set_input_files({"name": "cut.log", "mimeType": "text/plain", "buffer": log})
+        page.get_by_role("button", name="All logs").click(timeout=2 * SECONDS * 1000)
         card = page.locator(".log-card", has_text="cut.log")
         expect(card).to_contain_text("12,000 scans", timeout=2 * SECONDS * 1000)
         expect(page.locator(".upload")).to_have_count(0)
@@ -194,12 +209,14 @@ def test_a_folder_that_is_dropped_is_one_log(page: Page, server: str, tmp_path: 
     for kind in ("dragEnter", "dragOver", "drop"):
         data = {"items": [], "files": [str(folder)], "dragOperationsMask": 1}
         hand.send("Input.dispatchDragEvent", {"type": kind, **place, "data": data})
+    page.get_by_role("button", name="All logs").click()  # it has opened
     card = page.locator(".log-card", has=page.get_by_role("heading", name="run", exact=True))
     expect(card).to_contain_text("24 scans")
     expect(card).to_contain_text("3 files")
     (tmp_path / "measurement.txt").write_text(SONAR_READINGS)
     (tmp_path / "poses.txt").write_text(SONAR_POSES)
     page.locator("input[type=file]").set_input_files([tmp_path / "poses.txt", tmp_path / "measurement.txt"])
+    page.get_by_role("button", name="All logs").click()
     ring = page.locator(".log-card", has=page.get_by_role("heading", name="sonars", exact=True))
     expect(ring).to_contain_text("5 scans")
     for one in (card, ring):

@@ -22,10 +22,12 @@ from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.names import printable
-from mapper.io.logs.opening import parts_of
-from mapper.io.logs.recording import Recording
+from mapper.io.logs.opening import open_robot_log, parts_of
 from mapper.io.logs.ros_messages import TRANSFORMS, plain_type
+from mapper.io.logs.selection import ALL_SENSORS, Selection
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress
+from mapper.sensors.robot_log import RobotLog
 
 MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
 MAX_EDGES = 5000  #: pairs of frames
@@ -49,11 +51,12 @@ class _Topic:
     values: array[float] = field(default_factory=lambda: array("f"))
 
 
-class Inspector(Recording):
-    """Takes a recording as :class:`Recording` does, and makes no log of it but its :class:`Contents`."""
+class Inspector(MessageSink):
+    """Takes a recording, and makes no log of it but its :class:`Contents`."""
 
     def __init__(self, limits: Limits) -> None:
-        super().__init__(limits)
+        self.limits = limits
+        self.notes = []
         self._counted: dict[tuple[str, str, bool, bool], _Topic] = {}
         self._counted_by_key: dict[int, _Topic] = {}
         self._stamps_of_edge: dict[tuple[str, str], tuple[array[int], list[bool]]] = {}
@@ -61,12 +64,12 @@ class Inspector(Recording):
         self._values_left = MAX_VALUES
 
     @property
-    def n_scans(self) -> int:
-        """Messages taken so far: where there are some, something could be read."""
+    def taken(self) -> int:
+        """Messages taken so far."""
         return self._n_messages
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
-        """Announce a stream of messages, as :meth:`Recording.channel`."""
+        """Announce a stream of messages."""
         name, kind = printable(topic[:MAX_NAME]), printable(plain_type(kind)[:MAX_NAME])
         stream = (name, kind, cdr, readable)
         if stream not in self._counted:
@@ -84,9 +87,12 @@ class Inspector(Recording):
         topic = self._counted_by_key.get(key)
         return topic is not None and (topic.plotted is not None or topic.type in TRANSFORMS)
 
-    def knows(self, key: int) -> bool:  # noqa: ARG002 - as Recording has it
+    def knows(self, key: int) -> bool:  # noqa: ARG002 - as all sinks have it
         """Return False for any stream: no chunk is passed over by its index, which has no sizes."""
         return False
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count nothing: no chunk is passed over."""
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
         """Take one message, recorded at ``stamp_ns``. Raises :class:`LimitError`."""
@@ -204,6 +210,22 @@ def inspect(
         kind.take(file, inspector, limits, share)
         inspector.next_file()
     return inspector.contents()
+
+
+def open_inspected(
+    path: str | os.PathLike[str],
+    *,
+    selection: Selection = ALL_SENSORS,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+) -> tuple[RobotLog, Contents]:
+    """Return :func:`mapper.io.logs.open_robot_log` and :func:`inspect` of a recording that is read once.
+
+    A text log is read twice. Raises as those two.
+    """
+    inspector = Inspector(limits)
+    robot = open_robot_log(path, selection=selection, limits=limits, progress=progress, also=inspector)
+    return robot, inspector.contents() if inspector.taken else inspect(path, limits=limits)
 
 
 def _of_all(progress: Progress, done: int, of: int, share: float) -> None:

@@ -1,7 +1,7 @@
 """The newest message of a topic at a moment, without reading what does not lead there.
 
-Of an MCAP file with a summary one chunk is read, found by its index; of an SQLite bag one row. Any other recording is
-read from its beginning, in which other topics are jumped over.
+Of an MCAP file with a summary and of a ROS 1 bag with an index one chunk is read; of an SQLite bag one row. Any other
+recording is read from its beginning, in which other topics are jumped over.
 """
 
 from __future__ import annotations
@@ -14,14 +14,15 @@ from mcap.reader import SeekingReader
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import mcap_file, ros2_db3
+from mapper.io.contents.bag_index import indexed_message
+from mapper.io.logs import mcap_file, ros1_bag, ros2_db3
 from mapper.io.logs.archive import Source
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
-from mapper.io.logs.recording import Recording
 from mapper.io.logs.ros_messages import plain_type
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import opened
 
 
@@ -39,18 +40,18 @@ class _PastError(Exception):
     """The moment is past."""
 
 
-class _Newest(Recording):
+class _Newest(MessageSink):
     """Takes the messages of one topic, and keeps the newest that is not later than a moment."""
 
-    def __init__(self, limits: Limits, topic: str, at_ns: int) -> None:
-        super().__init__(limits)
+    def __init__(self, topic: str, at_ns: int) -> None:
+        self.notes = []
         self.found: FoundMessage | None = None
         self._topic = topic
         self._at_ns = at_ns
         self._kinds: dict[int, tuple[str, bool] | None] = {}
 
     @property
-    def n_scans(self) -> int:
+    def taken(self) -> int:
         """How many messages were found."""
         return 0 if self.found is None else 1
 
@@ -69,6 +70,10 @@ class _Newest(Recording):
 
     def pass_over(self, key: int, count: int) -> None:
         """Count nothing."""
+
+    def next_file(self) -> None:
+        """Forget the streams of the file."""
+        self._kinds.clear()
 
     def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002
         """Take one message. Raises :class:`_PastError` for the first one of the topic that is later."""
@@ -110,7 +115,16 @@ def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Lim
     if kind is ros2_db3.ROS2_DB3:
         row = ros2_db3.newest_row(file, topic, at_ns, limits)
         return None if row is None else FoundMessage(row[0], plain_type(row[1]), True, row[2])
-    newest = _Newest(limits, topic, at_ns)
+    if kind is ros1_bag.ROS1_BAG:
+        message = indexed_message(file, topic, at_ns, limits)
+        if message is not None:
+            return FoundMessage(message.stamp_ns, plain_type(message.type), False, message.data)
+    return read_up_to(file, kind, topic, at_ns, limits)
+
+
+def read_up_to(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
+    """Return the newest message of ``topic`` at or before ``at_ns`` of a file that is read from its beginning."""
+    newest = _Newest(topic, at_ns)
     with contextlib.suppress(_PastError):
         kind.take(file, newest, limits, None)
     return newest.found

@@ -12,23 +12,14 @@ from dataclasses import dataclass
 
 from mapper.io.contents.model import Column
 from mapper.io.logs.message_fields import BadMessageError, MessageFields
+from mapper.io.logs.ros_messages import imu
 
 Row = tuple[int, list[float]]  #: the stamp that the message states, ns, 0 for none, and its numbers
 
 
 def _imu(data: bytes, *, cdr: bool) -> Row:
-    fields = MessageFields(data, cdr=cdr)
-    stamp, _ = fields.header()
-    quaternion = fields.unpack("4d", 8)
-    orientation_covariance = fields.unpack("9d", 8)
-    rates = fields.unpack("3d", 8)
-    fields.unpack("9d", 8)
-    accelerations = fields.unpack("3d", 8)
-    fields.unpack("9d", 8)
-    fields.end()
-    # A covariance that begins with −1 says that there is no orientation.
-    yaw = math.nan if orientation_covariance[0] == -1.0 else _yaw(quaternion)
-    return stamp, [*rates, *accelerations, yaw]
+    one = imu(data, cdr=cdr)
+    return one.stamp_ns, [*one.angular_velocity, *one.linear_acceleration, _yaw(one.orientation)]
 
 
 def _odometry(data: bytes, *, cdr: bool) -> Row:

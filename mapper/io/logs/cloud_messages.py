@@ -6,35 +6,57 @@ depthimage_to_laserscan (16UC1 is millimetres, 0 no reading; 32FC1 metres).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.io.logs.message_fields import BadMessageError, MessageFields
+from mapper.io.logs.names import printable
 from mapper.sensors.planar.depth import Intrinsics
+from mapper.sensors.point_cloud import PointCloud
 
 MOST_FIELDS = 256  #: of one point
 MOST_SIDE = 1 << 16  #: pixels
 PART_POINTS = 1 << 17  #: taken at once: each takes some hundred bytes with what is computed from it
+MOST_NAME = 100  #: characters of a field's name that are kept
+TIME_FIELDS = ("t", "time", "offset_time", "timestamp", "time_stamp")
+SINCE_1970_S, SINCE_1970_NS = 1e8, 1e17  #: a time beyond is one since 1970, in seconds or nanoseconds
 DATATYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  #: encoding → type, metres
 
 
 @dataclass(frozen=True, slots=True)
 class Cloud:
-    """One sensor_msgs/PointCloud2: ``axes`` are x, y and z (height, width), views of the message's bytes."""
+    """One sensor_msgs/PointCloud2: ``axes`` are x, y and z (height, width), views of the message's bytes.
+
+    ``others`` are its other fields, (height, width) or, of more than one number, (height, width, count).
+    """
 
     stamp_ns: int
     frame: str
     axes: tuple[NDArray[np.generic], NDArray[np.generic], NDArray[np.generic]]
+    others: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
 
     @property
     def nbytes(self) -> int:
         """The size of what holds the points."""
         return int(sum(axis.nbytes for axis in self.axes))
+
+    def whole(self, recorded_ns: int = 0) -> PointCloud:
+        """Return the cloud with all that is stated of its points; ``recorded_ns`` is its stamp if it states none."""
+        double = any(axis.dtype.kind != "f" or axis.dtype.itemsize > 4 for axis in self.axes)
+        kind = np.float64 if double else np.float32
+        points = np.stack([axis.astype(kind).reshape(-1) for axis in self.axes], axis=-1)
+        fields = {
+            name: one.astype(one.dtype.newbyteorder("=")).reshape(len(points), *one.shape[2:])
+            for name, one in self.others.items()
+        }
+        stamp_ns = self.stamp_ns or recorded_ns
+        height, width = self.axes[0].shape
+        return PointCloud(points, stamp_ns, self.frame, (height, width), fields, _times_of(fields, stamp_ns))
 
     def parts(self) -> Iterator[NDArray[np.float64]]:
         """Yield the points (n, 3), row by row, in parts that bound the memory."""
@@ -56,13 +78,13 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
     n = fields.count(13)
     if n > MOST_FIELDS:
         raise BadMessageError(f"its points have {n} fields")
-    layout: dict[str, tuple[int, str]] = {}
+    layout: dict[str, tuple[int, str, int]] = {}
     for _ in range(n):
         name = fields.string()
         (offset,) = fields.unpack("I", 4)
         (datatype,) = fields.unpack("B", 1)
-        fields.unpack("I", 4)  # how many numbers it is; of x, y and z there is one
-        layout.setdefault(name, (int(offset), DATATYPES.get(int(datatype), "")))
+        (count,) = fields.unpack("I", 4)
+        layout.setdefault(name, (int(offset), DATATYPES.get(int(datatype), ""), int(count)))
     (is_bigendian,) = fields.unpack("B", 1)
     point_step, row_step = (int(n) for n in fields.unpack("2I", 4))
     values = fields.bytes()
@@ -77,18 +99,47 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
             "bytes of data"
         )
     order = ">" if is_bigendian else "<"
+    shape = (height, width) if needed else (0, 0)
     axes = []
     for name in "xyz":
-        offset, code = layout.get(name, (0, ""))
+        offset, code, _ = layout.pop(name, (0, "", 0))  # how many numbers it is, some drivers leave 0
         if not code:
             raise BadMessageError(f"its points have no number {name}")
         kind = np.dtype(order + code)
         if offset + kind.itemsize > point_step:
             raise BadMessageError(f"the field {name} reaches beyond a point's {point_step} bytes")
-        strides = (row_step, point_step)
-        shape = (height, width) if needed else (0, 0)
-        axes.append(np.ndarray(shape, kind, values, offset if needed else 0, strides))
-    return Cloud(stamp, frame, (axes[0], axes[1], axes[2]))
+        axes.append(np.ndarray(shape, kind, values, offset if needed else 0, (row_step, point_step)))
+    others: dict[str, NDArray[np.generic]] = {}
+    room = point_step  # fields that share bytes could make a small message take gigabytes
+    for name, (offset, code, count) in layout.items():
+        kind = np.dtype(order + (code or "u1"))
+        size = max(1, count) * kind.itemsize
+        if not code or offset + size > point_step or size > room:
+            continue
+        room -= size
+        more = ((), ()) if count <= 1 else ((count,), (kind.itemsize,))
+        whole, strides = (*shape, *more[0]), (row_step, point_step, *more[1])
+        others[printable(name[:MOST_NAME])] = np.ndarray(whole, kind, values, offset if needed else 0, strides)
+    return Cloud(stamp, frame, (axes[0], axes[1], axes[2]), others)
+
+
+def _times_of(fields: Mapping[str, NDArray[np.generic]], stamp_ns: int) -> NDArray[np.float64] | None:
+    """Return when each point (n,) was measured, seconds after the stamp; None where no field of one number says it.
+
+    Drivers differ: ``t`` (Ouster) and ``offset_time`` (Livox) are whole nanoseconds after the stamp, ``time``
+    (Velodyne) seconds after it, and ``timestamp`` (Hesai, RoboSense, Livox) seconds or nanoseconds since 1970.
+    """
+    name = next((name for name in TIME_FIELDS if name in fields and fields[name].ndim == 1), None)
+    if name is None:
+        return None
+    stated = fields[name]
+    times = stated.astype(np.float64)
+    usual = float(np.nanmedian(np.abs(times))) if np.isfinite(times).any() else 0.0
+    if usual > SINCE_1970_NS:
+        return np.asarray((times - float(stamp_ns)) * 1e-9)
+    if usual > SINCE_1970_S and stated.dtype.kind == "f":
+        return np.asarray(times - stamp_ns * 1e-9)
+    return times * 1e-9 if stated.dtype.kind in "iu" else times
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,55 +10,89 @@ from itertools import pairwise
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
+from mapper.io.logs.recorded_streams import streams_of, with_streams
 from mapper.io.logs.recording import Recording
 from mapper.io.logs.selection import Selection
+from mapper.io.logs.sink import BothSinks, MessageSink
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.streams import CloudStream
 
 MAX_NOTES = 20
+NO_SENSOR = "\0"  #: what no topic is named
 
 
 @dataclass(frozen=True, slots=True)
 class Container:
-    """A format of recordings: its name, and what hands the messages of one file over to a :class:`Recording`."""
+    """A format of recordings: its name, and what hands the messages of one file over."""
 
     form: str
-    take: Callable[[Source, Recording, Limits, Progress | None], None]
+    take: Callable[[Source, MessageSink, Limits, Progress | None], None]
 
-    def read(self, file: Source, limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
+    def read(
+        self,
+        file: Source,
+        limits: Limits,
+        progress: Progress | None,
+        selection: Selection,
+        *,
+        also: MessageSink | None = None,
+    ) -> RobotLog:
         """Return the recording in ``file`` as the log of the sensors that are selected; see :class:`Recording`.
 
+        ``also`` takes the messages in the same pass.
         Of a file that is cut or damaged, what could be read, and notes that say what is missing. Raises
         :class:`ReadError` where there is no scan, and :class:`LimitError`.
         """
         recording = Recording(limits, selection)
-        self.take(file, recording, limits, progress)
-        return recording.robot_log(file.name, self.form)
+        self.take(file, _with(recording, also), limits, progress)
+        return with_streams(recording.robot_log(file.name, self.form), [file], self.take, recording.parts)
 
     def read_split(
-        self, files: Sequence[Source], name: str, limits: Limits, progress: Progress | None, selection: Selection
+        self,
+        files: Sequence[Source],
+        name: str,
+        limits: Limits,
+        progress: Progress | None,
+        selection: Selection,
+        *,
+        also: MessageSink | None = None,
     ) -> RobotLog:
         """Return the recording ``name`` that was split into ``files``, in the order of their numbers, as one log.
 
         Files of which nothing can be read are left out, and noted. Raises as :meth:`read`.
         """
         recording = Recording(limits, selection)
+        sink = _with(recording, also)
         files = in_order(files)
         recording.notes.append(f"{len(files)} files are read as one recording.{_missing(files)}")
         for done, file in enumerate(files):
             before = len(recording.notes)
             try:
-                self.take(file, recording, limits, _part_of(progress, done, len(files)))
+                self.take(file, sink, limits, _part_of(progress, done, len(files)))
             except LimitError:
                 raise
             except ReadError as error:
                 recording.notes.append(f"It is left out: {error.message}")
             said = recording.notes[before : max(before, MAX_NOTES)]
             recording.notes[before:] = [f"{file.name}: {note}" for note in said]
-            recording.next_file()
+            sink.next_file()
             if progress is not None:
                 progress((done + 1) / len(files))
-        return recording.robot_log(name, f"{self.form}, {len(files)} files")
+        log = recording.robot_log(name, f"{self.form}, {len(files)} files")
+        return with_streams(log, files, self.take, recording.parts)
+
+    def clouds(self, files: Sequence[Source], limits: Limits, progress: Progress | None) -> dict[str, CloudStream]:
+        """Return the point clouds of a recording by topic; of its messages only poses are read now."""
+        recording = Recording(limits, Selection((NO_SENSOR,)))
+        for done, file in enumerate(files):
+            self.take(file, recording, limits, _part_of(progress, done, len(files)))
+            recording.next_file()
+        return streams_of(files, self.take, recording.parts)[0]
+
+
+def _with(recording: Recording, also: MessageSink | None) -> MessageSink:
+    return recording if also is None else BothSinks(recording, also)
 
 
 def in_order(files: Sequence[Source]) -> list[Source]:

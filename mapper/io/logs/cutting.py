@@ -18,7 +18,7 @@ from mapper.io.logs.cloud_messages import Cloud, DepthImage, camera_info, depth_
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.ros_messages import Beams
 from mapper.io.logs.stream import Stream
-from mapper.io.logs.transforms import BASES, FrameTree
+from mapper.io.logs.transforms import FrameTree
 from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
 from mapper.sensors.planar.depth import Intrinsics, cut_depth
 from mapper.sensors.planar.options import PlanarCut
@@ -113,8 +113,7 @@ class Cutter:
     def _base_in(self, chain: list[str]) -> int | None:
         """Return the index of the robot's base in a chain of frames, None where none is named as one."""
         index = self._tf.base_of(chain, self._children)
-        is_base = chain[index].rsplit("/", 1)[-1] in BASES or chain[index] in self._children
-        return index if is_base else None
+        return index if self._tf.is_base(chain[index], self._children) else None
 
     def _cut_one(self, one: _Held) -> None:
         if isinstance(one.message, Cloud):

@@ -17,6 +17,7 @@ from mapper.io.logs.container import Container, in_order
 from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.selection import ALL_SENSORS, Selection
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
@@ -116,9 +117,13 @@ def open_robot_log(
     selection: Selection = ALL_SENSORS,
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
+    also: MessageSink | None = None,
 ) -> RobotLog:
-    """Return the log at ``path`` with the sensors that ``selection`` names; otherwise as :func:`open_log`."""
-    return _reading(Path(path), limits)(limits, progress, selection)
+    """Return the log at ``path`` with the sensors that ``selection`` names; otherwise as :func:`open_log`.
+
+    ``also`` takes the messages of a recording in the same pass; of a text format it gets none.
+    """
+    return _reading(Path(path), limits, also)(limits, progress, selection)
 
 
 def odometry_records(
@@ -160,16 +165,16 @@ def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Sour
     return in_order(files) if isinstance(kind, Container) else files, kind
 
 
-def _reading(path: Path, limits: Limits) -> Reading:
+def _reading(path: Path, limits: Limits, also: MessageSink | None = None) -> Reading:
     """Return what reads the log at ``path``; raise :class:`MapperError` where there is none, or several."""
     if path.is_dir():
-        return _reading_together(_files_in(path, limits), "folder", path.name)
+        return _reading_together(_files_in(path, limits), "folder", path.name, also)
     if _is_tar(path):
         files, notes = members(path, limits)
         if notes and not files:
             raise ReadError("log.archive", "The tar archive is damaged, or ends, before the first file in it.")
-        return _noting(notes, _reading_together(files, "archive", path.name))
-    return partial(_reader(_kind_of(path)), path)
+        return _noting(notes, _reading_together(files, "archive", path.name, also))
+    return partial(_reader(_kind_of(path), also), path)
 
 
 def _is_tar(path: Path) -> bool:
@@ -188,13 +193,13 @@ def _files_in(folder: Path, limits: Limits) -> list[Source]:
     return [one for one in inside if one.is_file() and not one.name.startswith(".")]
 
 
-def _reading_together(files: Sequence[Source], where: str, name: str) -> Reading:
+def _reading_together(files: Sequence[Source], where: str, name: str, also: MessageSink | None) -> Reading:
     """Return what reads the one log that these files are."""
     logs, kind = _one_log(files, where)
     if len(logs) == 1:
-        return partial(_reader(kind), logs[0])
+        return partial(_reader(kind, also), logs[0])
     if isinstance(kind, Container):
-        return partial(kind.read_split, logs, name)
+        return partial(kind.read_split, logs, name, also=also)
     return partial(_one_sensor, partial(sonar.read_sonar, poses=logs[1]), logs[0])
 
 
@@ -252,9 +257,9 @@ def _noting(notes: Sequence[str], reading: Reading) -> Reading:
     return noted if notes else reading
 
 
-def _reader(kind: Container | Reader) -> RobotReader:
+def _reader(kind: Container | Reader, also: MessageSink | None) -> RobotReader:
     if isinstance(kind, Container):
-        return kind.read
+        return partial(kind.read, also=also)
     return carmen.read_carmen_sensors if kind is carmen.read_carmen else partial(_one_sensor, kind)
 
 

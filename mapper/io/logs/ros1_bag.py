@@ -16,78 +16,43 @@ from __future__ import annotations
 
 import contextlib
 import os
-import struct
-from collections.abc import Iterator
 from typing import BinaryIO
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
+from mapper.io.logs.bag_records import (
+    BAG_HEADER,
+    CHUNK,
+    CONNECTION,
+    INDEX,
+    MAX_FIRST_RECORD_BYTES,
+    MESSAGE,
+    U32,
+    U64,
+    VERSION,
+    CutError,
+    DamagedError,
+    connection_of,
+    fields_of,
+    records,
+    time_ns,
+    topic_and_type,
+)
 from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import inflate
-from mapper.io.logs.recording import Recording
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, opened
 
 MAGIC = b"#ROSBAG V"
-VERSION = b"#ROSBAG V2.0\n"
-MESSAGE, BAG_HEADER, INDEX, CHUNK, CONNECTION = b"\x02", b"\x03", b"\x04", b"\x05", b"\x07"
 MAX_HEADER_BYTES = 1 << 20
-MAX_FIRST_RECORD_BYTES = 1 << 13  #: it is padded to 4096
 MAX_INDEX_BYTES = 1 << 24  #: of the connections at the end of a bag
 MAX_INDEX_HEADER_BYTES = 1000  #: of an index record behind a chunk
 
-_U32, _U64 = struct.Struct("<I"), struct.Struct("<Q")
-_TIME = struct.Struct("<II")
-
-
-class _CutError(Exception):
-    """The data ends in the middle of a record."""
-
-
-class _DamagedError(Exception):
-    """The data is no record."""
-
-
-def _fields(header: bytes) -> dict[bytes, bytes]:
-    found = {}
-    at = 0
-    while at < len(header):
-        if at + 4 > len(header):
-            raise _DamagedError
-        (size,) = _U32.unpack_from(header, at)
-        at += 4
-        name, equals, value = header[at : at + size].partition(b"=")
-        if at + size > len(header) or not equals:
-            raise _DamagedError
-        found[name] = value
-        at += size
-    return found
-
-
-def _records(data: bytes) -> Iterator[tuple[dict[bytes, bytes], bytes]]:
-    """Yield the records of a chunk. Raises :class:`_CutError` where it ends within one."""
-    at = 0
-    while at < len(data):
-        if at + 4 > len(data):
-            raise _CutError
-        (size,) = _U32.unpack_from(data, at)
-        body = at + 4 + size
-        if body + 4 > len(data):
-            raise _CutError
-        header = data[at + 4 : body]
-        (size,) = _U32.unpack_from(data, body)
-        at = body + 4 + size
-        if at > len(data):
-            raise _CutError
-        fields = _fields(header)
-        if b"op" not in fields:
-            raise _DamagedError
-        yield fields, data[body + 4 : at]
-
 
 class _Bag:
-    def __init__(self, stream: ByteStream, recording: Recording, limits: Limits) -> None:
+    def __init__(self, stream: ByteStream, recording: MessageSink, limits: Limits) -> None:
         self.stream = stream
         self.recording = recording
         self.limits = limits
@@ -104,11 +69,11 @@ class _Bag:
         try:
             while self._record():
                 pass
-        except _CutError:
+        except CutError:
             self.recording.notes.append(
                 f"The bag ends early, at byte {self.stream.at}, within a record: only what precedes is read."
             )
-        except _DamagedError:
+        except DamagedError:
             self.recording.notes.append(f"The bag is damaged before byte {self.stream.at}: the rest is left out.")
 
     def look_ahead(self, file: BinaryIO) -> None:
@@ -120,17 +85,17 @@ class _Bag:
         start = file.read(len(VERSION) + MAX_FIRST_RECORD_BYTES)
         if not start.startswith(VERSION):
             return
-        with contextlib.suppress(_CutError, _DamagedError, StopIteration):
-            fields, _ = next(_records(start[len(VERSION) :]))
+        with contextlib.suppress(CutError, DamagedError, StopIteration):
+            fields, _ = next(records(start[len(VERSION) :]))
             at = fields.get(b"index_pos", b"")
             if fields[b"op"] != BAG_HEADER or len(at) != 8:
                 return
-            (index_at,) = _U64.unpack(at)
+            (index_at,) = U64.unpack(at)
             size = file.seek(0, os.SEEK_END)
             if not len(VERSION) < index_at < size:
                 return
             file.seek(index_at)
-            for fields, content in _records(file.read(min(size - index_at, MAX_INDEX_BYTES))):
+            for fields, content in records(file.read(min(size - index_at, MAX_INDEX_BYTES))):
                 if fields[b"op"] != CONNECTION:
                     break
                 self._content(fields, content)
@@ -139,18 +104,18 @@ class _Bag:
     def _exactly(self, source: ByteStream | Section, n: int) -> bytes:
         data = source.read(n)
         if len(data) < n:
-            raise _CutError
+            raise CutError
         return data
 
     def _head(self, source: ByteStream | Section, size: bytes) -> tuple[dict[bytes, bytes], int]:
         """Return a record's header, of which ``size`` was read, and the length of its data."""
-        (n,) = _U32.unpack(size)
+        (n,) = U32.unpack(size)
         if n > MAX_HEADER_BYTES:
-            raise _DamagedError
-        fields = _fields(self._exactly(source, n))
-        (n,) = _U32.unpack(self._exactly(source, 4))
+            raise DamagedError
+        fields = fields_of(self._exactly(source, n))
+        (n,) = U32.unpack(self._exactly(source, 4))
         if b"op" not in fields:
-            raise _DamagedError
+            raise DamagedError
         self._count_record()
         return fields, n
 
@@ -160,7 +125,7 @@ class _Bag:
         if not size:
             return False
         if len(size) < 4:
-            raise _CutError
+            raise CutError
         fields, n = self._head(self.stream, size)
         op = fields[b"op"]
         if op == CHUNK:
@@ -171,21 +136,21 @@ class _Bag:
             if fields.get(b"encryptor"):
                 raise ReadError("log.encrypted", "The bag is encrypted.")
             if self.stream.skip(n) < n:
-                raise _CutError
+                raise CutError
         return True
 
     def _take_or_skip(self, source: ByteStream | Section, fields: dict[bytes, bytes], n: int) -> None:
         """Take a record with ``n`` bytes of data; pass over those of a large message that nothing is made of."""
-        key = _key_of(fields)
+        key = connection_of(fields)
         if fields[b"op"] == MESSAGE and n >= WORTH_A_JUMP and not (key is not None and self.recording.wants(key)):
             if source.skip(n) < n:
-                raise _CutError
+                raise CutError
             self._content(fields, b"", n)
         else:
             self._content(fields, self._exactly(source, n))
 
     def _chunk(self, compression: str, n: int) -> None:
-        """Read a chunk of ``n`` bytes. Raises :class:`_CutError` where the file ends in it."""
+        """Read a chunk of ``n`` bytes. Raises :class:`CutError` where the file ends in it."""
         at = self.stream.at
         if compression == "none" and self.stream.can_jump:
             self._plain_chunk(Section(self.stream, n), at)
@@ -195,7 +160,7 @@ class _Bag:
         data = self.stream.read(n)
         self._chunk_data(compression, data, at, cut=len(data) < n)
         if len(data) < n:
-            raise _CutError
+            raise CutError
 
     def _plain_chunk(self, section: Section, at: int) -> None:
         """Take what is wanted of a chunk that is not compressed, whose data comes next."""
@@ -203,12 +168,12 @@ class _Bag:
             while section.left:
                 size = section.read(4)
                 if len(size) < 4:
-                    raise _CutError
+                    raise CutError
                 self._take_or_skip(section, *self._head(section, size))
-        except (_CutError, _DamagedError):
+        except (CutError, DamagedError):
             section.skip(section.left)
             if section.left:
-                raise _CutError from None
+                raise CutError from None
             self._note(_damaged_chunk(at))
 
     def _skipped_by_index(self, n: int) -> bool:
@@ -227,7 +192,7 @@ class _Bag:
         if not counts:
             return False
         if self.stream.skip(n) < n:
-            raise _CutError
+            raise CutError
         for key, count in counts.items():
             self.recording.pass_over(key, count)
         return True
@@ -235,18 +200,18 @@ class _Bag:
     def _index_ahead(self, ahead: int) -> tuple[int, int, int] | None:
         """Return connection, number of messages and size of an index record in the file; None where there is none."""
         size = self.stream.ahead(ahead, 4)
-        if len(size) < 4 or _U32.unpack(size)[0] > MAX_INDEX_HEADER_BYTES:
+        if len(size) < 4 or U32.unpack(size)[0] > MAX_INDEX_HEADER_BYTES:
             return None
-        (n,) = _U32.unpack(size)
+        (n,) = U32.unpack(size)
         record = self.stream.ahead(ahead + 4, n + 4)
         try:
-            fields = _fields(record[:n])
-        except _DamagedError:
+            fields = fields_of(record[:n])
+        except DamagedError:
             return None
-        key, count = _key_of(fields), fields.get(b"count", b"")
+        key, count = connection_of(fields), fields.get(b"count", b"")
         if len(record) < n + 4 or fields.get(b"op") != INDEX or key is None or len(count) != 4:
             return None
-        return key, _U32.unpack(count)[0], n + 8 + _U32.unpack_from(record, n)[0]
+        return key, U32.unpack(count)[0], n + 8 + U32.unpack_from(record, n)[0]
 
     def _chunk_data(self, compression: str, data: bytes, at: int, *, cut: bool) -> None:
         """Take what is in a chunk's data, which is all that the file has of it."""
@@ -266,12 +231,12 @@ class _Bag:
             self._note(f"The chunk at byte {at} is compressed in an unknown way, {compression!r:.40}, and is left out.")
             return
         try:
-            for fields, content in _records(data):
+            for fields, content in records(data):
                 self._count_record()
                 self._content(fields, content)
-        except _DamagedError:
+        except DamagedError:
             self._note(_damaged_chunk(at))
-        except _CutError:
+        except CutError:
             if not cut:
                 self._note(_damaged_chunk(at))
 
@@ -282,19 +247,13 @@ class _Bag:
 
     def _content(self, fields: dict[bytes, bytes], content: bytes, size: int | None = None) -> None:
         """Take a connection or a message; ``size`` bytes where ``content`` was left out."""
-        key = _key_of(fields)
+        key = connection_of(fields)
         if key is None:
             return
         if fields.get(b"op") == MESSAGE:
-            time = fields.get(b"time", b"")
-            seconds, nanoseconds = _TIME.unpack(time) if len(time) == 8 else (0, 0)
-            self.recording.take(key, seconds * 1_000_000_000 + nanoseconds, content, size)
+            self.recording.take(key, time_ns(fields.get(b"time", b"")), content, size)
         elif fields.get(b"op") == CONNECTION:
-            stated = _fields(content)
-            topic, kind = (
-                value.decode("utf-8", "replace")
-                for value in (stated.get(b"topic", fields.get(b"topic", b"")), stated.get(b"type", b""))
-            )
+            topic, kind = topic_and_type(fields, content)
             self.recording.channel(key, topic, kind, cdr=False)
 
     def _note(self, sentence: str) -> None:
@@ -302,17 +261,11 @@ class _Bag:
             self.recording.notes.append(sentence)
 
 
-def _key_of(fields: dict[bytes, bytes]) -> int | None:
-    """Return the connection that a record is of, None where it does not say."""
-    connection = fields.get(b"conn", b"")
-    return int(_U32.unpack(connection)[0]) if len(connection) == 4 else None
-
-
 def _damaged_chunk(at: int) -> str:
     return f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
 
 
-def take_ros1_bag(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def take_ros1_bag(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
     """Hand what a bag holds over to ``recording``; of one that is cut or damaged, what could be read.
 
     Raises :class:`ReadError` for one of another version or encrypted, and :class:`LimitError`.

@@ -28,19 +28,19 @@ from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.names import printable
-from mapper.io.logs.recording import Recording
+from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import PIECE, Progress, opened
 
 MAGIC = b"SQLite format 3\0"
 TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
 
 
-def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
     """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
 
     Raises :class:`ReadError` where there are none, and :class:`LimitError`.
     """
-    before = recording.n_scans
+    before = recording.taken
     connection, notes, is_journaled = _opened(file, limits, progress)
     if notes is not None:  # read as a copy, which was half of the work
         progress = progress and partial(_second_half, progress)
@@ -53,7 +53,7 @@ def take_ros2_db3(file: Source, recording: Recording, limits: Limits, progress: 
             )
         _take_all(connection, recording, limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
-        if recording.n_scans == before:
+        if recording.taken == before:
             raise _unreadable(error) from error
         recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): only what precedes is read.")
     except ReadError as error:
@@ -178,20 +178,24 @@ def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[in
     None where there is none. Raises :class:`ReadError` for a file that is no ROS 2 bag.
     """
     connection, _, _ = _opened(file, limits, None)
+    # First which row it is, then its data: a file without an index of times has all of its rows looked at.
     query = (
-        "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id "
+        "SELECT messages.rowid FROM messages JOIN topics ON topic_id = topics.id "
         "WHERE name = ? AND serialization_format = 'cdr' AND timestamp"
     )
+    whole = "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id WHERE messages.rowid = ?"
     try:
         _check_tables(connection)
-        row = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
-        row = row or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+        found = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
+        found = found or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+        row = None if found is None else connection.execute(whole, found).fetchone()
     except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
         raise _unreadable(error) from error
     finally:
         connection.close()
-    is_message = row is not None and isinstance(row[0], int) and isinstance(row[2], bytes)
-    return (row[0], str(row[1]), row[2]) if is_message else None
+    if row is None or not isinstance(row[0], int) or not isinstance(row[2], bytes):
+        return None
+    return row[0], str(row[1]), row[2]
 
 
 def _check_tables(connection: sqlite3.Connection) -> None:
@@ -206,7 +210,9 @@ def _check_tables(connection: sqlite3.Connection) -> None:
             raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
 
 
-def _take_all(connection: sqlite3.Connection, recording: Recording, limits: Limits, progress: Progress | None) -> None:
+def _take_all(
+    connection: sqlite3.Connection, recording: MessageSink, limits: Limits, progress: Progress | None
+) -> None:
     _check_tables(connection)
     rows = connection.execute(
         "SELECT id, name, type, serialization_format FROM topics LIMIT ?", (limits.max_topics + 1,)

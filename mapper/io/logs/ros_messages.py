@@ -11,6 +11,7 @@ Source: the message definitions of sensor_msgs, nav_msgs, tf2_msgs and geometry_
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,6 +144,32 @@ def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
     fields.unpack("36d", 8)
     fields.end()
     return [StampedPose(stamp, frame, "", pose)]
+
+
+@dataclass(frozen=True, slots=True)
+class ImuReading:
+    """One sensor_msgs/Imu: rad/s, m/s², and the quaternion x y z w, NaN where no orientation is stated."""
+
+    stamp_ns: int
+    frame: str
+    orientation: tuple[float, ...]
+    angular_velocity: tuple[float, ...]
+    linear_acceleration: tuple[float, ...]
+
+
+def imu(data: bytes, *, cdr: bool) -> ImuReading:
+    """Decode a sensor_msgs/Imu."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    orientation = fields.unpack("4d", 8)
+    covariance = fields.unpack("9d", 8)
+    rates = fields.unpack("3d", 8)
+    fields.unpack("9d", 8)
+    accelerations = fields.unpack("3d", 8)
+    fields.unpack("9d", 8)
+    fields.end()
+    # A covariance that begins with −1 says that there is no orientation.
+    return ImuReading(stamp, frame, (math.nan,) * 4 if covariance[0] == -1.0 else orientation, rates, accelerations)
 
 
 def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:

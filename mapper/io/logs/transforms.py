@@ -299,6 +299,11 @@ class FrameTree:
                 return index
         return 0
 
+    @staticmethod
+    def is_base(frame: str, hints: set[str]) -> bool:
+        """Return whether a frame is named as the robot's base is, or by an odometry message (``hints``)."""
+        return frame.rsplit("/", 1)[-1] in BASES or frame in hints
+
     def worlds(self, chain: list[str]) -> list[str]:
         """Return the ancestors of ``chain``'s first frame in which it moves, or that are named as worlds are.
 

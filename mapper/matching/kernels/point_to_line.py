@@ -67,12 +67,14 @@ def accumulate_scan(
     rule: PairRule,
     hessian: Float64Array,
     gradient: Float64Array,
+    begin: int = 0,
 ) -> tuple[int, int, float, float]:
     """Add the normal equations of scan i of ``moving`` at ``pose`` against scan j of ``fixed`` at ``at``.
 
     ``pose`` and ``at`` are ``T_map_base`` (3,). To ``hessian`` (3, 3) and ``gradient`` (3,) are added Σ w JᵀJ and
     −Σ w Jᵀe over the pairs, for the step dx of (x, y, θ) in the map frame that solves ``hessian`` dx = ``gradient``.
-    Returns the number of pairs, the number of points that lie in the other scan's field of view, Σ e² and Σ w e².
+    Beams ``begin``, ``begin`` + ``rule.stride``, … of scan i are paired. Returns the number of pairs, the number of
+    points that lie in the other scan's field of view, Σ e² and Σ w e².
     """
     c_i, s_i, c_j, s_j = cos(pose[2]), sin(pose[2]), cos(at[2]), sin(at[2])
     turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i  # of the rotation from base i to base j
@@ -82,7 +84,7 @@ def accumulate_scan(
     wanted = POINT_WITH_NORMAL if by_normal or to_line else POINT
     found = np.empty((moving.points.shape[1], 6))  # of each pair: the point turned and placed, what it is paired with
     pairs, tried = 0, 0
-    for k in range(0, moving.n_beams[i], rule.stride):
+    for k in range(begin, moving.n_beams[i], rule.stride):
         if moving.kind[i, k] < (POINT_WITH_NORMAL if by_normal else POINT):
             continue
         p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
@@ -276,6 +278,8 @@ def refine_pose(
 ) -> tuple[int, int, float, float, int]:
     """Refine ``pose`` (3,) of scan i of ``moving`` against the scans ``others`` (k,) of ``fixed`` at their ``poses``.
 
+    With a stride each of the others is paired with other beams of scan i, and the sums count as many times as the
+    stride; until the last gate the stride is twice the rule's.
     ``poses`` (n_scans of fixed, 3) and ``pose`` are ``T_map_base``; ``prior`` (3,) with ``prior_weight`` (3,), the
     inverse variances in units of the pairs' (0: none), pulls the pose. ``pose`` and ``hessian`` (3, 3), of the pairs
     and the prior at the last iteration's start, are written. Returns the number of pairs, the number of points in the
@@ -287,12 +291,20 @@ def refine_pose(
     for _ in range(iterations.most):
         hessian[:], gradient[:] = 0.0, 0.0
         pairs, tried, squares, weighted = 0, 0, 0.0, 0.0
-        for j in others:
-            a, b, c, d = accumulate_scan(moving, i, pose, fixed, j, poses[j], gate, rule, hessian, gradient)
+        stride = rule.stride if gate <= iterations.last_gate else 2 * rule.stride
+        now = PairRule(rule.min_cosine, rule.max_beams, rule.weight, rule.scale, stride, rule.keep, rule.residual)
+        for k in range(len(others)):
+            j = others[k]
+            a, b, c, d = accumulate_scan(moving, i, pose, fixed, j, poses[j], gate, now, hessian, gradient, k % stride)
             pairs += a
             tried += b
             squares += c
             weighted += d
+        pairs, tried, squares, weighted = stride * pairs, stride * tried, stride * squares, stride * weighted
+        for u in range(3):
+            gradient[u] *= stride
+            for v in range(3):
+                hessian[u, v] *= stride
         for u in range(3):
             off = pose[u] - prior[u]
             if u == 2:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Body, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, MapperError
@@ -14,6 +14,7 @@ from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
 from server.library.slam_job import PartialPoses, check_one_sensor
+from server.library.slam_jobs import parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
@@ -36,6 +37,19 @@ class NewSlam(BaseModel):
     trajectory: str | None = Field(
         None, max_length=200, description="Trajectory to begin with; where it is left out, the log's odometry."
     )
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
+    )
+
+
+class Healing(BaseModel):
+    """SLAM of a session's log."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
+    )
 
 
 class Change(BaseModel):
@@ -52,10 +66,16 @@ class Change(BaseModel):
     reset: bool = Field(False, description="Whether the graph is to be as SLAM left it.")
 
 
+@router.get("/slam/parameters")
+async def parameters(_visitor: Visitor) -> dict[str, Any]:
+    """Return the table of SLAM's parameters."""
+    return {"table": await asyncio.to_thread(parameter_table)}
+
+
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory)
+    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters)
     _tell_at_end(library, sessions, visitor, log_id)
     return state
 
@@ -73,7 +93,9 @@ async def cancel(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]
 
 
 @router.post("/sessions/{session_id}/heal", status_code=202)
-async def heal(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+async def heal(
+    library: Logs, sessions: Sessions, session_id: str, wanted: Annotated[Healing | None, Body()] = None
+) -> dict[str, Any]:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
     A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
@@ -81,7 +103,8 @@ async def heal(library: Logs, sessions: Sessions, session_id: str) -> dict[str, 
     session, recording = _healed(sessions, session_id)
     check_one_sensor(recording.log)
     owner, log_id = session.owner, recording.log_id
-    state = await library.slam.begin(owner, log_id, recording.view().topic)
+    values = {} if wanted is None else wanted.parameters
+    state = await library.slam.begin(owner, log_id, recording.view().topic, parameters=values)
     session.enqueue({"type": "follow_slam"})
 
     def told(poses: PartialPoses | None) -> None:
@@ -199,6 +222,14 @@ async def edge(library: Logs, sessions: Sessions, session_id: str, edge: int) ->
     """Return an edge of the pose graph with both of its scans, in map metres, and how far it is from them."""
     _, found, source = _graph(library, sessions, session_id)
     return await found.edge(edge, source)
+
+
+@router.get("/sessions/{session_id}/graph/edges/{edge}/hill")
+@guests_may(GuestRight.LINKED_SESSION)
+async def hill(library: Logs, sessions: Sessions, session_id: str, edge: int) -> dict[str, Any]:
+    """Return how well the later scan of an edge fits the earlier one at the poses around the edge's measurement."""
+    _, found, source = _graph(library, sessions, session_id)
+    return await found.hill(edge, source)
 
 
 @router.get("/sessions/{session_id}/graph/candidates")

@@ -85,6 +85,14 @@ class LogGraph:
             solved = await self._present(source)
         return await self._host.on_thread(partial(solved.edge, self._recording.log, edge))
 
+    async def hill(self, edge: int, source: GraphSource) -> dict[str, Any]:
+        """Return the scores of the poses around an edge. Raises as :meth:`edge`."""
+        from server.sessions.models.loop_hill import hill_of  # noqa: PLC0415 - imports SLAM, which few sessions need
+
+        async with self._changing:
+            solved = await self._present(source)
+        return await self._host.on_thread(partial(hill_of, solved, self._recording.log, edge))
+
     async def near(self, x: float, y: float, source: GraphSource) -> dict[str, Any]:
         """Return the loops that were tried near a place. Raises as :meth:`public`."""
         async with self._changing:

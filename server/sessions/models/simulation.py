@@ -28,6 +28,7 @@ from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.lab_localization import OFF, LabLocalization
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
+from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
@@ -63,15 +64,17 @@ class SimulationModel(SessionModel):
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
         self._localization: LabLocalization | None = None
+        self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map if there is one, and those of the localization if there is one."""
+        """The map, the second map if there is one, those of the localization if there is one, and those of SLAM."""
         second = () if self._second is None else (self._second,)
-        return (self._map, *second, *(() if self._localization is None else self._localization.layers))
+        localization = () if self._localization is None else self._localization.layers
+        return (self._map, *second, *localization, *self._slam.layers)
 
     @property
     def title(self) -> str:
@@ -257,6 +260,7 @@ class SimulationModel(SessionModel):
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self._localize(result)
+        self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
         if forgetting != self._forgetting:

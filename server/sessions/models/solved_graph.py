@@ -208,8 +208,7 @@ class SolvedGraph:
     def edge(self, log: ScanLog, edge: int) -> dict[str, Any]:
         """Return one edge with both of its scans. Raises :class:`ConfigError` for an edge that there is not."""
         graph = self.graph
-        if not 0 <= edge < len(graph.i):
-            raise ConfigError("graph.edge", f"The graph has {len(graph.i)} edges; there is no number {edge}.")
+        self.check_edge(edge)
         i, j, relative = int(graph.i[edge]), int(graph.j[edge]), graph.relative[edge]
         poses = self.node_poses
         off = compose(inverse(relative), compose(inverse(poses[i]), poses[j]))
@@ -227,6 +226,11 @@ class SolvedGraph:
             }
             | self.pair(log, i, j, relative)
         )
+
+    def check_edge(self, edge: int) -> None:
+        """Raise :class:`ConfigError` for an edge that there is not."""
+        if not 0 <= edge < len(self.graph.i):
+            raise ConfigError("graph.edge", f"The graph has {len(self.graph.i)} edges; there is no number {edge}.")
 
     def near(self, x: float, y: float) -> dict[str, Any]:
         """Return which loops were tried near (x, y), map metres, the nearest first, and what refused them.

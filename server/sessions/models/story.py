@@ -10,8 +10,11 @@ from typing import Any
 from mapper.core.errors import ConfigError, LimitError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
 from mapper.simulation import Faults, SensorConfig
+from mapper.simulation.healing import Corrector
 from mapper.simulation.live_map import LiveMap, world_named
+from mapper.simulation.robot import PoseTuple
 from mapper.simulation.simulation import STEP
 from server.sessions.hosting import ModelHost
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
@@ -89,6 +92,7 @@ def replayed(
         limits=limits,
         mapping=False,  # mapping once at the end costs less than after each scan
         wanted=wanted,
+        make_corrector=_corrector,
     )
 
     def advance_to(step: int) -> None:
@@ -112,6 +116,12 @@ def replayed(
     mapper.set_up(config, faults)
     mapper.begin_mapping()
     return mapper
+
+
+def _corrector(log: ScanLog, start: PoseTuple) -> Corrector | None:
+    from server.sessions.models.live_slam import live_slam  # noqa: PLC0415 - imports SLAM, which few sessions need
+
+    return live_slam(log, start)
 
 
 def _replay(mapper: LiveMap, command: dict[str, Any]) -> None:

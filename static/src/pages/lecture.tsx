@@ -1,16 +1,19 @@
 import "../style/index.css";
 import "./lecture/lecture.css";
-import { useSignalEffect } from "@preact/signals";
+import "./lecture/present/present.css";
+import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
+import { Toasts, toast } from "../ui/Toast";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
+import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
-import { DoubledSection, LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
+import { LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
@@ -27,7 +30,10 @@ import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
-import { keyedSlide, presenting, setPresenting, show, slide } from "./lecture/present";
+import { OwnSlide } from "./lecture/present/OwnSlide";
+import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
+import { SpeakerView } from "./lecture/present/SpeakerView";
+import { presenting, readAddress, sectionInSight, sectionOfSlide, setPresenting } from "./lecture/present/state";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import { SectionList } from "./lecture/SectionList";
@@ -47,13 +53,14 @@ const BODIES: Record<LessonId, Part["body"]> = {
   "log-odds": DigitsSection,
   model: ModelSection,
   window: WindowSection,
+  "no-return": NoReturnSection,
   endpoint: EndpointSection,
   rays: RaysSection,
   table: TableSection,
   algorithm: AlgorithmSection,
   pipeline: PipelineSection,
+  characters: CharactersSection,
   sonar: SonarSection,
-  "no-return": NoReturnSection,
   mount: MountSection,
   forgetting: ForgettingSection,
   counting: CountingSection,
@@ -61,7 +68,6 @@ const BODIES: Record<LessonId, Part["body"]> = {
   polished: PolishedSection,
   people: PeopleSection,
   "low-table": LowTableSection,
-  doubled: DoubledSection,
   odometry: OdometrySection,
   probable: ProbableSection,
   matching: MatchingSection,
@@ -72,38 +78,12 @@ const BODIES: Record<LessonId, Part["body"]> = {
 };
 const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
 
-const isTyping = (target: EventTarget | null): boolean =>
-  target instanceof Element && target.closest("input, select, textarea, button, a, summary") !== null;
-
-/** The keys of the presentation mode. A focused control keeps the keys that it uses itself. */
-function usePresenterKeys(): void {
-  useEffect(() => {
-    const onKey = (event: KeyboardEvent): void => {
-      if (!presenting.peek() || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
-      if (event.key === "Escape") {
-        setPresenting(PARTS, false);
-        return;
-      }
-      const pages = event.key === "PageDown" || event.key === "PageUp";
-      if (isTyping(event.target) && !pages) return;
-      const next = keyedSlide(event.key, event.shiftKey, slide.peek(), PARTS.length);
-      if (next === null) return;
-      event.preventDefault();
-      show(PARTS, next);
-    };
-    addEventListener("keydown", onKey);
-    return () => removeEventListener("keydown", onKey);
-  }, []);
-}
-
-/** Scroll to the section in the address, at the start and when the address changes. */
+/** Scroll to the section in the address, or show its slide: at the start, and when the address changes. */
 function useAddress(): void {
   useEffect(() => {
     const follow = (behavior: ScrollBehavior): void => {
-      const index = PARTS.findIndex(({ id }) => `#${id}` === location.hash);
-      if (index >= 0) slide.value = index;
-      if (index >= 0 && !presenting.peek())
-        document.getElementById(location.hash.slice(1))?.scrollIntoView({ behavior });
+      readAddress().catch((error: Error) => toast(`${error.message} The slides stay as they are.`, "error"));
+      if (!presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView({ behavior });
     };
     const onHash = (): void => follow("auto");
     follow("instant"); // the sections were not yet rendered when the browser looked for the anchor
@@ -117,44 +97,23 @@ function useReturn(): void {
   const was = useRef(presenting.peek());
   const now = presenting.value;
   useEffect(() => {
-    const id = PARTS[slide.peek()]?.id;
-    if (was.current && !now && id) document.getElementById(id)?.scrollIntoView({ behavior: "instant" });
+    if (was.current && !now) document.getElementById(sectionOfSlide())?.scrollIntoView({ behavior: "instant" });
     was.current = now;
   }, [now]);
 }
 
-function Presenter() {
-  const part = PARTS[slide.value];
-  return (
-    <header class="presenter no-print">
-      <p class="presenter-title">{part?.title}</p>
-      <p class="presenter-number">
-        {slide.value + 1} / {PARTS.length}
-      </p>
-      <Button icon="back" label="Back (←)" disabled={slide.value === 0} onClick={() => show(PARTS, slide.value - 1)} />
-      <Button
-        icon="play"
-        label="Next (→)"
-        disabled={slide.value === PARTS.length - 1}
-        onClick={() => show(PARTS, slide.value + 1)}
-      />
-      <Button icon="close" label="Exit (Esc)" onClick={() => setPresenting(PARTS, false)} />
-    </header>
-  );
-}
+/** Present from the section in sight. */
+const present = (): void => setPresenting(true, PARTS[sectionInSight(PARTS)]?.id as LessonId | undefined);
 
 function Page() {
-  usePresenterKeys();
+  usePresentation();
   useAddress();
   useReturn();
-  useSignalEffect(() => {
-    document.documentElement.classList.toggle("presenting", presenting.value);
-  });
   return (
     <>
       {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
       {!presenting.value && <SectionList />}
-      <div class={presenting.value ? "" : "lecture-with-stage"}>
+      <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
         <main class="lecture" id="main" tabIndex={-1}>
           {!presenting.value && (
@@ -167,7 +126,7 @@ function Page() {
                 of this site; where a figure shows something else, the text says so.
               </p>
               <div class="actions no-print">
-                <Button icon="fit" onClick={() => setPresenting(PARTS, true)}>
+                <Button icon="fit" onClick={present}>
                   Presentation mode
                 </Button>
                 <Button href="/lab.html">Open the lab</Button>
@@ -177,10 +136,14 @@ function Page() {
           {PARTS.map(({ id, title, body: Body }, i) => (
             <Body key={id} id={id} number={i + 1} title={title} />
           ))}
+          <OwnSlide />
         </main>
       </div>
+      <Blank />
+      <Toasts />
     </>
   );
 }
 
-render(<Page />, document.getElementById("app") as HTMLElement);
+const speaker = new URLSearchParams(location.search).get("speaker");
+render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -1,5 +1,9 @@
 import "../style/index.css";
 import "./logs/logs.css";
+import "./logs/library.css";
+import "./logs/card.css";
+import "./logs/finder.css";
+import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
 import { Button } from "../ui/Button";

@@ -1,6 +1,7 @@
 import { useId, useRef } from "preact/hooks";
 import { decimals, keyed, type Range, snap, written } from "./numbers";
 import type { Tone } from "./Slider";
+import { zoomOf } from "./zoom";
 
 interface DragNumberProps extends Range {
   readonly label: string;
@@ -49,7 +50,8 @@ export function DragNumber(props: DragNumberProps) {
       }}
       onPointerMove={(event) => {
         if (!start.current) return;
-        const next = snap(start.current.from + ((event.clientX - start.current.x) / PX_PER_STEP) * step, range);
+        const steps = (event.clientX - start.current.x) / (PX_PER_STEP * zoomOf(event.currentTarget));
+        const next = snap(start.current.from + steps * step, range);
         if (next !== value) onInput(next);
       }}
       onPointerUp={end}

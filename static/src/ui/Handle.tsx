@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
+import { zoomOf } from "./zoom";
 
 interface HandleProps {
   readonly label: string;
@@ -51,8 +52,10 @@ export function Handle(props: HandleProps) {
         props.onStart();
       }}
       onPointerMove={(event) => {
-        if (start.current)
-          props.onDrag(event.clientX - start.current.x, event.clientY - start.current.y, event.shiftKey);
+        if (!start.current) return;
+        const zoom = zoomOf(event.currentTarget);
+        const { x, y } = start.current;
+        props.onDrag((event.clientX - x) / zoom, (event.clientY - y) / zoom, event.shiftKey);
       }}
       onPointerUp={end}
       onPointerCancel={end}

@@ -16,6 +16,7 @@ const PATHS = {
   moon: "M20 14.5A8.5 8.5 0 0 1 9.5 4a8.5 8.5 0 1 0 10.5 10.5z",
   unfold: "M5 9l7 7 7-7",
   back: "M15 5l-7 7 7 7",
+  forward: "M9 5l7 7-7 7",
   target: "M12 3v4M12 17v4M3 12h4M17 12h4M7.5 12a4.5 4.5 0 1 0 9 0 4.5 4.5 0 1 0-9 0",
   fit: "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5",
   cube: "M12 3l8 4.5v9L12 21l-8-4.5v-9zM4 7.5l8 4.5 8-4.5M12 12v9",
@@ -28,6 +29,13 @@ const PATHS = {
   redo: "M16 5l4 4-4 4M20 9h-9a5.5 5.5 0 0 0 0 11h3",
   file: "M6 3h8l4 4v14H6zM14 3v4h4",
   map: "M4 6l5-2 6 2 5-2v14l-5 2-6-2-5 2zM9 4v14M15 6v14",
+  up: "M5 15l7-7 7 7",
+  plus: "M12 5v14M5 12h14",
+  slides: "M3 5h18v11H3zM12 16v4M8 20h8",
+  notes: "M5 4h14v16H5zM8.5 8.5h7M8.5 12h7M8.5 15.5h4",
+  blank: "M3 5h18v14H3zM3 5l18 14",
+  hidden: "M3 12s3.5-6 9-6 9 6 9 6-3.5 6-9 6-9-6-9-6M4 20L20 4",
+  shown: "M3 12s3.5-6 9-6 9 6 9 6-3.5 6-9 6-9-6-9-6M12 9.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 1 0 0-5",
   logo: "M4 4h4v4H4zM10 4h4v4h-4zM4 10h4v4H4zM10 10h4v4h-4zM16 10h4v4h-4zM10 16h4v4h-4z",
 } as const;
 

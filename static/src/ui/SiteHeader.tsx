@@ -7,8 +7,15 @@ const PAGES = [
   { href: "/logs.html", label: "Logs", id: "logs" },
 ] as const;
 
-/** The header of every page, with a link to its content, which has the id `main`. */
+/** Whether this page stands within another one: a slide, or the speaker's window. */
+const isFramed = parent !== window;
+document.documentElement.classList.toggle("framed", isFramed);
+
+/**
+ * The header of every page, with a link to its content, which has the id `main`. A page within a slide has none.
+ */
 export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
+  if (isFramed) return null;
   return (
     <header class="site-header">
       <a class="skip-link" href="#main">

@@ -1,5 +1,6 @@
 import { useRef } from "preact/hooks";
 import { Icon } from "./Icon";
+import { zoomOf } from "./zoom";
 
 interface TooltipProps {
   readonly text: string;
@@ -20,10 +21,11 @@ export function Tooltip({ text, about, id }: TooltipProps) {
     box.showPopover();
     button.current?.setAttribute("aria-expanded", "true");
     const { width, height } = box.getBoundingClientRect();
+    const zoom = zoomOf(box);
     const left = Math.min(innerWidth - width - 12, Math.max(12, anchor.left + anchor.width / 2 - width / 2));
     const above = anchor.top - height - 6;
-    box.style.left = `${left}px`;
-    box.style.top = `${above > 8 ? above : anchor.bottom + 6}px`;
+    box.style.left = `${left / zoom}px`;
+    box.style.top = `${(above > 8 ? above : anchor.bottom + 6) / zoom}px`;
   };
   const hide = (): void => {
     if (tip.current?.matches(":popover-open")) tip.current.hidePopover();

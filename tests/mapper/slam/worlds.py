@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from mapper.core.se2 import compose
+from mapper.core.se2 import compose, interpolate
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig, measure
@@ -56,3 +56,34 @@ def without_poses(log: ScanLog) -> ScanLog:
     """Return the log as one without any source of poses."""
     zeros = Trajectory(np.zeros((log.n_scans, 3)), "no poses", is_placeholder=True)
     return replace(log, trajectories={"standing still": zeros})
+
+
+def sweeping(
+    world: str,
+    path: np.ndarray,
+    *,
+    sensor: SensorConfig,
+    mount: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    period: float = 0.2,
+    parts: int = 12,
+    seed: int = 3,
+) -> ScanLog:
+    """Return a drive whose scans take ``period`` seconds each, so that the robot moves meanwhile, along true poses.
+
+    The beams of each of the ``parts`` of a scan are measured at once.
+    """
+    rng = np.random.default_rng(seed)
+    shares = np.arange(parts) / parts
+    owner = np.arange(sensor.n_beams) * parts // sensor.n_beams
+    ranges = []
+    for pose, following in pairwise(path):
+        poses = interpolate(np.tile(pose, (parts, 1)), np.tile(following, (parts, 1)), shares)
+        scans = [measure(WORLDS[world], sensor, compose(one, mount), rng, 0).ranges for one in poses]
+        ranges.append(np.stack(scans)[owner, np.arange(sensor.n_beams)])
+    stamps = np.round(np.arange(len(ranges)) * period * 1e9).astype(np.int64)
+    odometry = drifting_odometry(path[:-1], rng, WORN_ALPHAS, 0.01)
+    return ScanLog(
+        np.stack(ranges), sensor.angle_min, sensor.angle_increment, RANGE_MIN, sensor.range_max, stamps,
+        {"odometry": Trajectory(odometry, "wheels", "odom"), "true": Trajectory(path[:-1])}, mount,
+        time_increment=period / sensor.n_beams,
+    )  # fmt: skip

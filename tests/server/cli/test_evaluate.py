@@ -118,6 +118,7 @@ def test_relations_of_a_log(run: Run, log: Path, tmp_path: Path) -> None:
     assert status == 0
     assert f"{log}:wheel over 3 relations" in out
     assert "  1 relation is left out" in out
+    assert "published" not in out
 
 
 def test_relations_of_intel(run: Run, data_file: Callable[[str], Path], tmp_path: Path) -> None:
@@ -135,6 +136,11 @@ def test_relations_of_intel(run: Run, data_file: Callable[[str], Path], tmp_path
     status, out, _ = run("evaluate", intel, poses, "--relations", relations)
     assert status == 0
     assert "unambiguous, 1050 relations of one message for each stamp" in out
+    # Beside what others published.
+    rows = {line[4:30].strip(): line for line in out.partition("beside published ones")[2].splitlines()}
+    assert "0.0280" in rows["these poses, unambiguous"]
+    assert "0.0229" in rows["Cartographer"]
+    assert facts["benchmark"] == "intel"
 
 
 def test_a_map_by_the_poses_of_a_file(run: Run, log: Path, tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import json
 import numpy as np
 
 from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.test_streams import run as streams
 
 
 def test_info_prints_the_contents_of_a_log(run, log):
@@ -48,6 +49,19 @@ def test_info_lists_the_topics_of_a_recording_and_map_selects_one(run, tmp_path)
     status, _, err = run("map", path, "--topic", "/left")
     assert (status, err.count("\n")) == (2, 1)
     assert "'/left'; it has /front, /rear" in err
+
+
+def test_info_says_what_the_clouds_and_imus_of_a_recording_are(run, tmp_path):
+    path = recorded.written(tmp_path, streams(), "mcap")
+    status, out, _ = run("info", path)
+    assert status == 0
+    fields = "x, y, z, intensity, ring, t"
+    at = "frame velodyne at 0.2, 0.1, 1 m"
+    assert f"  clouds /points: 8 of 25 × 4 points ({fields}), a time for each point, {at}\n" in out
+    assert "  IMU /imu: 8 messages, frame imu, with orientation\n" in out
+    facts = json.loads(run("info", path, "--json").out)
+    assert facts["clouds"][0]["mount"] == [0.2, 0.1, 1.0]
+    assert [one["topic"] for one in facts["imus"]] == ["/imu"]
 
 
 def test_the_doctor_prints_its_findings(run, tmp_path):

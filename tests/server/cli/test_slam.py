@@ -1,16 +1,18 @@
 """``gridbloom slam``: what it writes, read again by the project's readers."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mapper.core.se2 import compose, inverse
 from mapper.evaluation import absolute_errors, align
 from mapper.io.graphs import read_g2o
 from mapper.io.maps import load_map
 from mapper.io.trajectories import read_tum
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import ScanLog, Trajectory
 from tests.mapper.slam.worlds import along, drive
 from tests.server.cli.running import Run
 
@@ -50,6 +52,28 @@ def test_writes_map_trajectory_and_graph(run: Run, room: tuple[Path, np.ndarray]
     np.testing.assert_allclose(graph.poses, poses.poses[graph.nodes], atol=1e-5)
     assert load_map(f"{prefix}.yaml").grid.observed.any()
     assert sorted(path.name for path in prefix.parent.iterdir()) == ["room.g2o", "room.pgm", "room.tum", "room.yaml"]
+
+
+def test_two_logs_are_merged(run: Run, room: tuple[Path, np.ndarray], tmp_path: Path) -> None:
+    """The room again, from the other side, with odometry that begins at zero."""
+    log, true = room
+    back = true[::-1] + np.array([0.0, 0.3, np.pi])
+    other = drive("room", back, turn_bias=0.02, seed=9)
+    wheels = other.trajectory("odometry").poses
+    moved = Trajectory(compose(inverse(wheels[0]), wheels), "wheels", "odom")
+    second = carmen(tmp_path / "other.log", replace(other, trajectories={"odometry": moved}))
+    status, out, err = run("merge", log, second, "--out", tmp_path / "both", "--json")
+    assert status == 0, err
+    facts = json.loads(out)
+    assert facts["loops"] >= 3
+    poses = np.concatenate([read_tum(str(tmp_path / f"both-{number}.tum")).poses for number in (1, 2)])
+    both = np.concatenate([true, back])
+    assert absolute_errors(both, align(both, poses).apply(poses))[0].max() < 0.4
+    assert len(read_g2o(str(tmp_path / "both.g2o")).nodes) > len(true) // 2
+    status, _, err = run("merge", log, tmp_path / "both.yaml", "--out", tmp_path / "no")
+    assert (status, "map files can be merged, or two logs" in err) == (2, True)
+    status, _, err = run("merge", log, log, log, "--out", tmp_path / "no")
+    assert (status, "two logs at a time, not 3" in err) == (2, True)
 
 
 def test_says_what_it_found(run: Run, room: tuple[Path, np.ndarray]) -> None:

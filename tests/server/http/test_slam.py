@@ -108,6 +108,33 @@ def test_a_session_follows_and_its_graph_is_changed(service: Service, log_id: st
             assert refused.status_code in (403, 404), refused.text
 
 
+def test_a_job_has_the_parameters_that_it_is_begun_with(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[dict[str, Any]] = []
+
+    def noted(job: Any) -> Any:
+        given.append(job.parameters)
+        return stand_ins.quick(job)
+
+    monkeypatch.setattr("server.library.slam_job.do_slam_job", noted)
+    http = service.http
+    table = {row["name"]: row for row in http.get("/api/slam/parameters").json()["table"]}
+    assert table["loop_window"]["unit"] == "m"
+    log_id = http.put("/api/logs", params={"name": "tuned.log"}, content=carmen(6)).json()["id"]
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, playing=False)
+    for wrong in ({"loop_window": 99}, {"loop_score": "much"}, {"windows": 1}):
+        refused = http.post(f"/api/sessions/{session}/heal", json={"parameters": wrong})
+        assert refused.status_code == 422, refused.text
+        assert next(iter(wrong)) in refused.json()["message"]
+    first = table["neighbours"]["initial"]
+    answer = http.post(f"/api/sessions/{session}/heal", json={"parameters": {"loop_window": 6, "neighbours": first}})
+    assert answer.json()["parameters"] == {"loop_window": 6.0}
+    assert ended(http, log_id)["state"] == "done"
+    assert given == [{"loop_window": 6.0}]
+    assert http.post(f"/api/logs/{log_id}/slam", json={"parameters": {"robust": "none"}}).status_code == 202
+    assert ended(http, log_id)["parameters"] == {"robust": "none"}
+
+
 def test_after_a_cancelled_job_the_map_is_the_one_from_before(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -36,11 +36,13 @@ def kept(settings: Settings) -> set[str]:
     return {name for name in found if not name.startswith("library.db")}
 
 
+_READ = (("packs", "npz"), ("pictures", "png"))
+
+
 def files_of(*logs: tuple[str, bytes]) -> set[str]:
     """The files that there are for logs that were read."""
-    return {f"packs/{log_id}.npz" for log_id, _ in logs} | {
-        f"blobs/{hashlib.sha256(data).hexdigest()}" for _, data in logs
-    }
+    blobs = {f"blobs/{hashlib.sha256(data).hexdigest()}" for _, data in logs}
+    return blobs | {f"{folder}/{log_id}.{kind}" for log_id, _ in logs for folder, kind in _READ}
 
 
 async def test_a_disk_that_is_full_at_the_nth_write(library: Library, settings: Settings) -> None:

@@ -27,7 +27,7 @@ def log() -> ScanLog:
 
 def done(folder: Path, log: ScanLog) -> SlamOutcome:
     write_pack(RobotLog.of_one(log), folder / "log.npz")
-    return _slam(SlamJob(str(folder / "log.npz"), str(folder / "slam"), None, 60.0, 60.0, 1 << 32))
+    return _slam(SlamJob(str(folder / "log.npz"), str(folder / "slam"), None, {"refinement": 2.0}, 60.0, 60.0, 1 << 32))
 
 
 def test_it_leaves_a_trajectory_a_graph_and_how_far_it_is(tmp_path: Path, log: ScanLog) -> None:

@@ -11,6 +11,7 @@ from mapper.sensors.pose_graph import ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates
 from server.library.graph_file import graph_bytes, read_graph
+from server.sessions.models.loop_hill import hill_of
 from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
 from tests.mapper.slam.worlds import drive
@@ -90,6 +91,17 @@ def test_a_loop_by_hand_puts_the_scans_where_they_were_taken(log: ScanLog) -> No
     assert found["off_m"] < 0.05
     np.testing.assert_allclose(found["points"]["aligned"], found["points"]["j"], atol=0.1)
     assert changed.near(1.5, 2.0)["visits"] == [[0, 10]]
+    # The score around it is highest where the scans were taken, and lower away from there.
+    hill = hill_of(changed, log, loop["edge"])
+    scores = np.array(hill["scores"]).reshape(hill["size"], hill["size"])
+    row, col = np.unravel_index(scores.argmax(), scores.shape)
+    best = np.array([col, row]) * hill["cell_m"] - 1.0 + hill["centre"][:2]
+    np.testing.assert_allclose(best, changed.node_poses[10][:2], atol=0.08)
+    assert abs(hill["turn_of"][int(scores.argmax())] - 10) <= 1, "the loop's own angle"
+    assert scores.max() == max(hill["by_turn"]) > 70 > scores[0, 0]
+    assert hill["present"][:2] == pytest.approx(changed.node_poses[10][:2], abs=1e-3)
+    with pytest.raises(ConfigError, match="edge"):
+        hill_of(changed, log, 99)
 
 
 def test_near_a_place_there_is_what_was_tried_and_why_it_was_refused(solved: SolvedGraph, log: ScanLog) -> None:

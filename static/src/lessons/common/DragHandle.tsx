@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
+import { zoomOf } from "../../ui/zoom";
 import type { Point } from "../../wire/protocol";
 import type { StageTransform } from "./Stage";
 
@@ -74,8 +75,8 @@ export function DragHandle({
       onPointerMove={(event) => {
         if (!start.current) return;
         const { px, from } = start.current;
-        const [dx, dy] = [event.clientX - px[0], event.clientY - px[1]];
-        onMove([from[0] + dx / transform.metre, from[1] - dy / transform.metre]);
+        const metre = transform.metre * zoomOf(event.currentTarget);
+        onMove([from[0] + (event.clientX - px[0]) / metre, from[1] - (event.clientY - px[1]) / metre]);
       }}
       onPointerUp={end}
       onPointerCancel={end}

@@ -3,7 +3,7 @@ import { logOdds } from "../../grid/logOdds";
 import { simulateRemoval } from "./model";
 
 const CLAMP = { on: true, low: -2, high: 3.5 };
-const FREE = logOdds(0.196);
+const FREE = logOdds(0.25);
 
 describe("forgetting the table", () => {
   it("takes as many scans as the misses need from the clamp to the threshold", () => {

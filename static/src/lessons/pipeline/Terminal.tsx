@@ -10,10 +10,10 @@ const KINDS = [
   { value: "states", label: "three states" },
 ];
 
-/** The stage's map in cells of 0.2 m as characters. */
+/** The map of the stage as characters. */
 export function Terminal() {
   const kind = useSignal("density");
-  const { map } = nowOf(SCENES.pipeline());
+  const { map } = nowOf(SCENES.characters());
   const isDensity = kind.value === "density";
   return (
     <div class="terminal">

@@ -64,7 +64,8 @@ function NewestScan({ transform, scene, shown }: MarkProps) {
   const at = shown.count - 1;
   const pose = scene.poses[at];
   if (!pose) return null;
-  return <Beams transform={transform} pose={pose} scan={scanAt(pose, at, scene.conditions)} />;
+  const from = believed(pose, at, scene.conditions, scene.poses);
+  return <Beams transform={transform} pose={from} scan={scanAt(pose, at, scene.conditions)} />;
 }
 
 /** The cones of the newest sonar scan, each with its arc. */

@@ -41,4 +41,4 @@ export const pipelineStep = onPath(3);
 export const mapKind = onPath<"corners" | "grid">("corners");
 export const polishedOn = onPath(true);
 export const peopleOn = onPath(true);
-export const peopleScans = onPath(16);
+export const peopleScans = onPath(32);

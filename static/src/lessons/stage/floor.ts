@@ -32,17 +32,6 @@ export const LOW_TABLE: readonly Wall[] = box(1.335, 5.335, 2.335, 6.135);
 export const LOW_TABLE_HEIGHT = 0.35;
 export const LASER_HEIGHT = 0.45;
 
-/**
- * Someone who follows the robot along the corridor, at scan `i`: a circle with a radius of 0.25 m as eight straight
- * sides, or nobody after the last step.
- */
-export function walker(i: number): readonly Wall[] {
-  const [x, y] = [3.9 + 0.28 * i, 2.45];
-  if (x > 7.2) return [];
-  const corner = (k: number): Point => [x + 0.25 * Math.cos((k * Math.PI) / 4), y + 0.25 * Math.sin((k * Math.PI) / 4)];
-  return Array.from({ length: 8 }, (_, k) => [...corner(k), ...corner(k + 1)] as const);
-}
-
 const CORNERS: readonly Point[] = [
   [1.2, 1.5],
   [2.5, 1.7],
@@ -80,3 +69,21 @@ export const DRIVE: readonly Pose[] = (() => {
   });
   return found;
 })();
+
+/** Scans behind the robot, and the scans between which someone follows it. */
+const BEHIND = 2;
+const FOLLOWS = { from: 24, to: 33 } as const;
+
+/**
+ * Someone who follows the robot along the corridor, at scan `i` of the drive: a circle with a radius of 0.25 m as eight
+ * straight sides, or nobody.
+ */
+export function walker(i: number): readonly Wall[] {
+  const pose = i >= FOLLOWS.from && i <= FOLLOWS.to ? DRIVE[i - BEHIND] : undefined;
+  if (!pose) return [];
+  const corner = (k: number): Point => [
+    pose[0] + 0.25 * Math.cos((k * Math.PI) / 4),
+    pose[1] + 0.25 * Math.sin((k * Math.PI) / 4),
+  ];
+  return Array.from({ length: 8 }, (_, k) => [...corner(k), ...corner(k + 1)] as const);
+}

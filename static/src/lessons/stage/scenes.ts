@@ -22,7 +22,7 @@ import {
   wallWindow,
 } from "./controls";
 import { CORNERS, sightings } from "./corners";
-import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, WALLS } from "./floor";
+import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
 import { lookOfWall, STRETCH } from "./wall";
@@ -30,6 +30,9 @@ import { lookOfWall, STRETCH } from "./wall";
 const DEGREE = Math.PI / 180;
 /** Scan at which the cupboard is taken away. */
 const REMOVED = 62;
+
+/** Everything that is really there. */
+const SOLID = [...WALLS, POLISHED, ...TABLE];
 
 const plural = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
@@ -47,7 +50,7 @@ const WALL_WORDS = {
 } as const;
 
 const POLICY_WORDS = {
-  ignore: "Ignored: beams without a return add nothing, so the middle of the room stays unknown.",
+  ignore: "Ignored: beams without a return add nothing, and what lies farther away stays unknown.",
   free: "Taken as free: all cells up to the max range are cleared, also where a surface only reflects the light away.",
   hit: "Taken as a hit: a ring of walls appears where there is nothing.",
 } as const;
@@ -121,6 +124,14 @@ export const SCENES = {
         return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * torn)} % of it with holes or jumps. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
       },
     }),
+  "no-return": () =>
+    scene({
+      scans: 29,
+      conditions: { reach: noReturnRange.value },
+      config: { no_return: noReturn.value },
+      marks: ["beams"],
+      caption: () => `Max range ${written(noReturnRange.value, 1)} m. ${POLICY_WORDS[noReturn.value]}`,
+    }),
   endpoint: () =>
     scene({
       scans: 29,
@@ -166,6 +177,12 @@ export const SCENES = {
       view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
       caption: "One reading on its way into the map; it ends as a change of the numbers of a few cells.",
     }),
+  characters: () =>
+    scene({
+      scans: 31,
+      resolution: 0.2,
+      caption: "The map in cells of 0.2 m. Printed as characters it has one character for each cell.",
+    }),
   sonar: () =>
     scene({
       scans: 32,
@@ -174,20 +191,12 @@ export const SCENES = {
       caption:
         "The same drive with 16 sonars in place of the laser. An echo says how far, not where on its arc: walls become thick and doors narrow.",
     }),
-  "no-return": () =>
-    scene({
-      scans: 46,
-      conditions: { reach: noReturnRange.value },
-      config: { no_return: noReturn.value },
-      marks: ["beams"],
-      caption: () => `Max range ${written(noReturnRange.value, 1)} m. ${POLICY_WORDS[noReturn.value]}`,
-    }),
   mount: () =>
     scene({
       scans: 56,
       conditions: { mountYaw: mountError.value * DEGREE },
       caption: (now) => {
-        const wrong = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
+        const wrong = phantoms(now.map, SOLID, 0.25).length;
         return `The map of the same readings, made with a mount that is rotated by ${written(mountError.value, 0)}°: ${plural(wrong, "occupied cell")} where no wall is.`;
       },
     }),
@@ -214,13 +223,13 @@ export const SCENES = {
           ? "In each cell: the number of beams of this one scan that pass it. Near the robot one scan counts many times."
           : "In each cell: one update by the scan, whatever the number of its beams.",
     }),
-  doubled: () =>
+  odometry: () =>
     scene({
       scans: 77,
       conditions: { drift: driftError.value * DEGREE },
       marks: ["odometry"],
       caption: (now) => {
-        const wrong = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
+        const wrong = phantoms(now.map, SOLID, 0.25).length;
         return driftError.value === 0
           ? "With the true poses every wall is drawn once."
           : `The heading is off by ${written(driftError.value, 2)}° more at each scan: walls are drawn again at another place, ${plural(wrong, "cell")} in all.`;
@@ -240,15 +249,15 @@ export const SCENES = {
     }),
   people: () =>
     scene({
-      poses: DRIVE.slice(26, 26 + peopleScans.value),
+      scans: peopleScans.value,
       conditions: { people: peopleOn.value },
-      view: { x: 5.4, y: 2.4, width: 6.4, height: 4 },
-      cell: [6.35, 2.45],
+      view: { x: 5, y: 1.9, width: 7, height: 4.2 },
+      cell: [5.15, 1.75],
       marks: ["beams"],
       caption: (now) => {
-        const trail = phantoms(now.map, [...WALLS, POLISHED], 0.25).length;
-        if (!peopleOn.value) return "Nobody walks: the corridor is free.";
-        return `Someone walked along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map: places that no later beam has passed.`;
+        const trail = phantoms(now.map, SOLID, 0.25).length;
+        if (!peopleOn.value) return "Nobody walks, and the corridor is free.";
+        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map, hidden from later beams by whoever left ${trail === 1 ? "it" : "them"}.`;
       },
     }),
   "low-table": () => {
@@ -271,11 +280,27 @@ export const SCENES = {
       marks: ["lines"],
       caption: "The door and the pillar in cells of 10 cm. Beside it the same corner in cells of 1, 5 and 10 cm.",
     }),
+  probable: () =>
+    scene({
+      scans: 72,
+      conditions: { drift: driftError.value * DEGREE },
+      view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
+      marks: ["beams", "odometry"],
+      caption:
+        "The robot stands at its true pose; its newest scan is drawn from where the odometry says it is: the end points lie beside the walls of the map.",
+    }),
   matching: () =>
     scene({
+      scans: 72,
+      view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
+      marks: ["beams"],
+      caption: "The same scan from its corrected pose: the end points lie on the walls of the map.",
+    }),
+  graph: () =>
+    scene({
       scans: 77,
-      marks: [],
-      caption: "The map of the same readings with corrected poses: each wall is drawn once again.",
+      marks: ["odometry"],
+      caption: "The whole drive with corrected poses: each wall is drawn once.",
     }),
   file: () =>
     scene({

@@ -4,6 +4,8 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import { between, eased, type View } from "./camera";
 
 const TRAVEL_MS = 900;
+/** A frame that took longer counts as this long: on a busy machine the way takes more time, and has no jump. */
+const LONGEST_MS = 60;
 
 const isSame = (a: View, b: View): boolean =>
   a.x === b.x && a.y === b.y && a.width === b.width && a.height === b.height;
@@ -19,10 +21,14 @@ export function useCamera(target: View, still: boolean): ReadonlySignal<View> {
   useEffect(() => {
     const from = now.peek();
     if (atOnce || isSame(from, target)) return;
-    const start = performance.now();
+    let last = performance.now();
+    let travelled = 0;
     let frame = 0;
     const run = (): void => {
-      const t = Math.min(1, (performance.now() - start) / TRAVEL_MS);
+      const at = performance.now();
+      travelled += Math.min(at - last, LONGEST_MS);
+      last = at;
+      const t = Math.min(1, travelled / TRAVEL_MS);
       now.value = t < 1 ? between(from, target, eased(t)) : target;
       if (t < 1) frame = requestAnimationFrame(run);
     };

@@ -28,12 +28,19 @@ const LINES: readonly { readonly depth: number; readonly text: ComponentChildren
       </>
     ),
   },
-  { depth: 1, text: <>for all cells mᵢ do</> },
+  {
+    depth: 1,
+    text: (
+      <>
+        for all cells m<sub>i</sub> do
+      </>
+    ),
+  },
   {
     depth: 2,
     text: (
       <>
-        if mᵢ in perceptual field of z<sub>t</sub> then
+        if m<sub>i</sub> in perceptual field of z<sub>t</sub> then
       </>
     ),
   },
@@ -41,7 +48,8 @@ const LINES: readonly { readonly depth: number; readonly text: ComponentChildren
     depth: 3,
     text: (
       <>
-        <L at="t,i" /> = <L at="t−1,i" /> + inverse_sensor_model(mᵢ, x<sub>t</sub>, z<sub>t</sub>) − <L at="0" />
+        <L at="t,i" /> = <L at="t−1,i" /> + inverse_sensor_model(m<sub>i</sub>, x<sub>t</sub>, z<sub>t</sub>) −{" "}
+        <L at="0" />
       </>
     ),
   },

@@ -17,6 +17,7 @@ import { WorldGroup } from "./groups/World";
 const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
 const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);
 const Localization = lazy(async () => (await import("../../tools/localization/Localization")).Localization);
+const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
@@ -80,6 +81,13 @@ const GROUPS: readonly Group[] = [
     purpose: "What goes wrong, and what it looks like in the map",
     badge: ({ store }) => (store.activeFaults.value.on.length > 0 ? String(store.activeFaults.value.on.length) : null),
     content: ({ store, comparison }) => <Faults store={store} comparison={comparison} />,
+  },
+  {
+    id: "slam",
+    title: "SLAM",
+    purpose: "Drifting wheels, and their path corrected while the robot drives",
+    keeps: true,
+    content: ({ store }) => <SlamGroup store={store} />,
   },
   {
     id: "table",

@@ -7,6 +7,7 @@ import type { View } from "../../render/view";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
 import type { Store } from "../../store/store";
 import type { Point, Value, Values } from "../../wire/protocol";
+import { pack, unpack } from "../packed";
 
 /** The history of a live world, from `/api/sessions/{id}/story`. Only the server interprets it. */
 export type Story = Readonly<Record<string, unknown>> & { readonly world: string; readonly seed: number };
@@ -28,21 +29,8 @@ export interface LinkState extends VisibleState {
   readonly story: Story;
 }
 
-async function transformed(bytes: Uint8Array, transform: GenericTransformStream): Promise<Uint8Array> {
-  const stream = new Blob([bytes as Uint8Array<ArrayBuffer>]).stream().pipeThrough(transform as ReadableWritablePair);
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-/** Pack into base64url: JSON, deflated. */
-export async function packLink(shown: LinkState): Promise<string> {
-  const bytes = await transformed(
-    new TextEncoder().encode(JSON.stringify(shown)),
-    new CompressionStream("deflate-raw"),
-  );
-  let letters = "";
-  for (const byte of bytes) letters += String.fromCharCode(byte);
-  return btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
-}
+/** Pack into the letters of an address. */
+export const packLink = (shown: LinkState): Promise<string> => pack(shown);
 
 const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
 
@@ -57,9 +45,7 @@ const isValues = (values: unknown): values is Values =>
 /** Unpack; null if the text is invalid or incomplete. */
 export async function unpackLink(letters: string): Promise<LinkState | null> {
   try {
-    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-    const text = new TextDecoder().decode(await transformed(bytes, new DecompressionStream("deflate-raw")));
-    const { story, wrong, view, pinned, why, right } = JSON.parse(text) as Partial<LinkState>;
+    const { story, wrong, view, pinned, why, right } = (await unpack(letters)) as Partial<LinkState>;
     if (typeof story?.world !== "string" || !isNumber(story.seed)) return null;
     const seen = view && isNumber(view.x) && isNumber(view.y) && isNumber(view.scale) && view.scale > 0 ? view : null;
     return {

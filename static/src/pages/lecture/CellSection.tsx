@@ -278,7 +278,8 @@ export function CellSection({ id, number, title }: { id: string; number: number;
           <LastUpdate />
           <p>
             Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: there is no prediction
-            step, because the cell does not change, and the correction reduces to a sum. m stands for mᵢ, one cell:
+            step, because the cell does not change, and the correction reduces to a sum. m stands for m<sub>i</sub>, one
+            cell:
           </p>
           <Derivation />
           <p>

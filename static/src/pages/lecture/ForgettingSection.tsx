@@ -98,8 +98,8 @@ export function ForgettingSection({ id, number, title }: { id: string; number: n
           }}
           after="."
         />{" "}
-        The table is <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.196), here and in the lab. The
-        map is updated per scan (see the next section): each scan adds to a cell either a hit,{" "}
+        The table is <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25), here and in the lab. The map
+        is updated per scan (see the next section): each scan adds to a cell either a hit,{" "}
         {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss, {signed(INITIAL_CONFIG.log_odds_miss)}. First guess the number
         of scans, then remove the table.
       </p>

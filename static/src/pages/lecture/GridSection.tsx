@@ -53,14 +53,14 @@ export function GridSection({ id, number, title }: { id: string; number: number;
         <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        Before any reading each cell has the <b class="noun-prior">prior</b> probability <i>p</i>(mᵢ), usually 0.5: no
-        knowledge. Occupied is <i>p</i> = 1, free is <i>p</i> = 0. With the third assumption the probability of a whole
-        map is the product over its cells, given all readings z<sub>1:t</sub> and all poses x<sub>1:t</sub> from which
-        they were taken:
+        Before any reading each cell has the <b class="noun-prior">prior</b> probability <i>p</i>(m<sub>i</sub>),
+        usually 0.5: no knowledge. Occupied is <i>p</i> = 1, free is <i>p</i> = 0. With the third assumption the
+        probability of a whole map is the product over its cells, given all readings z<sub>1:t</sub> and all poses x
+        <sub>1:t</sub> from which they were taken:
       </p>
       <MapProduct />
       <p>
-        The poses are taken as known; <SectionLink to="doubled" /> shows what happens if they are not. Later sections
+        The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. Later sections
         return to the first two assumptions; this figure shows what is lost with the third. Walls are not random: next
         to an occupied cell there is often another one. Independence is a convenience. It gives up the connectivity of
         space, and makes the update of each cell a small computation of its own.

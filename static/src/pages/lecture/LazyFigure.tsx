@@ -56,7 +56,12 @@ export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
   }, [isHere, near]);
   const style = isHere
     ? {}
-    : { "--wide": `${reserve[0]}px`, "--middle": `${reserve[1]}px`, "--narrow": `${reserve[2]}px` };
+    : {
+        "--wide": `${reserve[0]}px`,
+        "--full": `${reserve[1]}px`,
+        "--middle": `${reserve[2]}px`,
+        "--narrow": `${reserve[3]}px`,
+      };
   return (
     <div class={isHere ? "" : "figure-awaited"} ref={box} style={style}>
       {isHere && children}

@@ -4,7 +4,7 @@ import { useMemo } from "preact/hooks";
 import { SCENES, type SceneId } from "../../lessons/stage/scenes";
 import { WorldStage } from "../../lessons/stage/WorldStage";
 import { printing } from "../../ui/theme";
-import { presenting } from "./present";
+import { presenting } from "./present/state";
 
 interface OnStageProps {
   readonly scene: SceneId;
@@ -20,7 +20,7 @@ export function OnStage({ scene, label, children }: OnStageProps) {
   return (
     <figure class="on-stage" aria-label={label}>
       {(presenting.value || printing.value) && <WorldStage scene={now} still={printing.value} />}
-      {children}
+      <div class="on-stage-controls">{children}</div>
     </figure>
   );
 }

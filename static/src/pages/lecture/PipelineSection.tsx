@@ -1,5 +1,4 @@
 import { Pipeline } from "../../lessons/pipeline/Pipeline";
-import { Terminal } from "../../lessons/pipeline/Terminal";
 import { OnStage } from "./OnStage";
 import { Section } from "./Section";
 
@@ -12,7 +11,6 @@ export function PipelineSection({ id, number, title }: { id: string; number: num
       figure={
         <OnStage scene="pipeline" label="One reading on its way to a character">
           <Pipeline />
-          <Terminal />
         </OnStage>
       }
       sources={["laser-scan", "bresenham"]}
@@ -21,10 +19,6 @@ export function PipelineSection({ id, number, title }: { id: string; number: num
         Two loops are around everything: the outer one over the <b>scans</b>, each with its pose, the inner one over the{" "}
         <b class="noun-beam">beams</b> of a scan. What happens to one reading on its way is always the same. Follow it
         step by step; the stage shows each step, and the slider selects another beam.
-      </p>
-      <p>
-        At the end the map can be printed with nothing but characters: either in three states, or as a density, where a
-        darker character is a higher probability.
       </p>
     </Section>
   );

@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { Icon } from "../../ui/Icon";
 import { LESSONS } from "./lessons";
-import { sectionInSight } from "./present";
+import { sectionInSight } from "./present/state";
 import "./sectionList.css";
 
 /** The list of sections with the visible one marked, in a bar that unfolds. */

@@ -1,15 +1,38 @@
+import { useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Dropzone } from "../../ui/Dropzone";
 import { Icon } from "../../ui/Icon";
+import { Finder, isFiltered } from "./Finder";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
-import { cancel, dismiss, type LogRecord, listError, logs, type Upload, upload, uploads, watch } from "./library";
+import {
+  arrived,
+  cancel,
+  dismiss,
+  isMoving,
+  type LogRecord,
+  listError,
+  logs,
+  PAGE,
+  total,
+  type Upload,
+  uploadAll,
+  uploads,
+  wanted,
+  watch,
+} from "./library";
 import { uploadText } from "./uploadText";
 
 /** The list of all logs, and the drop zone for uploads. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
   useEffect(watch, []);
+  useSignalEffect(() => {
+    const log = logs.value?.find((one) => one.id === arrived.value);
+    if (!log || isMoving(log)) return;
+    arrived.value = null;
+    if (log.state === "ready") onOpen(log, null);
+  });
   const list = logs.value;
   const own = list?.filter((log) => log.source === "upload") ?? [];
   const sample = list?.filter((log) => log.source === "sample") ?? [];
@@ -23,7 +46,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           reading of the log.
         </p>
       </div>
-      <Dropzone button="Choose a log" onFolders={(folders) => folders.flatMap(groupIntoLogs).forEach(upload)}>
+      <Dropzone button="Choose a log" onFolders={(folders) => uploadAll(folders.flatMap(groupIntoLogs))}>
         <p>
           <strong>Drop a log here: a file, or the folder of a ROS 2 recording</strong>
         </p>
@@ -47,9 +70,28 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           <div class="card ghost" />
         </div>
       )}
-      {list?.length === 0 && <p class="notice">There are no logs yet. Drop one above.</p>}
+      <Finder />
+      {list?.length === 0 && (
+        <p class="notice">
+          {isFiltered() ? "No log has all of these words and tags." : "There are no logs yet. Drop one above."}
+        </p>
+      )}
       <Shelf title="Your logs" list={own} onOpen={onOpen} />
       <Shelf title="On this server" list={[...sample, ...folder]} onOpen={onOpen} />
+      {list !== null && total.value > list.length && (
+        <div class="library-more">
+          <Button
+            onClick={() => {
+              wanted.value = { ...wanted.value, limit: wanted.value.limit + PAGE };
+            }}
+          >
+            Show more
+          </Button>
+          <span class="quiet number">
+            {list.length} of {total.value.toLocaleString("en")} logs
+          </span>
+        </div>
+      )}
     </div>
   );
 }

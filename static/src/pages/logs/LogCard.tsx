@@ -2,6 +2,7 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
+import { isDark } from "../../ui/theme";
 import {
   file,
   inside,
@@ -13,6 +14,7 @@ import {
   topic,
   trajectoryLabel,
 } from "./describeLog";
+import { LogTags } from "./LogTags";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
 /** Failures that are not, or may not be, caused by the log: reading can be tried again. */
@@ -31,6 +33,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
   const opens = log.state === "ready" || (moving && !isOwn);
   return (
     <li class={`card log-card ${log.state}`}>
+      {log.state !== "failed" && <Picture log={log} />}
       <div class="log-head">
         <h3>{log.name}</h3>
         {isOwn && moving && (
@@ -62,6 +65,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
           <span {...(log.progress > 0 ? { style: { transform: `scaleX(${log.progress})` } } : {})} />
         </div>
       )}
+      {log.state === "ready" && <LogTags log={log} />}
       {opens && (
         <div class="log-open">
           <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
@@ -70,6 +74,20 @@ export function LogCard({ log, onOpen }: LogCardProps) {
         </div>
       )}
     </li>
+  );
+}
+
+/** The map of a log, drawn by the server when it was read. */
+function Picture({ log }: { readonly log: LogRecord }) {
+  const scheme = isDark.value ? "?dark=true" : "";
+  return (
+    <div class={`log-picture${isMoving(log) ? " awaited" : ""}`}>
+      {log.has_picture ? (
+        <img src={`/api/logs/${encodeURIComponent(log.id)}/map.png${scheme}`} alt="" loading="lazy" decoding="async" />
+      ) : (
+        <Icon name="map" />
+      )}
+    </div>
   );
 }
 

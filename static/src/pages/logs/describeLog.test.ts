@@ -11,6 +11,8 @@ const intel: LogRecord = {
   progress: 1,
   reading_s: null,
   error: null,
+  has_picture: false,
+  tags: [],
   scans: 13_631,
   beams: 180,
   duration_s: 2650.86,

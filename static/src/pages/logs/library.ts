@@ -1,4 +1,4 @@
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { followMaking, type Making, newName } from "../making";
 
@@ -26,6 +26,10 @@ export interface LogRecord {
   /** Seconds since its reading began; null while it is not being read. */
   readonly reading_s: number | null;
   readonly error: { readonly code: string; readonly message: string } | null;
+  /** Whether the server has a picture of its map. */
+  readonly has_picture: boolean;
+  /** The visitor's own. */
+  readonly tags: readonly string[];
   readonly scans: number | null;
   readonly beams: number | null;
   readonly duration_s: number | null;
@@ -61,8 +65,35 @@ export interface Upload {
   readonly since: { readonly at: number; readonly sent: number } | null;
 }
 
-/** The list of logs; null until it was first fetched. */
+/** Which logs are listed: words and tags that they have, their order, and how many. */
+export interface Wanted {
+  readonly words: string;
+  readonly tags: readonly string[];
+  readonly order: (typeof ORDERS)[number]["value"];
+  readonly limit: number;
+}
+
+export const ORDERS = [
+  { value: "newest", label: "newest first" },
+  { value: "name", label: "by name" },
+  { value: "duration", label: "longest first" },
+  { value: "scans", label: "most scans first" },
+  { value: "size", label: "largest first" },
+] as const;
+
+/** Logs of one page of the list. */
+export const PAGE = 24;
+export const EVERYTHING: Wanted = { words: "", tags: [], order: "newest", limit: PAGE };
+
+export const wanted = signal<Wanted>(EVERYTHING);
+/** The logs that were found; null until they were first fetched. */
 export const logs = signal<readonly LogRecord[] | null>(null);
+/** How many there are of them, also beyond the page. */
+export const total = signal(0);
+/** The visitor's tags, each with the number of its logs. */
+export const allTags = signal<Readonly<Record<string, number>>>({});
+/** The log of a single file that was uploaded here, to be opened once it was read. */
+export const arrived = signal<string | null>(null);
 export const uploads = signal<readonly Upload[]>([]);
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
@@ -87,26 +118,52 @@ export const isMoving = (log: LogRecord): boolean => log.state === "queued" || l
 const isUnknown = (log: LogRecord): boolean => isMoving(log) || (log.state === "ready" && log.scans === null);
 
 let isWatched = false;
+let isWhole = false;
 
-/** Keep the list up to date until the returned function is called. */
+/** Keep the list of all logs up to date until the returned function is called. */
+export function watchAll(): () => void {
+  isWhole = true;
+  return watch();
+}
+
+/** Keep the list of the wanted logs up to date until the returned function is called. */
 export function watch(): () => void {
   isWatched = true;
-  void refresh();
+  const stop = effect(() => {
+    void wanted.value;
+    void refresh();
+  });
   return () => {
-    isWatched = false;
+    isWatched = isWhole = false;
     clearTimeout(timer);
+    stop();
   };
 }
+
+/** The address of the list. */
+function address({ words, tags, order, limit }: Wanted): string {
+  const query = new URLSearchParams({ order, limit: String(limit) });
+  if (words) query.set("q", words);
+  for (const tag of tags) query.append("tag", tag);
+  return `/api/logs?${query}`;
+}
+
+let asked = 0;
 
 /** Fetch the list; repeated while it is watched and a log is still being read or the server does not answer. */
 async function refresh(): Promise<void> {
   clearTimeout(timer);
+  asked += 1;
+  const own = asked;
   let again = 0;
   try {
-    const answer = await fetch("/api/logs");
+    const answer = await fetch(isWhole ? "/api/logs" : address(wanted.peek()));
     if (!answer.ok) throw new Error(await sentence(answer));
-    const body = (await answer.json()) as { logs: LogRecord[] };
+    const body = (await answer.json()) as { logs: LogRecord[]; total: number; tags: Record<string, number> };
+    if (own !== asked) return; // another list was asked for meanwhile
     logs.value = body.logs;
+    total.value = body.total;
+    allTags.value = body.tags;
     listError.value = null;
     if (body.logs.some(isUnknown)) again = 500;
   } catch (error) {
@@ -172,15 +229,22 @@ const MAX_CONCURRENT = 3; // uploads at a time; the server limits the uploads of
 const waiting: (() => Promise<void>)[] = [];
 let sending = 0;
 
+/** Upload files; a log that comes alone is opened once it was read. */
+export function uploadAll(files: readonly File[]): void {
+  wanted.value = EVERYTHING;
+  arrived.value = null;
+  for (const file of files) upload(file, files.length === 1);
+}
+
 /** Upload a file after those before it; after an interruption, resume at the server's offset. */
-export function upload(file: File): void {
+export function upload(file: File, opens = false): void {
   const key = nextKey++;
   uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null, since: null }];
   if (file.size === 0) {
     patch(key, { error: "The file is empty." });
     return;
   }
-  waiting.push(() => sendAll(key, newKey(), file));
+  waiting.push(() => sendAll(key, newKey(), file, opens));
   sendNext();
 }
 
@@ -194,7 +258,7 @@ function sendNext(): void {
   });
 }
 
-async function sendAll(key: number, name: string, file: File): Promise<void> {
+async function sendAll(key: number, name: string, file: File, opens: boolean): Promise<void> {
   let most = 0;
   for (let tries = 0, offset = 0; ; ) {
     const request = isCancelled(key) ? null : await send(key, name, file, offset);
@@ -204,6 +268,7 @@ async function sendAll(key: number, name: string, file: File): Promise<void> {
     }
     if (request.status >= 200 && request.status < 300) {
       dismiss(key);
+      if (opens) arrived.value = (JSON.parse(request.responseText) as LogRecord).id;
       break;
     }
     const isPassing = request.status === 0 || request.status === 409 || request.responseText.includes("library.busy");
@@ -246,6 +311,22 @@ export async function remove(id: string): Promise<string | null> {
     const answer = await fetch(`/api/logs/${encodeURIComponent(id)}`, { method: "DELETE" });
     if (!answer.ok) return await sentence(answer);
     logs.value = (logs.value ?? []).filter((log) => log.id !== id);
+    return null;
+  } catch {
+    return AWAY;
+  }
+}
+
+/** Give a log other tags; resolves to an error message, or null. */
+export async function putTags(id: string, tags: readonly string[]): Promise<string | null> {
+  try {
+    const answer = await fetch(`/api/logs/${encodeURIComponent(id)}/tags`, {
+      method: "PUT",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify({ tags }),
+    });
+    if (!answer.ok) return await sentence(answer);
+    void refresh();
     return null;
   } catch {
     return AWAY;

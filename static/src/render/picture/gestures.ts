@@ -1,5 +1,7 @@
 /** Pointer gestures on a picture: tap, drag the robot, pan, pinch, wheel. */
 
+import { zoomOf } from "../../ui/zoom";
+
 export interface Gestures {
   /** Whether a drag that begins here drags the robot. `reach` is the tolerance in pixels. */
   grabs(x: number, y: number, reach: number): boolean;
@@ -45,7 +47,8 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
 
   const where = (event: { clientX: number; clientY: number }): Contact => {
     const box = element.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
+    const zoom = zoomOf(element);
+    return { x: (event.clientX - box.left) / zoom, y: (event.clientY - box.top) / zoom };
   };
   const reachOf = (type: string): number => (type === "mouse" ? 6 : 18);
 

@@ -1,20 +1,14 @@
 /** Faults: one switch for each, what to look for, and the correct map for comparison. */
 
-import { computed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import type { Value, Values } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { SecondMapChoice } from "../compare/SecondMap";
 import { readable } from "../parameters/parameters";
-import { availableFaults, correctValues, type Fault, stillActive, switchFault } from "./model";
+import { availableFaults, correctValues, type Fault } from "./model";
+import { activeNow, turnFault } from "./turn";
 import "./faults.css";
-
-const NO_FAULTS: Values = {};
-
-/** The active faults: those that were switched on and that no slider and no undo has ended. */
-const activeNow = (store: Store) =>
-  computed(() => stillActive(store.activeFaults.value, store.mapping.values.value, store.faults.value ?? NO_FAULTS));
 
 interface FaultsProps {
   readonly store: Store;
@@ -27,12 +21,8 @@ export function Faults({ store, comparison }: FaultsProps) {
   if (!hello) return null;
   const beside = store.compared.value !== null && !store.compared.value.with_faults;
   const turn = (fault: Fault, wanted: boolean): void => {
-    // The state of the robot may be older than the previous switch, so it is not used here.
-    const known = stillActive(store.activeFaults.peek(), store.mapping.values.peek(), null);
-    const next = switchFault(known, fault, wanted, store.mapping.values.peek());
-    store.activeFaults.value = next.wrong;
-    store.setTogether(`fault ${fault.name}`, next.values, next.robot);
-    if (beside) store.send({ type: "compare", values: correctValues(next.wrong) });
+    const next = turnFault(store, fault, wanted);
+    if (beside) store.send({ type: "compare", values: correctValues(next) });
   };
   const showCorrectMap = (wanted: boolean): void =>
     store.send({ type: "compare", values: wanted ? correctValues(wrong.peek()) : null });

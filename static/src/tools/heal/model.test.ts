@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { LayerContent } from "../../render/picture/overlays";
-import { type Candidate, loopAt, residualLabel, whyNone } from "./model";
+import { type Candidate, edgeAt, loopAt, residualLabel, whyNone } from "./model";
 
 const graph: LayerContent = {
   kind: "graph",
@@ -22,6 +22,9 @@ test("the nearest loop within ten pixels is found, never an edge of odometry", (
   expect(loopAt(graph, [10, 5.3], 0.05)).toBe(2);
   expect(loopAt(graph, [11, 6], 0.05)).toBeNull();
   expect(loopAt(null, [0, 0], 1)).toBeNull();
+  expect(edgeAt(graph, [9.9, 3], 0.05)).toBe(1);
+  expect(edgeAt(graph, [4, 2.1], 0.05)).toBe(2);
+  expect(edgeAt(graph, [9.7, 1], 0.05)).toBeNull();
 });
 
 const tried = (accepted: boolean): Candidate => ({

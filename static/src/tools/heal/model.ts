@@ -61,6 +61,8 @@ export interface Place {
 }
 
 const REACH_PX = 10;
+/** Edges of odometry are many, and are meant only from nearer. */
+const NEAR_PX = 4;
 
 function fromSegment(at: Point, [ax, ay]: Point, [bx, by]: Point): number {
   const [dx, dy] = [bx - ax, by - ay];
@@ -70,15 +72,28 @@ function fromSegment(at: Point, [ax, ay]: Point, [bx, by]: Point): number {
 }
 
 /** The number of the loop nearest to a place, at most a few pixels of `scale` metres away; null for none. */
-export function loopAt(content: LayerContent | null, at: Point, scale: number): number | null {
+export const loopAt = (content: LayerContent | null, at: Point, scale: number): number | null =>
+  nearest(content, at, REACH_PX * scale, (value) => !Number.isNaN(value));
+
+/** The number of the edge at a place: a loop, or else one of odometry. */
+export const edgeAt = (content: LayerContent | null, at: Point, scale: number): number | null =>
+  loopAt(content, at, scale) ?? nearest(content, at, NEAR_PX * scale, Number.isNaN);
+
+/** The number of the nearest edge of a kind that its value tells, at most `reach` metres away. */
+function nearest(
+  content: LayerContent | null,
+  at: Point,
+  reach: number,
+  has: (value: number) => boolean,
+): number | null {
   if (!content?.edges || !content.values) return null;
   const xs = columnOf(content, "x");
   const ys = columnOf(content, "y");
   if (!xs || !ys) return null;
   let best: number | null = null;
-  let least = REACH_PX * scale;
+  let least = reach;
   for (let edge = 0; edge < content.values.length; edge++) {
-    if (Number.isNaN(content.values[edge])) continue; // odometry
+    if (!has(content.values[edge] as number)) continue;
     const [i, j] = [content.edges[2 * edge] as number, content.edges[2 * edge + 1] as number];
     const away = fromSegment(at, [xs[i] as number, ys[i] as number], [xs[j] as number, ys[j] as number]);
     if (away < least) {

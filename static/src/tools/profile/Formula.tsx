@@ -42,24 +42,29 @@ export function Formula({ view }: { view: ProfileView }) {
     <math class={`formula${isLong ? " long" : ""}`} display="block">
       <mrow>
         <mi>{certain ? "v" : "Δℓ"}</mi>
-        <mo>(</mo>
-        <mi>{isCone(values) ? "s, θ" : "s"}</mi>
-        <mo>)</mo>
+        <mrow>
+          <mo>(</mo>
+          <mi>{isCone(values) ? "s, θ" : "s"}</mi>
+          <mo>)</mo>
+        </mrow>
         <mo>=</mo>
-        <mtable>
-          {rows.map(({ noun, value, where }) => (
-            <mtr key={noun}>
-              <mtd>
-                <mrow class={noun}>
-                  <mtext>{value}</mtext>
-                </mrow>
-              </mtd>
-              <mtd>
-                <mtext>{where}</mtext>
-              </mtd>
-            </mtr>
-          ))}
-        </mtable>
+        <mrow>
+          <mo>&#123;</mo>
+          <mtable>
+            {rows.map(({ noun, value, where }) => (
+              <mtr key={noun}>
+                <mtd>
+                  <mrow class={noun}>
+                    <mtext>{value}</mtext>
+                  </mrow>
+                </mtd>
+                <mtd>
+                  <mtext>{where}</mtext>
+                </mtd>
+              </mtr>
+            ))}
+          </mtable>
+        </mrow>
       </mrow>
     </math>
   );

@@ -7,6 +7,7 @@ import { Button } from "../../ui/Button";
 import { lazy } from "../../ui/lazy";
 import type { Range } from "../../ui/numbers";
 import { useSize } from "../../ui/useSize";
+import { zoomOf } from "../../ui/zoom";
 import { Beam } from "./Beam";
 import { Curve } from "./Curve";
 import { controlsFor } from "./controls";
@@ -110,8 +111,9 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
     // The frame's position is not read while a handle is dragged: that would force a layout in every frame of the drag.
     const box = view.held.peek() === null && frame.current?.getBoundingClientRect();
     if (!box) return;
-    const px = event.clientX - box.left;
-    const py = event.clientY - box.top;
+    const zoom = zoomOf(event.currentTarget as Element);
+    const px = (event.clientX - box.left) / zoom;
+    const py = (event.clientY - box.top) / zoom;
     const inside = px >= curve.left && px <= curve.right && py >= curve.top && py <= strip.bottom + 10;
     view.hovered.value = inside ? cellIndexAt(toValue(px, view.xScale.peek()), view.values.peek().resolution) : null;
   };

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ from rosbags.rosbag1 import Reader
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
-from mapper.io.contents.inspection import inspect
+from mapper.io.contents.inspection import inspect, open_inspected
 from mapper.io.contents.model import Contents, Series
+from mapper.io.logs import mcap_file, open_robot_log, ros1_bag, ros2_db3
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND, serialised
@@ -123,3 +125,32 @@ def test_real_recordings_against_rosbags(data_file: Callable[[str], Path], name:
             known[0] += 1
             known[1] += len(data)
     assert {topic.name: [topic.messages, topic.bytes] for topic in inspect(path).topics} == counts
+
+
+def counted(function: Callable[..., Any], calls: list[object]) -> Callable[..., Any]:
+    def call(*args: object) -> Any:
+        calls.append(args)
+        return function(*args)
+
+    return call
+
+
+@pytest.mark.parametrize("kind", recorded.KINDS)
+def test_a_recording_is_opened_and_inspected_in_one_pass(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = recorded.written(tmp_path, list(robot()), kind)
+    expected, alone = inspect(path), open_robot_log(path)
+    reads: list[object] = []
+    for module, name in ((mcap_file, "byte_stream"), (ros1_bag, "byte_stream"), (ros2_db3, "_opened")):
+        monkeypatch.setattr(module, name, counted(getattr(module, name), reads))
+    log, contents = open_inspected(path)
+    assert len(reads) == 1
+    assert contents.topics == expected.topics
+    assert [one.topic for one in contents.series] == [one.topic for one in expected.series]
+    for ours, theirs in zip(contents.series, expected.series, strict=True):
+        np.testing.assert_array_equal(ours.values, theirs.values)
+    assert [(one.parent, one.child) for one in contents.edges] == [(one.parent, one.child) for one in expected.edges]
+    assert list(log.sensors) == list(alone.sensors)
+    np.testing.assert_array_equal(log.first.ranges, alone.first.ranges)
+    assert log.first.notes == alone.first.notes

@@ -70,7 +70,7 @@ function Table({ contents, sensor, mapped }: TableProps) {
               topic={topic}
               whole={wholeSpan(topics)}
               isMapped={mapped.includes(topic.name)}
-              sensor={sensor && (isSensor(topic) ? sensor : null)}
+              sensor={isSensor(topic) && (mapped.length > 1 || !mapped.includes(topic.name)) ? sensor : null}
             />
           ))}
         </tbody>
@@ -114,16 +114,6 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
           {type}
           {isMapped && <strong class="topic-mapped"> · mapped</strong>}
         </span>
-        {sensor && !isMapped && (
-          <Button
-            kind="quiet"
-            label={`Map ${name}`}
-            disabled={sensor.reading.value !== null}
-            onClick={() => void sensor.use(name, null)}
-          >
-            Map this topic
-          </Button>
-        )}
         {hasSpan && whole > 0 && (
           <span
             class="topic-span"
@@ -134,6 +124,17 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
               from {clock(first_s)} to {clock(last_s)}
             </span>
           </span>
+        )}
+        {sensor && (
+          <button
+            type="button"
+            class="topic-map"
+            aria-label={`Map ${name}`}
+            disabled={sensor.reading.value !== null}
+            onClick={() => void sensor.use(name, null)}
+          >
+            {isMapped ? "Map this one by itself" : "Map this one"}
+          </button>
         )}
       </th>
       <td>{messages.toLocaleString("en")}</td>

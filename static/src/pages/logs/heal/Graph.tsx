@@ -7,6 +7,7 @@ import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { Slider } from "../../../ui/Slider";
 import type { Healing } from "./healing";
+import { ScoreHill } from "./ScoreHill";
 
 interface GraphProps {
   readonly store: Store;
@@ -30,9 +31,10 @@ export function Graph({ store, healing, graph, isGuest }: GraphProps) {
     <Panel title="Pose graph" note={`${graph.nodes} poses, ${loops.length} of ${graph.tried} loops tried`}>
       <div class="heal">
         <p class="quiet">
-          Click a loop in the map to see both of its scans, any other place to ask why no loop closed there. Solid lines
-          fit, dashed ones are strained, dotted ones contradict the rest.
+          Click a loop in the map to inspect it, any other place to ask why no loop closed there. Solid lines fit,
+          dashed ones are strained, dotted ones contradict the rest.
         </p>
+        <Pointed healing={healing} />
         <Selected healing={healing} isGuest={isGuest} />
         <Why store={store} healing={healing} isGuest={isGuest} />
         {!isGuest && <Solving healing={healing} graph={graph} />}
@@ -61,6 +63,18 @@ export function Graph({ store, healing, graph, isGuest }: GraphProps) {
         </details>
       </div>
     </Panel>
+  );
+}
+
+/** The edge under the pointer. */
+function Pointed({ healing }: { readonly healing: Healing }) {
+  const edge = healing.hovered.value;
+  return (
+    <p class="heal-pointed quiet">
+      {edge
+        ? `Under the pointer: ${edge.kind === "loop" ? "loop" : "odometry"} between scans ${edge.scans[0] + 1} and ${edge.scans[1] + 1}, ${edge.residual.toFixed(1)} σ.`
+        : "Point at an edge to see both of its scans aligned."}
+    </p>
   );
 }
 
@@ -97,6 +111,7 @@ function Selected({ healing, isGuest }: { readonly healing: Healing; readonly is
           </>
         )}
       </dl>
+      {healing.hill.value && <ScoreHill healing={healing} hill={healing.hill.value} />}
       <p class="quiet">
         Dots are the earlier scan, faint crosses the later one at its pose, full crosses where this loop puts it.
       </p>

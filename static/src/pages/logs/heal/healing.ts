@@ -1,16 +1,20 @@
 /** Healing of a log's poses on the page: the job on the server, the pose graph, and what of it is selected. */
 
-import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { ScanPair } from "../../../store/sessionState";
 import type { Store } from "../../../store/store";
-import { type Candidate, type Edge, loopAt, type Place, type PoseGraph } from "../../../tools/heal/model";
+import { type HillPlace, type LoopHill, pairAt } from "../../../tools/heal/hill";
+import { type Candidate, type Edge, edgeAt, loopAt, type Place, type PoseGraph } from "../../../tools/heal/model";
 import type { Point } from "../../../wire/protocol";
 import * as api from "./api";
+import { SlamParameters } from "./slamParameters";
 
 /** The layer of the graph. */
 export const LAYER = "graph";
 const EVERY_MS = 400;
+/** A pointer that rests so long on an edge asks for its scans. */
+const REST_MS = 60;
 
 const isUnderWay = (job: api.SlamState | null): boolean => job?.state === "queued" || job?.state === "running";
 
@@ -20,6 +24,10 @@ export class Healing {
   /** The pose graph of the trajectory in use; null where it has none. */
   readonly graph = signal<PoseGraph | null>(null);
   readonly edge = signal<Edge | null>(null);
+  /** The scores around the selected loop; null until they are there. */
+  readonly hill = signal<LoopHill | null>(null);
+  /** The edge under the pointer. */
+  readonly hovered = signal<Edge | null>(null);
   readonly candidate = signal<(Candidate & ScanPair) | null>(null);
   /** The place that was asked about. */
   readonly place = signal<{ readonly at: Point; readonly found: Place } | null>(null);
@@ -34,7 +42,11 @@ export class Healing {
   readonly takesTap = signal<((point: Point) => boolean) | null>(null);
   /** The trajectory of the map before it was healed. */
   readonly before: Signal<string | null> = signal(null);
+  /** The parameters that the next job is begun with. */
+  readonly parameters = new SlamParameters();
   #timer = 0;
+  #restTimer = 0;
+  #pointed: number | null = null;
 
   constructor(
     readonly store: Store,
@@ -60,7 +72,7 @@ export class Healing {
     this.#deselect();
     this.graph.value = null;
     await this.#ask(async () => {
-      this.job.value = await api.heal(this.session);
+      this.job.value = await api.heal(this.session, this.parameters.changed());
     });
     this.#follow();
   }
@@ -74,7 +86,9 @@ export class Healing {
   /** Find out whether a job is under way, or what came of the last one. */
   async look(): Promise<void> {
     try {
-      this.job.value = await api.slamState(this.session);
+      const job = await api.slamState(this.session);
+      if (this.job.peek() === null) this.parameters.adopt(job.parameters);
+      this.job.value = job;
     } catch {
       // The server does not answer: another time.
     }
@@ -107,7 +121,24 @@ export class Healing {
       this.#deselect();
       this.edge.value = found;
       this.store.scanPair.value = found;
+      void this.#loadHill(edge);
     });
+
+  async #loadHill(edge: number): Promise<void> {
+    try {
+      const hill = await api.hillOf(this.session, edge);
+      if (this.edge.peek()?.edge === edge) this.hill.value = hill;
+    } catch {
+      // A scan without points has no hill.
+    }
+  }
+
+  /** Show the later scan of the selected loop where a place of the hill puts it; null for where the loop puts it. */
+  tryPlace(place: HillPlace | null): void {
+    const edge = this.edge.peek();
+    const hill = this.hill.peek();
+    if (edge && hill) this.store.scanPair.value = place ? pairAt(edge, hill, place) : edge;
+  }
 
   readonly selectCandidate = (candidate: number): Promise<void> =>
     this.#ask(async () => {
@@ -127,9 +158,37 @@ export class Healing {
 
   #deselect(): void {
     this.edge.value = null;
+    this.hill.value = null;
     this.candidate.value = null;
     this.place.value = null;
+    this.#endHover();
     this.store.scanPair.value = null;
+  }
+
+  #endHover(): void {
+    clearTimeout(this.#restTimer);
+    this.#pointed = null;
+    if (this.hovered.peek() === null) return;
+    this.hovered.value = null;
+    this.store.scanPair.value = this.edge.peek() ?? this.candidate.peek();
+  }
+
+  /** Both scans of the edge under the pointer are shown while it rests there. */
+  #hover(edge: number | null): void {
+    if (edge === this.#pointed) return;
+    this.#endHover();
+    this.#pointed = edge;
+    if (edge === null) return;
+    this.#restTimer = window.setTimeout(async () => {
+      try {
+        const found = await api.edgeOf(this.session, edge);
+        if (this.#pointed !== edge) return;
+        this.hovered.value = found;
+        this.store.scanPair.value = found;
+      } catch {
+        // The graph was changed meanwhile.
+      }
+    }, REST_MS);
   }
 
   /** Change the graph; the map follows. */
@@ -156,7 +215,17 @@ export class Healing {
       void (edge === null ? this.ask(point) : this.select(edge));
       return true;
     };
+    const unwatch = effect(() => {
+      const point = this.store.pointer.value;
+      const isShown = this.graph.value !== null && !this.isBusy.value;
+      this.#hover(
+        point && isShown
+          ? edgeAt(this.store.layers.content(LAYER).peek(), point, this.store.view.peek()?.scale ?? 0)
+          : null,
+      );
+    });
     return () => {
+      unwatch();
       unsubscribe();
       this.takesTap.value = null;
       this.#deselect();

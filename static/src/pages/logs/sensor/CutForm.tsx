@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useId } from "preact/hooks";
 import { Disclosure } from "../../../ui/Panel";
 import type { LogInfo, Parameter, Values } from "../../../wire/protocol";
-import { shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
+import { faultOf, shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
 import "./sensor.css";
 import { SensorProgress } from "./SensorProgress";
 import type { Cut, SensorState } from "./useSensor";
@@ -16,7 +16,13 @@ interface CutFormProps {
 export function CutForm({ log, sensor }: CutFormProps) {
   if (!log.cut) return null;
   return (
-    <Disclosure title="Scans cut from clouds" note={log.topic} open>
+    <Disclosure
+      title={
+        log.cut.table.some((row) => row.name === "min_height") ? "Scans cut from clouds" : "Scans cut from depth images"
+      }
+      note={log.topic}
+      open
+    >
       <Fields
         key={JSON.stringify(log.cut.values)}
         table={log.cut.table}
@@ -43,7 +49,7 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
     typed.value = start();
   }, [values]);
   const stated: Cut = Object.fromEntries(table.map((row) => [row.name, statedValue(row, typed.value[row.name] ?? "")]));
-  const isWhole = Object.values(stated).every((value) => Number.isFinite(value));
+  const fault = faultOf(stated);
   const isChanged = table.some((row) => Math.abs((stated[row.name] ?? 0) - Number(values[row.name])) > 1e-9);
   return (
     <form
@@ -65,10 +71,15 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
         />
       ))}
       <div class="actions">
-        <button type="submit" class="button primary" disabled={!isWhole || !isChanged || sensor.reading.value !== null}>
-          Cut the scans so
+        <button
+          type="submit"
+          class="button primary"
+          disabled={fault !== null || !isChanged || sensor.reading.value !== null}
+        >
+          Cut the scans again
         </button>
       </div>
+      <p role="status">{fault}</p>
       <SensorProgress sensor={sensor} />
     </form>
   );
@@ -88,7 +99,7 @@ function Field({ row, value, onInput }: FieldProps) {
       <label for={id}>{row.label}</label>
       <input
         id={id}
-        class="input"
+        class="cut-input"
         type="number"
         step="any"
         min={low}

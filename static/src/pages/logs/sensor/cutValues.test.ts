@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Parameter } from "../../../wire/protocol";
-import { shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
+import { faultOf, shownBounds, shownUnit, shownValue, statedValue } from "./cutValues";
 
 const row = (unit: string, low: number, high: number): Parameter => ({
   name: "angle_min",
@@ -35,5 +35,12 @@ describe("values of how scans are cut", () => {
   it("leaves heights in metres, and takes nothing for a number that is none", () => {
     expect(shownValue(row("m", -1000, 1000), 0.25)).toBe("0.25");
     expect(statedValue(row("m", -1000, 1000), "")).toBeNaN();
+  });
+
+  it("says what is wrong with values that are no cut", () => {
+    expect(faultOf({ min_height: 0.5, max_height: 0.5 })).toContain("lowest height");
+    expect(faultOf({ angle_min: 1, angle_max: -1 })).toContain("first bearing");
+    expect(faultOf({ scan_height: Number.NaN })).toContain("number");
+    expect(faultOf({ min_height: 0, max_height: 1, angle_min: -1, angle_max: 1 })).toBeNull();
   });
 });

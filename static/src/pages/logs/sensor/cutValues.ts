@@ -21,3 +21,14 @@ export function statedValue(row: Parameter, typed: string): number {
   const value = typed.trim() === "" ? Number.NaN : Number(typed) / factor(row);
   return Number.isNaN(value) ? value : Math.min(Math.max(value, row.low), row.high);
 }
+
+/** What is wrong with the values together; null where they are a cut. */
+export function faultOf(cut: Readonly<Record<string, number>>): string | null {
+  const { min_height, max_height, angle_min, angle_max } = cut;
+  if (Object.values(cut).some((value) => Number.isNaN(value))) return "Each field needs a number.";
+  if (min_height !== undefined && max_height !== undefined && min_height >= max_height)
+    return "The lowest height must be below the greatest.";
+  if (angle_min !== undefined && angle_max !== undefined && angle_min >= angle_max)
+    return "The first bearing must be below the last.";
+  return null;
+}

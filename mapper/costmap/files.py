@@ -1,0 +1,38 @@
+"""Write a costmap as map files: its raw costs."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from mapper.core.array_types import UInt8Array
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import ConfigError
+from mapper.grid.occupancy_grid import GridGeometry
+from mapper.io.maps import yaml_text
+
+
+def save_costmap(
+    costs: UInt8Array, geometry: GridGeometry, prefix: str | os.PathLike[str], frame: str | None = None
+) -> tuple[Path, Path]:
+    """Write ``prefix.yaml`` and ``prefix.pgm``, whose pixels are the costs 0 … 255; return both paths.
+
+    The image's top row is the row of the greatest y. Each file appears whole or not at all. Raises
+    :class:`ConfigError` where a file cannot be written.
+    """
+    base = Path(prefix)
+    if not base.name:
+        raise ConfigError("map.prefix", f"A costmap needs a file name, which {str(prefix)!r} lacks.")
+    image_path, yaml_path = base.with_name(base.name + ".pgm"), base.with_name(base.name + ".yaml")
+    header = f"P5\n{geometry.cols} {geometry.rows}\n255\n".encode()
+    try:
+        base.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(image_path) as file:
+            file.write(header)
+            file.write(GridGeometry.to_image(costs).tobytes())
+        with atomic_write(yaml_path) as file:
+            file.write(yaml_text(geometry, image_path.name, "raw", frame=frame).encode())
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ConfigError("map.unwritable", f"The costmap {base.name!r} cannot be written: {reason}.") from error
+    return yaml_path, image_path

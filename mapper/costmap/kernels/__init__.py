@@ -1,0 +1,1 @@
+"""Compiled functions of costmaps: bare arrays, results written into ``out``, no errors."""

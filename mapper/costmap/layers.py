@@ -1,0 +1,365 @@
+"""The layers of a costmap: each has costs of its own, or changes those of the layers before it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, Int8Array, Int64Array, UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap.costs import FREE, LETHAL, NO_INFORMATION, cells_of, name_of_cost
+from mapper.costmap.footprint import Footprint
+from mapper.costmap.inflation import inflate, radius_in_cells
+from mapper.costmap.kernels.observation import Marking, clear_lines, fill_polygon, lay_over, mark_cells
+from mapper.costmap.parameters import (
+    COMBINATIONS,
+    CostmapConfig,
+    DecayConfig,
+    InflationConfig,
+    ObstacleConfig,
+    StaticConfig,
+)
+from mapper.grid.cell_box import CellBox
+from mapper.grid.occupancy_grid import GridGeometry
+
+_OVERWRITE_ALL = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """End points of readings: ``points`` (n, 3) and the sensor's place (3,) in map metres; ``stamp`` in seconds.
+
+    Raises :class:`ConfigError` for other shapes and for values that are not finite.
+    """
+
+    sensor: Float64Array
+    points: Float64Array
+    stamp: float = 0.0
+
+    def __post_init__(self) -> None:
+        sensor, points = np.asarray(self.sensor, dtype=np.float64), np.asarray(self.points, dtype=np.float64)
+        if sensor.shape != (3,) or points.ndim != 2 or points.shape[1] != 3:
+            raise ConfigError(
+                "costmap.observation",
+                f"An observation has a sensor (3,) and points (n, 3), not {sensor.shape} and {points.shape}.",
+            )
+        if not (np.isfinite(sensor).all() and np.isfinite(points).all() and np.isfinite(self.stamp)):
+            raise ConfigError("costmap.observation", "The points of an observation must be finite.")
+        object.__setattr__(self, "sensor", sensor)
+        object.__setattr__(self, "points", np.ascontiguousarray(points))
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """Where the robot is, (x, y, yaw) in the map, and its padded outline."""
+
+    pose: tuple[float, float, float]
+    footprint: Footprint
+
+
+class Layer(Protocol):
+    """A layer of a :class:`mapper.costmap.layered.LayeredCostmap`."""
+
+    @property
+    def name(self) -> str:
+        """The name of the layer in Nav2's lists of plugins."""
+
+    @property
+    def costs(self) -> UInt8Array:
+        """Its costs (rows, cols) uint8."""
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Bring the layer up to date; return the box of cells that changed since the last call."""
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Lay the layer over the cells of ``box`` of ``master`` (rows, cols)."""
+
+    def why(self, row: int, col: int) -> str:
+        """Return why the layer has its cost in a cell: one sentence."""
+
+
+def _part(box: CellBox) -> tuple[slice, slice]:
+    return slice(box.row0, box.row1), slice(box.col0, box.col1)
+
+
+def _box_of(bounds: Int64Array) -> CellBox | None:
+    row0, row1, col0, col1 = (int(bound) for bound in bounds)
+    return CellBox(row0, row1, col0, col1) if row0 < row1 and col0 < col1 else None
+
+
+def _no_bounds() -> Int64Array:
+    most = np.iinfo(np.int64).max
+    return np.array([most, 0, most, 0], dtype=np.int64)
+
+
+class StaticLayer:
+    """The map: lethal, free or unknown, or costs between with ``trinary_costmap`` off (StaticLayer)."""
+
+    name = "static_layer"
+
+    def __init__(self, geometry: GridGeometry, values: Int8Array, config: StaticConfig, general: CostmapConfig) -> None:
+        if values.shape != geometry.shape:
+            raise ConfigError(
+                "costmap.shape", f"The map has {values.shape} values, but the costmap {geometry.shape} cells."
+            )
+        self._values, self._config = values, config
+        table = static_costs(config, general.track_unknown_space)
+        self.costs: UInt8Array = table[values.view(np.uint8)]
+        self._full: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Return the whole map once."""
+        del now, robot
+        box, self._full = self._full, None
+        return box
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Lay the map over the master: everywhere, or with ``use_maximum`` where it is greater."""
+        if self._config.enabled:
+            method = COMBINATIONS.index("max") if self._config.use_maximum else _OVERWRITE_ALL
+            lay_over(self.costs[_part(box)], method, master[_part(box)])
+
+    def why(self, row: int, col: int) -> str:
+        """Say which value of the map the cost is from."""
+        value, cost = int(self._values[row, col]), int(self.costs[row, col])
+        said = "unknown" if value < 0 else f"{value} of 100"
+        return f"The map's value is {said}: {name_of_cost(cost)}."
+
+
+def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
+    """Return the cost (256,) uint8 of each value of a map, where unknown (−1) is 255.
+
+    Source: nav2_costmap_2d, static_layer.cpp, interpretValue.
+    """
+    values = np.arange(256)
+    threshold = int(config.lethal_cost_threshold)
+    between = (values / threshold * LETHAL).astype(np.int64)
+    costs = np.where(values >= threshold, LETHAL, FREE if config.trinary_costmap else between)
+    costs[int(config.unknown_cost_value)] = NO_INFORMATION if track_unknown_space else FREE
+    return costs.astype(np.uint8)
+
+
+class ObstacleLayer:
+    """Obstacles that readings mark and clear (ObstacleLayer)."""
+
+    name = "obstacle_layer"
+
+    def __init__(self, geometry: GridGeometry, config: ObstacleConfig, general: CostmapConfig) -> None:
+        self._geometry, self._config = geometry, config
+        first = NO_INFORMATION if general.track_unknown_space else FREE
+        self.costs: UInt8Array = np.full(geometry.shape, first, dtype=np.uint8)
+        self._bounds = _no_bounds()
+
+    def observe(self, observation: Observation) -> None:
+        """Clear what the beams of an observation passed, then mark its end points."""
+        clear(self._geometry, self._config, observation, FREE, self.costs, self._bounds)
+        mark(self._geometry, self._config, observation, LETHAL, self.costs, self._bounds)
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Clear the cells under the robot; return what changed."""
+        del now
+        if robot is not None and self._config.footprint_clearing_enabled:
+            clear_footprint(self._geometry, robot, FREE, self.costs, self._bounds)
+        box, self._bounds = _box_of(self._bounds), _no_bounds()
+        return box
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Lay the obstacles over the master as ``combination_method`` says."""
+        if self._config.enabled:
+            lay_over(self.costs[_part(box)], COMBINATIONS.index(self._config.combination_method), master[_part(box)])
+
+    def why(self, row: int, col: int) -> str:
+        """Say whether a reading marked or cleared the cell."""
+        sentences = {
+            LETHAL: "A reading ended here, and none passed through since: lethal.",
+            FREE: "No obstacle: beams passed through, or nothing was seen here.",
+            NO_INFORMATION: "No beam has been here: no information.",
+        }
+        return sentences[int(self.costs[row, col])]
+
+
+class DecayLayer:
+    """Obstacles with a lifetime: what is not seen again within ``lifetime`` seconds is forgotten.
+
+    Nav2 has no such layer of its own; its documentation refers to the spatio-temporal voxel layer, whose voxels
+    decay in time.
+    """
+
+    name = "dynamic_layer"
+
+    def __init__(self, geometry: GridGeometry, config: DecayConfig, general: CostmapConfig) -> None:
+        del general
+        self._geometry, self._config = geometry, config
+        self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
+        self._marked: Float64Array = np.full(geometry.shape, -np.inf)  #: when, s
+        self._now = -np.inf
+        self._bounds = _no_bounds()
+
+    def observe(self, observation: Observation) -> None:
+        """Clear what the beams of an observation passed, then mark its end points with its stamp."""
+        clear(self._geometry, self._config, observation, -np.inf, self._marked, self._bounds)
+        mark(self._geometry, self._config, observation, observation.stamp, self._marked, self._bounds)
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Forget what is older than the lifetime at ``now``, in seconds; return the box of what changed."""
+        if robot is not None and self._config.footprint_clearing_enabled:
+            clear_footprint(self._geometry, robot, -np.inf, self._marked, self._bounds)
+        self._now, self._bounds = now, _no_bounds()
+        alive = self._marked >= now - self._config.lifetime
+        before = self.costs == LETHAL
+        rows, cols = np.nonzero(alive != before)
+        self.costs[...] = np.where(alive, np.uint8(LETHAL), np.uint8(NO_INFORMATION))
+        if len(rows) == 0:
+            return None
+        return CellBox(int(rows.min()), int(rows.max()) + 1, int(cols.min()), int(cols.max()) + 1)
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Lay the obstacles that are still remembered over the master."""
+        if self._config.enabled:
+            lay_over(self.costs[_part(box)], COMBINATIONS.index(self._config.combination_method), master[_part(box)])
+
+    def why(self, row: int, col: int) -> str:
+        """Say when the cell was marked last."""
+        marked = float(self._marked[row, col])
+        if marked == -np.inf:
+            return "No obstacle was seen here, or a beam passed through since."
+        age = self._now - marked
+        kept = "kept" if self.costs[row, col] == LETHAL else "forgotten"
+        return f"Marked {age:.1f} s ago and {kept}: the lifetime is {self._config.lifetime:g} s."
+
+
+class KeepoutLayer:
+    """Cells that were painted as forbidden, or as costly (KeepoutFilter): a mask of values 0 … 100, −1 for none.
+
+    Source: nav2_costmap_2d, keepout_filter.cpp: the mask's value is interpreted as a cost, and the greater one holds.
+    """
+
+    name = "keepout_filter"
+
+    def __init__(self, geometry: GridGeometry) -> None:
+        self.mask: Int8Array = np.full(geometry.shape, -1, dtype=np.int8)
+        self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
+        self._geometry = geometry
+        self._bounds = _no_bounds()
+
+    def paint(self, polygon_xy: Float64Array, value: int) -> None:
+        """Set the mask's value of the cells in a polygon (n, 2), map metres; −1 erases.
+
+        Raises :class:`ConfigError` for a value outside −1 … 100 or a polygon of fewer than three points.
+        """
+        vertices = np.asarray(polygon_xy, dtype=np.float64)
+        if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 2 or not np.isfinite(vertices).all():
+            raise ConfigError("costmap.polygon", "A painted area must be a polygon of at least three finite points.")
+        if not -1 <= value <= 100:
+            raise ConfigError("costmap.mask_value", f"A mask's value must be −1 … 100, not {value}.")
+        cost = NO_INFORMATION if value < 0 else int(value / 100 * LETHAL)
+        lattice = self._geometry.to_lattice(vertices)
+        fill_polygon(lattice, np.int8(value), self.mask, self._bounds)
+        fill_polygon(lattice, np.uint8(cost), self.costs, self._bounds)
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Return what was painted since the last call."""
+        del now, robot
+        box, self._bounds = _box_of(self._bounds), _no_bounds()
+        return box
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Keep the greater of both costs."""
+        lay_over(self.costs[_part(box)], COMBINATIONS.index("max"), master[_part(box)])
+
+    def why(self, row: int, col: int) -> str:
+        """Say what was painted here."""
+        value = int(self.mask[row, col])
+        if value < 0:
+            return "Nothing is painted here."
+        return f"Painted with {value} of 100: {name_of_cost(int(self.costs[row, col]))}."
+
+
+class InflationLayer:
+    """Costs around the obstacles of the layers before (InflationLayer)."""
+
+    name = "inflation_layer"
+
+    def __init__(self, geometry: GridGeometry, config: InflationConfig, inscribed_radius: float) -> None:
+        self._geometry, self._config, self._inscribed = geometry, config, inscribed_radius
+        self.radius = radius_in_cells(config, geometry.resolution) if config.enabled else 0
+        self.costs: UInt8Array = np.zeros(geometry.shape, dtype=np.uint8)
+        self._under: UInt8Array = self.costs
+
+    def spread(self, under: UInt8Array, box: CellBox) -> None:
+        """Write the costs of the cells of ``box``; ``under`` (rows, cols) are those of the layers before."""
+        self._under = under
+        inflate(under, self._config, self._geometry.resolution, self._inscribed, self.costs, box)
+
+    def why(self, row: int, col: int) -> str:
+        """Say how far the nearest obstacle is, and which part of the cost that distance gives."""
+        found = self.nearest(row, col)
+        if found is None:
+            return f"No obstacle within {self._config.inflation_radius:g} m: no cost."
+        at_row, at_col, distance = found
+        x, y = self._geometry.cell_to_world((at_row, at_col))
+        cost = name_of_cost(int(self.costs[row, col]))
+        if distance == 0.0:
+            return "The cell is an obstacle itself."
+        within = "within" if distance <= self._inscribed else "outside"
+        return (
+            f"The nearest obstacle is {distance:.2f} m away at ({x:.2f}, {y:.2f}), {within} the inscribed radius of "
+            f"{self._inscribed:.2f} m: {cost}."
+        )
+
+    def nearest(self, row: int, col: int) -> tuple[int, int, float] | None:
+        """Return the nearest obstacle within the radius: its row, column and distance in metres."""
+        top, left = max(row - self.radius, 0), max(col - self.radius, 0)
+        near = self._under[top : row + self.radius + 1, left : col + self.radius + 1]
+        obstacles = near == LETHAL
+        if self._config.inflate_around_unknown:
+            obstacles |= near == NO_INFORMATION
+        cells = np.argwhere(obstacles)
+        if len(cells) == 0:
+            return None
+        squared = ((cells - np.array([row - top, col - left])) ** 2).sum(axis=1)
+        best = int(squared.argmin())
+        if squared[best] > self.radius**2:
+            return None
+        at_row, at_col = (int(place) for place in cells[best] + np.array([top, left]))
+        return at_row, at_col, float(np.sqrt(squared[best])) * self._geometry.resolution
+
+
+def clear(
+    geometry: GridGeometry,
+    config: ObstacleConfig,
+    observation: Observation,
+    value: float,
+    out: np.ndarray,
+    bounds: Int64Array,
+) -> None:
+    """Write ``value`` into the cells that the beams of an observation passed."""
+    if config.clearing:
+        least, most = (cells_of(r, geometry.resolution) for r in (config.raytrace_min_range, config.raytrace_max_range))
+        as_stored = out.dtype.type(value)
+        clear_lines(observation.points, observation.sensor, geometry.frame, least, most, as_stored, out, bounds)
+
+
+def mark(
+    geometry: GridGeometry,
+    config: ObstacleConfig,
+    observation: Observation,
+    value: float,
+    out: np.ndarray,
+    bounds: Int64Array,
+) -> None:
+    """Write ``value`` into the cells of the end points that mark."""
+    if config.marking:
+        marking = Marking(
+            config.obstacle_min_range, config.obstacle_max_range, config.min_obstacle_height, config.max_obstacle_height
+        )
+        as_stored = out.dtype.type(value)
+        mark_cells(observation.points, observation.sensor, geometry.frame, marking, as_stored, out, bounds)
+
+
+def clear_footprint(geometry: GridGeometry, robot: Robot, value: float, out: np.ndarray, bounds: Int64Array) -> None:
+    """Write ``value`` into the cells under the robot."""
+    lattice = geometry.to_lattice(robot.footprint.at(robot.pose))
+    fill_polygon(lattice, out.dtype.type(value), out, bounds)

@@ -1,0 +1,237 @@
+"""Parameters of a costmap as Nav2's yaml has them, read and written.
+
+Source: the Nav2 documentation, Costmap 2D.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeAlias
+
+import yaml
+
+from mapper.core.errors import ConfigError, ReadError
+from mapper.core.parameter import Parameter
+from mapper.costmap.footprint import Footprint
+from mapper.costmap.parameters import (
+    COMBINATIONS,
+    COSTMAP_PARAMETERS,
+    INFLATION_PARAMETERS,
+    OBSTACLE_PARAMETERS,
+    STATIC_PARAMETERS,
+    VOXEL_PARAMETERS,
+    CostmapConfig,
+    InflationConfig,
+    ObstacleConfig,
+    StaticConfig,
+    VoxelConfig,
+)
+from mapper.io.ros_parameters import find_node, parse_ros_parameters
+
+NODES = ("global_costmap", "local_costmap")
+
+LayerConfig: TypeAlias = StaticConfig | ObstacleConfig | VoxelConfig | InflationConfig
+
+_PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
+    "StaticLayer": (StaticConfig, STATIC_PARAMETERS),
+    "ObstacleLayer": (ObstacleConfig, OBSTACLE_PARAMETERS),
+    "VoxelLayer": (VoxelConfig, VOXEL_PARAMETERS),
+    "InflationLayer": (InflationConfig, INFLATION_PARAMETERS),
+}
+_FILTERS = ("KeepoutFilter", "SpeedFilter", "BinaryFilter")
+#: Parameters of the whole costmap that Nav2's static layer reads.
+_OF_STATIC = ("trinary_costmap", "lethal_cost_threshold", "unknown_cost_value", "use_maximum")
+#: Names that Nav2 has and that do not change costs: topics, rates, frames, sizes.
+_WITHOUT_EFFECT = frozenset((
+    "resolution", "width", "height", "origin_x", "origin_y", "rolling_window", "update_frequency",
+    "publish_frequency", "global_frame", "robot_base_frame", "transform_tolerance", "always_send_full_costmap",
+    "map_vis_z", "use_sim_time", "map_topic", "initial_transform_timeout", "subscribe_to_stamped_footprint",
+    "footprint_topic", "service_introspection_mode", "introspection_mode", "bond_heartbeat_period", "plugins",
+    "filters", "plugin", "observation_sources", "topic", "sensor_frame", "observation_persistence",
+    "expected_update_rate", "data_type", "map_subscribe_transient_local", "subscribe_to_updates",
+    "restore_cleared_footprint", "tf_filter_tolerance", "publish_voxel_map", "qos_overrides", "transport_type",
+))  # fmt: skip
+MAX_LAYERS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class NamedLayer:
+    """A layer of a parameter file: its name there, and its parameters."""
+
+    name: str
+    config: LayerConfig
+
+
+@dataclass(frozen=True, slots=True)
+class Nav2Costmap:
+    """A costmap of a Nav2 parameter file.
+
+    ``layers`` are in the order of its plugins, bottom first. ``footprint`` is None for a robot given by its radius.
+    ``unused`` are the names of parameters that change no cost here, and ``filters`` the names of its filters.
+    """
+
+    node: str
+    general: CostmapConfig
+    footprint: Footprint | None
+    layers: tuple[NamedLayer, ...]
+    filters: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()
+
+    @property
+    def outline(self) -> Footprint:
+        """The padded outline of the robot."""
+        shape = self.footprint or Footprint.circle(self.general.robot_radius)
+        return shape.padded(self.general.footprint_padding)
+
+
+def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
+    """Return the costmap in a Nav2 parameter file: that of ``node``, or the global one, else the local one.
+
+    A parameter that the file does not name has Nav2's default. Raises :class:`ReadError` for a file without a costmap
+    and :class:`ConfigError`, which names the parameter with its path, for an unknown name or plugin or an impossible
+    value.
+    """
+    found = find_node(parse_ros_parameters(data), (node,) if node else NODES)
+    if found is None:
+        wanted = node or " or ".join(NODES)
+        raise ReadError("nav2.no_costmap", f"The parameter file has no costmap: no {wanted} with ros__parameters.")
+    name, given = found
+    names = _names(given, "plugins", name)
+    unused: list[str] = []
+    own = {**given}
+    blocks = {key: own.pop(key) for key in names if key in own}
+    filters = _names(given, "filters", name)
+    for key in [key for key, value in own.items() if key in filters or (isinstance(value, dict) and "plugin" in value)]:
+        del own[key]  # a layer that is described, but not in the list of those in use
+    footprint = _footprint(own.pop("footprint", None), name)
+    of_static = {key: own.pop(key) for key in _OF_STATIC if key in own}
+    general = _config(CostmapConfig(), COSTMAP_PARAMETERS, own, name, unused)
+    layers = []
+    for key in names:
+        block = blocks.get(key)
+        if not isinstance(block, dict) or not isinstance(block.get("plugin"), str):
+            raise ConfigError("nav2.plugin", f"{name}.{key}: The layer has no 'plugin' that says what it is.")
+        layers.append(NamedLayer(key, _layer(block, of_static, f"{name}.{key}", unused)))
+    return Nav2Costmap(name, general, footprint, tuple(layers), filters, tuple(unused))
+
+
+def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
+    """Return a parameter file with a costmap, as :func:`parse_nav2_costmap` reads it; ``resolution`` in m per cell."""
+    general: dict[str, Any] = {
+        "resolution": resolution,
+        "track_unknown_space": costmap.general.track_unknown_space,
+        "footprint_padding": costmap.general.footprint_padding,
+    }
+    if costmap.footprint is None:
+        general["robot_radius"] = costmap.general.robot_radius
+    else:
+        general["footprint"] = str([list(vertex) for vertex in costmap.footprint.vertices])
+    blocks: dict[str, Any] = {}
+    for layer in costmap.layers:
+        values = {field.name: getattr(layer.config, field.name) for field in fields(layer.config)}
+        kind = next(name for name, (config, _) in _PLUGINS.items() if config is type(layer.config))
+        block: dict[str, Any] = {"plugin": f"nav2_costmap_2d::{kind}"}
+        if isinstance(layer.config, StaticConfig):
+            for key in _OF_STATIC:
+                value = values.pop(key)
+                general[key] = int(value) if key in _WHOLE else value
+        if isinstance(layer.config, ObstacleConfig):
+            values["combination_method"] = COMBINATIONS.index(layer.config.combination_method)
+            source = {key: values.pop(key) for key in _OF_SOURCE}
+            block |= {"observation_sources": "scan", "scan": {"topic": "/scan", "data_type": "LaserScan", **source}}
+        blocks[layer.name] = block | {key: int(value) if key in _WHOLE else value for key, value in values.items()}
+    parameters = general | {"plugins": [layer.name for layer in costmap.layers]} | blocks
+    root = {costmap.node: {costmap.node: {"ros__parameters": parameters}}}
+    return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
+
+
+_WHOLE = frozenset(("lethal_cost_threshold", "unknown_cost_value", "z_voxels", "mark_threshold", "unknown_threshold"))
+_OF_SOURCE = (
+    "marking", "clearing", "obstacle_min_range", "obstacle_max_range", "raytrace_min_range", "raytrace_max_range",
+    "inf_is_valid",
+)  # fmt: skip
+
+
+def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
+    names = given.get(key, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ConfigError("nav2.plugins", f"{where}.{key} must be a list of names, not {names!r:.80}.")
+    if len(names) > MAX_LAYERS or len(set(names)) < len(names):
+        raise ConfigError("nav2.plugins", f"{where}.{key} must be at most {MAX_LAYERS} different names.")
+    return tuple(names)
+
+
+def _layer(block: Mapping[str, Any], of_static: Mapping[str, Any], where: str, unused: list[str]) -> LayerConfig:
+    kind = str(block["plugin"]).replace("/", "::").split("::")[-1]
+    if kind not in _PLUGINS:
+        known = ", ".join(_PLUGINS)
+        raise ConfigError("nav2.plugin", f"{where}.plugin: {block['plugin']!r:.80} is none of {known}.")
+    config, table = _PLUGINS[kind]
+    values = {**block}
+    if config is StaticConfig:
+        values = {**of_static, **values}
+    if issubclass(config, ObstacleConfig):
+        sources = values.pop("observation_sources", "")
+        if not isinstance(sources, str):
+            raise ConfigError("nav2.source", f"{where}.observation_sources must be names with spaces between them.")
+        blocks = [(source, values.pop(source, {})) for source in sources.split()]
+        values.update(_of_source(blocks, where))
+        # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
+        values.setdefault("clearing", False)
+        method = values.pop("combination_method", None)
+        if method is not None:
+            if method not in (0, 1, 2):
+                raise ConfigError("nav2.value", f"{where}.combination_method must be 0, 1 or 2, not {method!r:.40}.")
+            values["combination_method"] = COMBINATIONS[method]
+    made: LayerConfig = _config(config(), table, values, where, unused)
+    return made
+
+
+def _of_source(blocks: list[tuple[str, Any]], where: str) -> dict[str, Any]:
+    """Return the parameters of the first source of observations; others must not differ."""
+    found: dict[str, Any] = {}
+    for k, (source, block) in enumerate(blocks):
+        if not isinstance(block, dict):
+            raise ConfigError("nav2.source", f"{where}.{source} must hold parameters, not {block!r:.40}.")
+        known = {name: block[name] for name in block if name not in _WITHOUT_EFFECT}
+        unknown = [name for name in known if name not in (*_OF_SOURCE, "min_obstacle_height", "max_obstacle_height")]
+        if unknown:
+            raise ConfigError("nav2.unknown", f"{where}.{source}: There is no parameter {unknown[0]!r:.80}.")
+        if k == 0:
+            found = known
+    return found
+
+
+def _config(config: Any, table: tuple[Parameter, ...], given: Mapping[str, Any], where: str, unused: list[str]) -> Any:  # noqa: ANN401
+    rows = {row.name: row for row in table}
+    values = {}
+    for key, value in given.items():
+        if key in rows:
+            try:
+                values[key] = rows[key].check(value)
+            except ConfigError as error:
+                raise ConfigError("nav2.value", f"{where}.{key}: {error.message}") from error
+        elif key in _WITHOUT_EFFECT:
+            unused.append(f"{where}.{key}")
+        else:
+            raise ConfigError("nav2.unknown", f"{where}: There is no parameter {key!r:.80}.")
+    return replace(config, **values)
+
+
+def _footprint(given: object, where: str) -> Footprint | None:
+    if given is None or given in ("", "[]"):
+        return None
+    points: object = given
+    if isinstance(given, str):
+        try:
+            points = yaml.safe_load(given[:10_000])
+        except yaml.YAMLError as error:
+            raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is no list of points.") from error
+    if not isinstance(points, list):
+        raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is no list of points.")
+    try:
+        return Footprint(tuple(tuple(point) for point in points))
+    except (ConfigError, TypeError) as error:
+        message = error.message if isinstance(error, ConfigError) else "Each point must be [x, y]."
+        raise ConfigError("nav2.footprint", f"{where}.footprint: {message}") from error

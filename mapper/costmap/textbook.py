@@ -1,0 +1,161 @@
+"""Costmaps step by step in plain NumPy, as Nav2 describes them: what the compiled functions are compared with.
+
+Sources: nav2_costmap_2d: inflation_layer.cpp, obstacle_layer.cpp, static_layer.cpp, costmap_2d.hpp (raytraceLine),
+costmap_layer.cpp (updateWithMax and its kin).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array, UInt8Array
+from mapper.costmap.costs import FREE, INSCRIBED, LETHAL, NO_INFORMATION, cost_of_distance
+from mapper.grid.occupancy_grid import GridGeometry
+
+
+def interpret_value(
+    value: int, track_unknown_space: bool, lethal_cost_threshold: int, trinary_costmap: bool, unknown_cost_value: int
+) -> int:
+    """Return the cost of one value of a map, 0 … 100 or 255 for unknown (StaticLayer::interpretValue)."""
+    if value == unknown_cost_value:
+        return NO_INFORMATION if track_unknown_space else FREE
+    if value >= lethal_cost_threshold:
+        return LETHAL
+    if trinary_costmap:
+        return FREE
+    return int(value / lethal_cost_threshold * LETHAL)
+
+
+def squared_distances(obstacles: BoolArray, radius: int) -> Int64Array:
+    """Return the squared distance (rows, cols), in cells, of each cell to the nearest obstacle, by trying them all.
+
+    ``obstacles`` (rows, cols) says where they are. Farther than ``radius`` cells is radius² + 1.
+    """
+    rows, cols = np.indices(obstacles.shape)
+    best = np.full(obstacles.shape, radius * radius + 1, dtype=np.int64)
+    for row, col in np.argwhere(obstacles):
+        best = np.minimum(best, (rows - row) ** 2 + (cols - col) ** 2)
+    return best
+
+
+def inflate(
+    costs: UInt8Array,
+    resolution: float,
+    cell_radius: int,
+    inscribed_radius: float,
+    cost_scaling_factor: float,
+    inflate_unknown: bool,
+    inflate_around_unknown: bool,
+) -> UInt8Array:
+    """Return the costs (rows, cols) after inflation (InflationLayer::updateCosts)."""
+    obstacles = costs == LETHAL
+    if inflate_around_unknown:
+        obstacles |= costs == NO_INFORMATION
+    squared = squared_distances(obstacles, cell_radius)
+    out = costs.copy()
+    for row, col in np.ndindex(*costs.shape):
+        if squared[row, col] > cell_radius * cell_radius:
+            continue
+        distance = math.sqrt(squared[row, col]) * resolution
+        cost = cost_of_distance(distance, inscribed_radius, cost_scaling_factor)
+        old = int(costs[row, col])
+        if old == NO_INFORMATION and (cost > FREE if inflate_unknown else cost >= INSCRIBED):
+            out[row, col] = cost
+        else:
+            out[row, col] = max(old, cost)
+    return out
+
+
+def line_cells(start_rc: tuple[int, int], end_rc: tuple[int, int], max_cells: int, min_cells: int) -> Int64Array:
+    """Return the cells (n, 2) that are cleared between two cells, (row, col) (Costmap2D::raytraceLine).
+
+    Bresenham's line from ``start_rc`` to ``end_rc``, both included, without what is nearer than ``min_cells`` or
+    farther than ``max_cells`` from its start.
+    """
+    d_row, d_col = end_rc[0] - start_rc[0], end_rc[1] - start_rc[1]
+    distance = math.hypot(d_row, d_col)
+    if distance < min_cells:
+        return np.zeros((0, 2), dtype=np.int64)
+    share = 1.0 if distance == 0.0 else min(1.0, max_cells / distance)
+    first = (0.0, 0.0) if distance == 0.0 else (d_row / distance * min_cells, d_col / distance * min_cells)
+    row, col = int(start_rc[0] + first[0]), int(start_rc[1] + first[1])
+    step_row, step_col = (1 if d_row > 0 else -1), (1 if d_col > 0 else -1)
+    by_col = abs(d_col) >= abs(d_row)
+    major, minor = (abs(d_col), abs(d_row)) if by_col else (abs(d_row), abs(d_col))
+    error = major // 2
+    cells = []
+    for _ in range(max(min(int(share * major) - min_cells, major), 0)):
+        cells.append((row, col))
+        error += minor
+        over = error >= major
+        error -= major if over else 0
+        row += step_row * (over if by_col else 1)
+        col += step_col * (1 if by_col else over)
+    return np.array([*cells, (row, col)], dtype=np.int64)
+
+
+def mark_and_clear(
+    costs: UInt8Array,
+    geometry: GridGeometry,
+    sensor: Float64Array,
+    points: Float64Array,
+    marking: tuple[float, float, float, float] | None,
+    clearing: tuple[float, float] | None,
+) -> UInt8Array:
+    """Return an obstacle layer's costs (rows, cols) after one observation (ObstacleLayer::updateBounds).
+
+    ``points`` (n, 3) and ``sensor`` (3,) are in map metres. ``clearing`` is (raytrace_min_range, raytrace_max_range):
+    the cells from the sensor to each point, where the line is cut at the map's border, become free. ``marking`` is
+    (obstacle_min_range, obstacle_max_range, min_obstacle_height, max_obstacle_height): then the cells of the points
+    within these bounds become lethal. Nothing is cleared where the sensor is outside the map.
+    """
+    out = costs.copy()
+    rows, cols = geometry.shape
+    if clearing is not None and geometry.contains(geometry.world_to_cell(sensor[:2])):
+        least, most = (max(0, math.ceil(bound / geometry.resolution - 1e-9)) for bound in clearing)
+        start = geometry.world_to_cell(sensor[:2])
+        o_u, o_v = geometry.to_lattice(sensor[:2])
+        for point in points:
+            u, v = geometry.to_lattice(point[:2])
+            share = 1.0
+            for begin, end, side in ((o_u, u, cols), (o_v, v, rows)):
+                if end < 0.0:
+                    share = min(share, -begin / (end - begin))
+                elif end >= side:
+                    share = min(share, (side - begin) / (end - begin))
+            u, v = o_u + share * (u - o_u), o_v + share * (v - o_v)
+            end_rc = (min(max(math.floor(v), 0), rows - 1), min(max(math.floor(u), 0), cols - 1))
+            cells = line_cells((int(start[0]), int(start[1])), end_rc, most, least)
+            out[cells[:, 0], cells[:, 1]] = FREE
+    if marking is not None:
+        nearest, farthest, lowest, highest = marking
+        for point in points:
+            squared = float(np.sum((point - sensor) ** 2))
+            if not (lowest <= point[2] <= highest and nearest**2 <= squared < farthest**2):
+                continue
+            row, col = geometry.world_to_cell(point[:2])
+            if 0 <= row < rows and 0 <= col < cols:
+                out[row, col] = LETHAL
+    return out
+
+
+def combine(master: UInt8Array, layer: UInt8Array, method: str) -> UInt8Array:
+    """Return the costs (rows, cols) after a layer is laid over them (CostmapLayer::updateWith...).
+
+    ``overwrite`` takes the layer's cost where it has information, ``max`` the greater one, ``max_known`` the greater
+    one where the master has information, ``true_overwrite`` the layer's cost everywhere.
+    """
+    out = master.copy()
+    for row, col in np.ndindex(*master.shape):
+        old, new = int(master[row, col]), int(layer[row, col])
+        takes = {
+            "true_overwrite": True,
+            "overwrite": new != NO_INFORMATION,
+            "max": new != NO_INFORMATION and (old == NO_INFORMATION or old < new),
+            "max_known": NO_INFORMATION not in (old, new) and old < new,
+        }
+        if takes[method]:
+            out[row, col] = new
+    return out

@@ -1,0 +1,83 @@
+"""What a recording holds of sensors that are not planar: point clouds and IMUs, read when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.sensors.point_cloud import PointCloud
+
+Int64Array = NDArray[np.int64]
+Float64Array = NDArray[np.float64]
+
+#: Returns ``T_base_frame`` (n, 4, 4) of a frame at n stamps, ns; None where the recording does not say it.
+Mounts = Callable[[str, Int64Array], Float64Array | None]
+
+
+@dataclass(frozen=True, slots=True)
+class CloudStream:
+    """The point clouds of one topic; ``count`` is how many messages there are.
+
+    Nothing is held: each iteration reads the recording from its beginning and has a few clouds in memory at a time.
+    Messages that are no clouds are left out. ``mounts`` says where a cloud's frame was on the robot. Iterating raises
+    :class:`ReadError` and :class:`LimitError` as opening the recording does.
+    """
+
+    topic: str
+    count: int
+    read: Callable[[], Iterator[PointCloud]]
+    mounts: Mounts
+
+    def __iter__(self) -> Iterator[PointCloud]:
+        return self.read()
+
+    def stamps_ns(self) -> Int64Array:
+        """Return the stamps (n,) of all clouds, in the order of the recording; it is read for it."""
+        return np.array([cloud.stamp_ns for cloud in self], dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True)
+class ImuSamples:
+    """Some messages of an IMU in the frame ``frame_id``: ``stamps_ns`` (n,) int64.
+
+    ``angular_velocity`` (n, 3) rad/s, ``linear_acceleration`` (n, 3) m/s², and ``orientation`` (n, 4) the unit
+    quaternion x y z w, NaN where none is stated. Source: sensor_msgs/Imu.
+    """
+
+    frame_id: str
+    stamps_ns: Int64Array
+    angular_velocity: Float64Array
+    linear_acceleration: Float64Array
+    orientation: Float64Array
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+
+@dataclass(frozen=True, slots=True)
+class ImuStream:
+    """The messages of one IMU; as of a :class:`CloudStream`, nothing is held. Iterating yields them part by part."""
+
+    topic: str
+    count: int
+    read: Callable[[], Iterator[ImuSamples]]
+    mounts: Mounts
+
+    def __iter__(self) -> Iterator[ImuSamples]:
+        return self.read()
+
+    def samples(self) -> ImuSamples:
+        """Return all messages, 88 bytes each."""
+        parts = list(self)
+        if not parts:
+            return ImuSamples("", np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 4)))
+        return ImuSamples(
+            parts[0].frame_id,
+            np.concatenate([part.stamps_ns for part in parts]),
+            np.concatenate([part.angular_velocity for part in parts]),
+            np.concatenate([part.linear_acceleration for part in parts]),
+            np.concatenate([part.orientation for part in parts]),
+        )

@@ -1,0 +1,141 @@
+"""Poses of a live world that are corrected while the robot drives.
+
+SLAM is a layer above the simulation: a :class:`Corrector` is made by a function that the owner of the world gives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import WorkCancelledError
+from mapper.core.se2 import between_one, compose_one
+from mapper.sensors.scan import ScanLog
+from mapper.simulation.recording import Recording
+from mapper.simulation.robot import PoseTuple
+
+CARRIED_M = 0.75  #: metres between two scans: no drive is as fast, the robot was put elsewhere
+
+
+class Corrector(Protocol):
+    """Corrects the poses of the scans of one sensor, one after another."""
+
+    def add(self, ranges: NDArray[np.float32], motion: PoseTuple) -> bool:
+        """Add a scan (n_beams,), ``motion`` (3,) after the one before; return whether earlier poses have moved."""
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """All poses so far (n, 3), ``T_map_base``."""
+
+    @property
+    def newest(self) -> PoseTuple:
+        """The last of them."""
+
+
+MakeCorrector = Callable[[ScanLog, PoseTuple], Corrector | None]
+"""Makes the corrector of a log's sensor, whose first scan is taken at a pose; None for a sensor that has none."""
+
+
+class _Reckoning:
+    """The poses of a sensor without a corrector: each motion after the one before."""
+
+    def __init__(self, start: PoseTuple) -> None:
+        self._start = start
+        self._poses: list[PoseTuple] = []
+
+    def add(self, ranges: NDArray[np.float32], motion: PoseTuple) -> bool:  # noqa: ARG002 - a corrector
+        self._poses.append(compose_one(self._poses[-1], motion) if self._poses else self._start)
+        return False
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        return np.array(self._poses)
+
+    @property
+    def newest(self) -> PoseTuple:
+        return self._poses[-1]
+
+
+@dataclass(slots=True)
+class _Part:
+    """A recording, and the numbers of its scans that its corrector has, in their order."""
+
+    recording: Recording
+    corrector: Corrector | None = None
+    numbers: list[int] = field(default_factory=list)
+
+    @property
+    def newest(self) -> int:
+        return self.numbers[-1] if self.numbers else -1
+
+
+class Healing:
+    """The corrected poses of a world's recordings, which are added in the order in which they were taken.
+
+    A robot that was put elsewhere is where its odometry, which then begins anew, says. Poses of a sensor without a
+    corrector follow the odometry.
+    """
+
+    def __init__(self, make: MakeCorrector) -> None:
+        self._make = make
+        self._parts: dict[int, _Part] = {}  #: by the identity of their recordings, which they keep
+        self._last: tuple[PoseTuple, PoseTuple] | None = None  #: the newest scan's corrected pose, and its odometry
+
+    def add(
+        self, recording: Recording, wanted: Callable[[float], bool] = lambda _: True, *, specular: bool = False
+    ) -> bool:
+        """Add the scans of a recording that are new; return whether poses of earlier ones have moved.
+
+        With ``specular`` their readings are those that polished walls leave. ``wanted`` takes the share that is done;
+        where it returns False, :class:`WorkCancelledError` is raised, and the rest can be added later.
+        """
+        part = self._parts.setdefault(id(recording), _Part(recording))
+        log = recording.as_log()
+        odometry = log.trajectory("odometry").poses
+        rows = np.flatnonzero(recording.numbers > part.newest).tolist()
+        moved = False
+        for done, row in enumerate(rows):
+            if not wanted(done / len(rows)):
+                raise WorkCancelledError("world.unwanted", "The corrected poses are not wanted any more.")
+            ranges = recording.reported(slice(row, row + 1), specular=specular)[0]
+            moved |= self._add_one(part, log, ranges, pose_tuple(odometry[row]))
+            part.numbers.append(int(recording.numbers[row]))
+        return moved
+
+    def _add_one(self, part: _Part, log: ScanLog, ranges: NDArray[np.float32], odometry: PoseTuple) -> bool:
+        at, motion = odometry, (0.0, 0.0, 0.0)
+        if self._last is not None:
+            corrected, before = self._last
+            motion = between_one(before, odometry)
+            if math.hypot(motion[0], motion[1]) > CARRIED_M:
+                motion = between_one(corrected, odometry)
+            at = compose_one(corrected, motion)
+        if part.corrector is None:
+            part.corrector = self._make(log, at) or _Reckoning(at)
+        moved = part.corrector.add(ranges, motion)
+        self._last = part.corrector.newest, odometry
+        return moved
+
+    def poses_of(self, recording: Recording) -> NDArray[np.float64] | None:
+        """Return the corrected poses (n, 3) of a recording's scans; None while there are new ones."""
+        part = self._parts.get(id(recording))
+        if part is None or part.corrector is None or int(recording.numbers[-1]) > part.newest:
+            return None
+        rows = np.searchsorted(np.array(part.numbers), recording.numbers)
+        return np.asarray(part.corrector.poses[rows], dtype=np.float64)
+
+    def corrector_of(self, recording: Recording) -> Corrector | None:
+        """Return the corrector of a recording; None where there is none yet."""
+        part = self._parts.get(id(recording))
+        return None if part is None else part.corrector
+
+
+def pose_tuple(row: NDArray[np.float64]) -> PoseTuple:
+    """Return (3,) as plain numbers."""
+    x, y, yaw = (float(v) for v in row)
+    return (x, y, yaw)

@@ -1,0 +1,79 @@
+"""``costmap``: the costs of Nav2's layers over a map file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from server.cli.app import app
+from server.cli.common import AsJson, print_json, refusing
+
+
+@app.command()
+def costmap(
+    map_yaml: Annotated[Path, typer.Argument(metavar="MAP.yaml", help="A map file.")],
+    out: Annotated[Path, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm (costs 0 … 255) and PREFIX.yaml.")],
+    params: Annotated[
+        Path | None, typer.Option(metavar="NAV2.yaml", help="Nav2 parameter file; Nav2's defaults without it.")
+    ] = None,
+    node: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which costmap of the file: global_costmap or local_costmap.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Lay Nav2's costmap layers over a map: static layer, inflation, and the robot's footprint."""
+    import numpy as np  # noqa: PLC0415 - start-up
+
+    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
+    from mapper.costmap.files import save_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
+
+    parameters = DEFAULT
+    if params is not None:
+        with refusing(params):
+            parameters = parse_nav2_costmap(read_parameter_file(params), node)
+    with refusing(map_yaml):
+        loaded = load_map(map_yaml)
+        built = build_costmap(loaded.grid.geometry, loaded.values, parameters)
+        built.costmap.update()
+    costs = built.costmap.costs
+    with refusing(out):
+        yaml_path, image_path = save_costmap(costs, loaded.grid.geometry, out, loaded.description.frame)
+    counts = np.bincount(costs.ravel(), minlength=256)
+    outline = built.costmap.footprint
+    facts: dict[str, Any] = {
+        "map": str(map_yaml),
+        "node": parameters.node,
+        "layers": [layer.name for layer in parameters.layers],
+        "inscribed_radius": round(outline.inscribed_radius, 6),
+        "circumscribed_radius": round(outline.circumscribed_radius, 6),
+        "lethal": int(counts[LETHAL]),
+        "inscribed": int(counts[INSCRIBED]),
+        "inflated": int(counts[1:INSCRIBED].sum()),
+        "free": int(counts[0]),
+        "no_information": int(counts[NO_INFORMATION]),
+        "without_effect": list(parameters.unused),
+        "filters": list(parameters.filters),
+        "files": [str(image_path), str(yaml_path)],
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{parameters.node}: {', '.join(facts['layers'])}")
+    typer.echo(
+        f"  inscribed radius {facts['inscribed_radius']:.3f} m, "
+        f"circumscribed radius {facts['circumscribed_radius']:.3f} m"
+    )
+    typer.echo(
+        f"  {facts['lethal']} lethal, {facts['inscribed']} inscribed, {facts['inflated']} inflated, "
+        f"{facts['free']} free, {facts['no_information']} no information"
+    )
+    if facts["filters"]:
+        typer.echo(f"  filters without a mask: {', '.join(facts['filters'])}")
+    for path in facts["files"]:
+        typer.echo(f"  wrote {path}")

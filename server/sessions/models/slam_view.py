@@ -1,0 +1,45 @@
+"""What a simulation shows of SLAM while the robot drives: its graph, and the true path beside it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mapper.simulation.live_map import LiveMap
+from server.stream.layers import GraphLayer, TableLayer
+
+EVERY = 5  #: scans after which the true path is written anew
+MOST_PLACES = 3000  #: of the true path
+
+
+class SlamView:
+    """The layers of SLAM, while the map is made with the poses that it corrects."""
+
+    def __init__(self) -> None:
+        self._graph: GraphLayer | None = None
+        self._path: TableLayer | None = None
+        self._scans = 0  # in the path
+
+    @property
+    def layers(self) -> tuple[GraphLayer | TableLayer, ...]:
+        """The path, and the graph over it, or nothing."""
+        return () if self._graph is None or self._path is None else (self._path, self._graph)
+
+    def draw(self, mapper: LiveMap) -> None:
+        """Write the layers (worker thread)."""
+        if not mapper.faults.heals:
+            self._graph = self._path = None
+            return
+        from server.sessions.models.live_slam import LiveSlam  # noqa: PLC0415 - imports SLAM, which few sessions need
+
+        recording = mapper.recordings[-1]
+        corrector = mapper.healing.corrector_of(recording)
+        if not isinstance(corrector, LiveSlam):
+            self._graph = self._path = None
+            return
+        self._graph = self._graph or GraphLayer("slam", "SLAM", "pose_graph", ("x", "y", "yaw", "scan"))
+        corrector.draw(self._graph)
+        if self._path is None or not self._scans <= mapper.scans < self._scans + EVERY:
+            self._path = self._path or TableLayer("true_path", "True path", "true_path", ("x", "y"), "path")
+            self._scans = mapper.scans
+            poses = recording.as_log().trajectory("true").poses
+            self._path.set(poses[:: max(1, -(-len(poses) // MOST_PLACES)), :2].T.astype(np.float32))

@@ -1,0 +1,25 @@
+import { Terminal } from "../../lessons/pipeline/Terminal";
+import { OnStage } from "./OnStage";
+import { Section } from "./Section";
+
+export function CharactersSection({ id, number, title }: { id: string; number: number; title: string }) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="characters" label="The map as characters">
+          <Terminal />
+        </OnStage>
+      }
+      sources={[]}
+    >
+      <p>
+        A map needs no graphics to be looked at: in a terminal each cell is one character. Either there are three{" "}
+        <b>states</b>: more likely occupied than the prior, less likely, or undecided, with a margin of 0.5 in the
+        log-odds; or six steps of <b>density</b>, in which more ink stands for a higher probability.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,122 @@
+import { afterEach, describe, expect, it } from "vitest";
+import { LESSONS } from "../lessons";
+import { type Slide, WHOLE_LECTURE } from "./deck";
+import { type Act, actOf, type Focused } from "./keys";
+import { QUESTIONS } from "./questions";
+import { deck, endOf, hashOf, place, presenting, readAddress, stepped, takeDeck } from "./state";
+
+const nothing: Focused = { isText: false, usesArrows: false, usesSpace: false, by: null };
+const slider = (by: Focused["by"]): Focused => ({ ...nothing, usesArrows: true, by });
+const button = (by: Focused["by"]): Focused => ({ ...nothing, usesSpace: true, by });
+const field: Focused = { ...nothing, isText: true, by: "mouse" };
+
+describe("the keys of the presentation", () => {
+  const cases: readonly (readonly [key: string, focused: Focused, act: Act | null])[] = [
+    ["PageDown", nothing, "next"],
+    ["PageDown", slider("mouse"), "next"],
+    ["PageDown", slider("tab"), "next"],
+    ["PageDown", field, "next"],
+    ["PageUp", slider("touch"), "back"],
+    ["ArrowRight", nothing, "next"],
+    ["ArrowRight", slider("mouse"), "next"],
+    ["ArrowLeft", slider("mouse"), "back"],
+    ["ArrowRight", slider("tab"), null],
+    ["ArrowUp", slider("touch"), null],
+    ["ArrowRight", button("tab"), "next"],
+    ["ArrowRight", field, null],
+    [" ", nothing, "next"],
+    [" ", button("mouse"), "next"],
+    [" ", button("tab"), null],
+    [" ", field, null],
+    ["Home", nothing, "first"],
+    ["End", slider("mouse"), "last"],
+    ["End", slider("tab"), null],
+    ["b", button("tab"), "blank"],
+    [".", nothing, "blank"],
+    ["b", field, null],
+    ["Escape", nothing, "exit"],
+    ["Escape", slider("mouse"), "exit"],
+    ["Escape", slider("tab"), "release"],
+    ["Escape", field, "release"],
+    ["x", nothing, null],
+  ];
+  it.each(cases)("%s on %o", (key, focused, act) => expect(actOf(key, false, focused)).toBe(act));
+
+  it("go a whole slide with Shift", () => {
+    expect(actOf("ArrowRight", true, nothing)).toBe("nextSlide");
+    expect(actOf("PageUp", true, nothing)).toBe("previousSlide");
+    expect(actOf(" ", true, nothing)).toBe("back");
+  });
+});
+
+describe("the steps", () => {
+  const list: readonly Slide[] = [
+    { kind: "section", section: "grid" },
+    { kind: "section", section: "cell", hidden: true },
+    { kind: "section", section: "rays" },
+  ];
+  const three = (): number => 3;
+  const at = (index: number, step: number) => ({ index, step });
+
+  it("lead through each slide that is not hidden, and end at the ends", () => {
+    expect(stepped(at(0, 1), 1, false, list, three)).toEqual(at(0, 2));
+    expect(stepped(at(0, 2), 1, false, list, three)).toEqual(at(2, 0));
+    expect(stepped(at(2, 0), -1, false, list, three)).toEqual(at(0, 2));
+    expect(stepped(at(2, 2), 1, false, list, three)).toEqual(at(2, 2));
+    expect(stepped(at(0, 0), -1, false, list, three)).toEqual(at(0, 0));
+    expect(stepped(at(0, 0), 1, true, list, three)).toEqual(at(2, 0));
+    expect(stepped(at(2, 2), -1, true, list, three)).toEqual(at(0, 0));
+    expect(endOf(list, false)).toEqual(at(2, 0));
+  });
+});
+
+describe("the address", () => {
+  afterEach(() => takeDeck(WHOLE_LECTURE));
+
+  it("names slide and step, and opens them again", async () => {
+    presenting.value = true;
+    const rays = WHOLE_LECTURE.slides.findIndex((one) => one.kind === "section" && one.section === "rays");
+    expect(hashOf({ index: rays, step: 0 })).toBe("#rays");
+    expect(hashOf({ index: rays, step: 2 })).toBe("#rays/3");
+    location.hash = "#rays/3";
+    await readAddress();
+    expect(place.peek()).toEqual({ index: rays, step: 2 });
+    location.hash = "#rays/99";
+    await readAddress();
+    expect(place.peek()).toEqual({ index: rays, step: 3 });
+    location.hash = "#nosuch";
+    await readAddress();
+    expect(place.peek()).toEqual({ index: 0, step: 0 });
+  });
+
+  it("keeps an own deck, and the old one where the link is damaged", async () => {
+    presenting.value = true;
+    const own = { title: "Mine", slides: [{ kind: "text", title: "Hello", text: "One\n\nTwo" } as const] };
+    await takeDeck(own, { index: 0, step: 1 });
+    const hash = location.hash;
+    expect(hash).toMatch(/^#own-text\/2&deck=[\w-]+$/);
+    await takeDeck(WHOLE_LECTURE);
+    location.hash = hash;
+    await readAddress();
+    expect(deck.peek()).toEqual(own);
+    expect(place.peek()).toEqual({ index: 0, step: 1 });
+    location.hash = hash.slice(0, -9);
+    await expect(readAddress()).rejects.toThrow("damaged");
+    expect(deck.peek()).toEqual(own);
+  });
+});
+
+it("every section has a question", () => {
+  expect(LESSONS.map(({ id }) => id).filter((id) => !QUESTIONS[id])).toEqual([]);
+});
+
+it("every question has an answer, and every right option is one of the options", () => {
+  for (const [id, { question, options, right, answer, notes }] of Object.entries(QUESTIONS)) {
+    expect(question, id).toMatch(/\?$/);
+    expect(options?.[right ?? -1] !== undefined, id).toBe(options !== undefined);
+    // a line of the bar each
+    expect(question.length, id).toBeLessThanOrEqual(78);
+    expect(answer.length, id).toBeLessThanOrEqual(112);
+    expect(notes.length, id).toBeGreaterThan(40);
+  }
+});

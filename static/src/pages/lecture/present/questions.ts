@@ -1,0 +1,213 @@
+import type { LessonId } from "../lessons";
+
+/** What a slide asks before it shows its figure. */
+export interface Question {
+  readonly question: string;
+  /** What the audience may predict; without them there is nothing to choose. */
+  readonly options?: readonly string[];
+  /** Index of the right option. */
+  readonly right?: number;
+  /** What the figure has shown. */
+  readonly answer: string;
+  /** What the lecturer may say and do; only the speaker's window shows it. */
+  readonly notes: string;
+}
+
+/** The question of each section; a section without one shows its figure at once. */
+export const QUESTIONS: Partial<Record<LessonId, Question>> = {
+  grid: {
+    question: "One of five cells caused an echo, and four are found empty. What of the fifth?",
+    options: ["Its probability of occupied rises", "It stays as the echo left it", "It depends on the map’s algorithm"],
+    right: 2,
+    answer: "The joint distribution concludes that it is the fifth cell; a grid of independent cells cannot.",
+    notes:
+      "Press the cells one after the other: let the narrow beam pass all but one. Compare the two bars of that cell. Name the three assumptions before: a cell is occupied or free, the world is static, the cells are independent.",
+  },
+  cell: {
+    question: "A cell was hit four times. What does it take to be back where it began?",
+    options: ["One miss", "As many misses as hits", "Misses that sum to what the hits added"],
+    right: 2,
+    answer: "The log-odds add up: hits and misses cancel by their sum, in any order, while no clamp is reached.",
+    notes:
+      "Press hit four times, then miss until the line is at the prior again. Let the audience count. The order does not matter: show it with alternating presses.",
+  },
+  "log-odds": {
+    question: "In 32 bits, as p, as odds, as log-odds: which fails first?",
+    options: ["The probability p", "The odds", "The log-odds ℓ"],
+    right: 0,
+    answer: "p rounds to exactly 1 and never comes back; the odds overflow later; the sum of log-odds goes on working.",
+    notes:
+      "Drag the cursor along the chart. The point where p becomes exactly 1 is marked. With the mapper’s clamp none of the three fails: cost and simplicity remain as reasons.",
+  },
+  model: {
+    question: "One number, z: which cells does a reading say something about?",
+    options: ["The cell at z", "All cells of the beam", "The cells before z and around it, not those behind"],
+    right: 2,
+    answer:
+      "Passed: evidence for free. Around the end: evidence for occupied. Behind: none, the cells keep their value.",
+    notes:
+      "Drag the height of the curve before and around z, then the width of the window. The row of cells below is one beam.",
+  },
+  rays: {
+    question: "A beam goes from cell (0, 0) to cell (4, 3). Which cells lie on its way?",
+    options: ["Every cell that it touches", "One in each column", "It depends on the algorithm"],
+    right: 2,
+    answer: "Bresenham takes one cell per step of the longer axis; exact traversal takes every cell the beam crosses.",
+    notes:
+      "Drag the end of the beam once around the sensor. Switch one of the two fixes off and repeat: only some octants remain right.",
+  },
+  algorithm: {
+    question: "What does the whole program do with one scan, line by line?",
+    answer: "For each beam: find its cells, look up the evidence of each, add it. Nothing else.",
+    notes: "Step by line first, then by cell, by beam and by scan. Drag the robot and let it run from there.",
+  },
+  characters: {
+    question: "Three states, or six steps of density: which picture shows a doubt?",
+    options: ["The three states", "The density", "Both"],
+    right: 1,
+    answer: "Density shows by how much a cell is occupied; three states show only on which side of the margin it is.",
+    notes: "Switch between states and density at the same scan. Look at cells at the edge of what was seen.",
+  },
+  sonar: {
+    question: "Sonars see an open door from both sides. What does the map show in it?",
+    options: ["An opening", "A wall", "It depends on the method"],
+    right: 2,
+    answer: "Bayes’ filter, cell by cell, marks whole arcs and closes the door; Moravec and Elfes keep it open.",
+    notes: "Add the readings one by one, the cross is in the door. Point to the arcs that lie across it.",
+  },
+  "no-return": {
+    question: "A beam comes back without an echo. What should the map do with it?",
+    options: ["Mark its cells as free", "Ignore it", "Mark the end of its range as occupied"],
+    right: 1,
+    answer: "Ignoring is the default here: “free” erases glass, and max range taken as a hit builds a false wall.",
+    notes: "Drag the robot in front of the glass. Compare the three maps, which are made from the same scans.",
+  },
+  mount: {
+    question: "The map is made with a sensor mount turned by 8°. What looks wrong?",
+    options: ["The whole map is turned", "Walls are seen in two places", "Nothing: the error cancels"],
+    right: 1,
+    answer: "Each scan turns about the sensor, so one wall lands in a different place from each pose that saw it.",
+    notes: "Rotate the coloured fan, then shift it, then turn it upside down. Which of the three is hardest to notice?",
+  },
+  forgetting: {
+    question: "A table stood there for an hour and is taken away. When does the map forget it?",
+    options: ["About as long again", "About twice as long", "After the same few scans, however long it stood"],
+    right: 2,
+    answer: "That is what the clamp is for: it bounds the certainty. Without it, all hits have to be outweighed.",
+    notes: "Let the audience guess a number of scans first, then remove the table. Repeat with a wider clamp.",
+  },
+  counting: {
+    question: "Are all beams of one scan independent readings of a cell beside the robot?",
+    options: ["Yes", "No: they share the error of that pose"],
+    right: 1,
+    answer: "Near the sensor many beams cross one cell: adding all of them counts the same evidence many times.",
+    notes: "Drag the cross towards the robot and read how often each cell was updated, per beam and per scan.",
+  },
+  matching: {
+    question: "The odometry is wrong. How can two scans tell where the robot is?",
+    answer:
+      "Lay the scan over the last one: the pose where both agree best. It needs structure, and often a good start.",
+    notes: "Let somebody lay the scans over each other by hand first, then press ICP. Then the corridor: it slides.",
+  },
+  file: {
+    question: "free_thresh is 0.25, an unknown cell is grey 205. What does a planner read?",
+    options: ["Unknown", "Free", "Occupied"],
+    right: 1,
+    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that nobody has seen.",
+    notes: "Move the reader’s free_thresh across 0.196: the image stays the same, its meaning does not.",
+  },
+  landmarks: {
+    question: "A robot must not hit the walls of a new building. What should its map store?",
+    options: ["Corners and poles that it recognises", "For each patch of floor: is something there?"],
+    right: 1,
+    answer: "Landmarks say where the robot is; only a grid says where it can drive, and what it has not seen yet.",
+    notes:
+      "Switch between the two maps of the same drive. Ask where the robot could drive by the map of landmarks alone.",
+  },
+  window: {
+    question: "A range has a noise of a few centimetres. How wide should a hit be?",
+    options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
+    right: 1,
+    answer: "Too narrow: the hits fall into different cells and the wall is torn. Too wide: the wall is fat.",
+    notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall tears.",
+  },
+  endpoint: {
+    question: "A scan holds distances only. How does one of them become a row and a column?",
+    answer: "Angle and range give a point, the pose moves it into the map, origin and resolution make it a cell.",
+    notes:
+      "Drag the robot, then the origin to the right of the end point: rounding down, not cutting off, is what counts.",
+  },
+  table: {
+    question: "Table 9.1 visits every cell for each scan. Which of them does it change?",
+    options: ["All of them", "Those in the perceptual field", "Those that were hit"],
+    right: 1,
+    answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
+    notes: "Step through the lines. For each cell ask first: is it in the field, and which beam decides about it?",
+  },
+  pipeline: {
+    question: "What happens to one reading between the sensor and the printed map?",
+    answer: "Angle, point, cell, line of cells, evidence, sum: the same for every beam of every scan.",
+    notes: "Follow one reading step by step, then select another beam. The characters at the end are the map.",
+  },
+  resolution: {
+    question: "Cells of 1 cm instead of 10 cm: how much more memory is needed?",
+    options: ["10 times as much", "100 times as much", "1000 times as much"],
+    right: 1,
+    answer: "The side enters squared. And 1 cm shows the noise of the sensor, while 10 cm narrows the door.",
+    notes:
+      "Compare the door and the pillar in the three maps, then memory and time, which is measured on this computer.",
+  },
+  polished: {
+    question: "A wall is polished like a mirror. What does a laser see of it?",
+    options: ["The wall", "Nothing, unless it looks at it straight", "A wall twice as far away, always"],
+    right: 1,
+    answer: "It reflects the beam away: no return, so the wall is missing where the robot never faced it.",
+    notes: "Switch the polish on and off. Name glass, metal and stone; more readings do not help.",
+  },
+  people: {
+    question: "Somebody walks through the robot’s view. What remains of it in the map?",
+    options: ["Nothing", "A trail that stays where no later beam passes", "A trail that always stays"],
+    right: 1,
+    answer: "Beams that pass later clear the trail; where none do, people who were never there again stay in the map.",
+    notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
+  },
+  "low-table": {
+    question: "The map is right about all that the laser saw. Can the robot hit a table?",
+    options: ["No", "Yes, if the table is lower than the laser’s plane"],
+    right: 1,
+    answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
+    notes: "Drag the laser up and down past the height of the table, and watch the map.",
+  },
+  odometry: {
+    question: "A map shows the same wall twice, a little apart. What has happened?",
+    options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
+    right: 1,
+    answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
+    notes: "Drag the error of the heading first, then that of the way. Compare the two maps.",
+  },
+  probable: {
+    question: "Scan and odometry disagree about the pose. Which of them is right?",
+    options: ["The scan", "The odometry", "The pose that makes both probable"],
+    right: 2,
+    answer:
+      "The most probable pose has the greatest product of both; with doors at equal distances the odometry decides.",
+    notes: "Drag the diamond along the corridor with cabinets, with doors, and bare. When is the answer wrong?",
+  },
+  graph: {
+    question: "The robot is back where it began, its map is not. Which pose is wrong?",
+    options: ["The last one", "The first one", "All of them, a little each"],
+    right: 2,
+    answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
+    notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
+  },
+  next: {
+    question: "What does a robot do with the finished map?",
+    answer: "It is served, localized in, inflated into costs, and planned on; what moves is in a layer of its own.",
+    notes: "Go through the parts from left to right. The later sections and rooms of this site show each of them.",
+  },
+  log: {
+    question: "What does your own robot’s log look like as a map?",
+    answer: "Drop a bag, an MCAP or a CARMEN log: its map fills in, and the doctor looks for faults.",
+    notes: "A log of the audience is the best one. The sample log is there otherwise.",
+  },
+};

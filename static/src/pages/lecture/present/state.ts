@@ -1,0 +1,179 @@
+/**
+ * Where the presentation is: `?present#SLIDE/STEP&deck=LETTERS` in the address; the deck is there if it is not the
+ * whole lecture. `?present=view` shows a slide without controls, in the speaker's window.
+ */
+
+import { computed, signal } from "@preact/signals";
+import { pack } from "../../packed";
+import { LESSONS, type LessonId } from "../lessons";
+import { type Deck, readDeckLink, type Slide, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck";
+import { QUESTIONS, type Question } from "./questions";
+
+const mode = new URLSearchParams(location.search).get("present");
+
+/** Whether slides are shown, not the lecture as a text. */
+export const presenting = signal(mode !== null);
+/** Whether this page is a picture of a slide in the speaker's window. */
+export const isPreview = mode === "view";
+export const deck = signal<Deck>(WHOLE_LECTURE);
+export const blank = signal(false);
+/** The options that the audience has chosen, by the slide's name. */
+export const predicted = signal<Readonly<Record<string, number>>>({});
+
+export interface Place {
+  readonly index: number;
+  readonly step: number;
+}
+
+export const place = signal<Place>({ index: 0, step: 0 });
+export const slides = computed(() => deck.value.slides);
+export const ids = computed(() => slideIds(deck.value));
+export const slide = computed<Slide | undefined>(() => slides.value[place.value.index]);
+
+/** What a slide of a section shows after each step. */
+export type Stage = "ask" | "predict" | "figure" | "answer";
+
+export const questionOf = (of: Slide | undefined): Question | undefined =>
+  of?.kind === "section" ? QUESTIONS[of.section] : undefined;
+
+const stagesOf = (question: Question | undefined): readonly Stage[] =>
+  question ? ["ask", ...(question.options ? (["predict"] as const) : []), "figure", "answer"] : ["figure"];
+
+export const paragraphsOf = (text: string): readonly string[] => text.split(/\n\s*\n/).filter((one) => one.trim());
+
+/** How many steps a slide has, at least one. Lines of a derivation are counted on the page. */
+export function stepsOf(of: Slide): number {
+  switch (of.kind) {
+    case "section":
+      return stagesOf(questionOf(of)).length;
+    case "derivation":
+      return Math.max(1, document.querySelectorAll(`#${of.section} .derivation-line`).length);
+    case "text":
+      return Math.max(1, paragraphsOf(of.text).length);
+    default:
+      return 1;
+  }
+}
+
+/** The stage of the section on the present slide. */
+export const stage = computed<Stage>(() => stagesOf(questionOf(slide.value))[place.value.step] ?? "figure");
+
+/** What of a section the present slide shows, if it does. */
+export function shownOf(section: string): "section" | "derivation" | null {
+  const now = slide.value;
+  if (!presenting.value || !now || !("section" in now) || now.section !== section) return null;
+  return now.kind;
+}
+
+// --- moving ----------------------------------------------------------------------------------------------------------
+
+/** The place one step on (1) or back (−1); with `whole`, the beginning of another slide. Stays at the ends. */
+export function stepped(from: Place, by: 1 | -1, whole: boolean, list: readonly Slide[], steps = stepsOf): Place {
+  const now = list[from.index];
+  const step = from.step + by;
+  if (now && !whole && step >= 0 && step < steps(now)) return { index: from.index, step };
+  for (let index = from.index + by; index >= 0 && index < list.length; index += by) {
+    const next = list[index];
+    if (next && !next.hidden) return { index, step: by < 0 && !whole ? steps(next) - 1 : 0 };
+  }
+  return whole && by < 0 ? { index: from.index, step: 0 } : from;
+}
+
+/** The place of the first slide (1: seen from before it) or the last one that is shown. */
+export function endOf(list: readonly Slide[], first: boolean): Place {
+  const index = first ? list.findIndex((one) => !one.hidden) : list.findLastIndex((one) => !one.hidden);
+  return { index: Math.max(0, index), step: 0 };
+}
+
+export function goTo(next: Place): void {
+  place.value = next;
+  blank.value = false;
+  writeAddress();
+}
+
+export const move = (by: 1 | -1, whole = false): void => goTo(stepped(place.peek(), by, whole, slides.peek()));
+
+/** Number of the present slide among those that are shown, and how many these are. */
+export const count = computed(() => {
+  const shown = slides.value.map((one, i) => i === place.value.index || !one.hidden);
+  const total = shown.filter(Boolean).length;
+  return { number: shown.slice(0, place.value.index + 1).filter(Boolean).length, total };
+});
+
+// --- the address -----------------------------------------------------------------------------------------------------
+
+/** The letters of the deck, for the address; empty for the whole lecture. */
+let letters = "";
+
+export const hashOf = (at: Place): string => {
+  const id = ids.peek()[at.index] ?? "";
+  return `#${id}${at.step > 0 ? `/${at.step + 1}` : ""}${letters ? `&deck=${letters}` : ""}`;
+};
+
+/** The section whose text belongs to the present slide. */
+export function sectionOfSlide(): string {
+  for (let index = place.peek().index; index >= 0; index--) {
+    const one = slides.peek()[index];
+    if (one && "section" in one) return one.section;
+  }
+  return LESSONS[0].id;
+}
+
+function writeAddress(): void {
+  const query = presenting.peek() ? `?present${isPreview ? "=view" : ""}` : "";
+  const hash = presenting.peek() ? hashOf(place.peek()) : `#${sectionOfSlide()}`;
+  history.replaceState(null, "", location.pathname + query + hash);
+}
+
+/** Use another deck, in the address too, and go to a place of it. */
+export async function takeDeck(next: Deck, at: Place = endOf(next.slides, true)): Promise<void> {
+  letters = next === WHOLE_LECTURE ? "" : await pack(writtenDeck(next));
+  deck.value = next;
+  goTo(at);
+}
+
+/** The link that opens a deck at its beginning. */
+export async function deckLink(of: Deck): Promise<string> {
+  const hash = of === WHOLE_LECTURE ? "" : `#&deck=${await pack(writtenDeck(of))}`;
+  return new URL(`${location.pathname}?present${hash}`, location.href).href;
+}
+
+/** Follow the address: take its deck, slide and step. Rejects with a DeckError, and keeps the deck, if it is damaged. */
+export async function readAddress(): Promise<void> {
+  const [name = "", ...rest] = location.hash.slice(1).split("&");
+  const wanted = rest.find((one) => one.startsWith("deck="))?.slice("deck=".length) ?? "";
+  let problem: unknown = null;
+  if (wanted !== letters && presenting.peek()) {
+    try {
+      deck.value = wanted ? await readDeckLink(wanted) : WHOLE_LECTURE;
+      letters = wanted;
+    } catch (error) {
+      problem = error;
+    }
+  }
+  const [id = "", step = "1"] = name.split("/");
+  const index = ids.peek().indexOf(decodeURIComponent(id));
+  const at = slides.peek()[index];
+  if (at) {
+    const most = stepsOf(at) - 1;
+    place.value = { index, step: Math.min(most, Math.max(0, (Number.parseInt(step, 10) || 1) - 1)) };
+  } else if (presenting.peek()) {
+    place.value = endOf(slides.peek(), true);
+  }
+  if (problem) throw problem;
+}
+
+/** Start presenting at a section of the text, or end and write the section of the slide into the address. */
+export function setPresenting(on: boolean, section?: LessonId): void {
+  const index = slides.peek().findIndex((one) => one.kind === "section" && one.section === section);
+  presenting.value = on;
+  if (on) goTo(index >= 0 ? { index, step: 0 } : endOf(slides.peek(), true));
+  else writeAddress();
+}
+
+/** Index of the last section whose top is above the middle of the window; −1 above the first. */
+export function sectionInSight(lessons: readonly { readonly id: string }[]): number {
+  const middle = innerHeight / 2;
+  const tops = lessons.map(({ id }) => document.getElementById(id)?.getBoundingClientRect().top ?? Number.MAX_VALUE);
+  return tops.findLastIndex((top) => top < middle);
+}

@@ -1,0 +1,72 @@
+/** The window with the slides and that of the speaker, on one channel of the browser: no server is needed. */
+
+import { effect } from "@preact/signals";
+import { act } from "./acts";
+import { type Slide, titleOf } from "./deck";
+import type { Act } from "./keys";
+import { blank, deck, hashOf, type Place, place, questionOf, slides, stepped } from "./state";
+
+/** What the speaker's window shows. */
+export interface Told {
+  readonly title: string;
+  readonly notes: string;
+  /** The fragments of the present slide and of the one after the next step; null at the end. */
+  readonly now: string;
+  readonly next: string | null;
+  readonly number: number;
+  readonly total: number;
+  readonly blank: boolean;
+}
+
+type Message = { readonly told: Told } | { readonly act: Act } | { readonly hello: true };
+
+const named = (id: string): BroadcastChannel => new BroadcastChannel(`gridbloom-slides-${id}`);
+
+export const notesOf = (of: Slide | undefined): string => of?.notes ?? questionOf(of)?.notes ?? "";
+
+function told(at: Place): Told {
+  const list = slides.peek();
+  const next = stepped(at, 1, false, list);
+  const now = list[at.index];
+  const shown = list.map((one, i) => i === at.index || !one.hidden);
+  return {
+    title: now ? titleOf(now) : "",
+    notes: notesOf(now),
+    now: hashOf(at),
+    next: next.index === at.index && next.step === at.step ? null : hashOf(next),
+    number: shown.slice(0, at.index + 1).filter(Boolean).length,
+    total: shown.filter(Boolean).length,
+    blank: blank.peek(),
+  };
+}
+
+let channel: BroadcastChannel | null = null;
+const id = Math.random().toString(36).slice(2, 10);
+
+/** Open the speaker's window; from then on it follows the slides, and its keys control them. */
+export function openSpeaker(): boolean {
+  if (!channel) {
+    const opened = named(id);
+    channel = opened;
+    const tell = (): void => opened.postMessage({ told: told(place.peek()) } satisfies Message);
+    opened.onmessage = ({ data }: MessageEvent<Message>) => {
+      if ("act" in data) act(data.act);
+      else if ("hello" in data) tell();
+    };
+    effect(() => {
+      void [place.value, blank.value, deck.value];
+      tell();
+    });
+  }
+  return window.open(`/lecture.html?speaker=${id}`, `gridbloom-speaker-${id}`, "popup,width=1180,height=720") !== null;
+}
+
+/** In the speaker's window: follow the slides of `id`; the returned function sends what a key asks for. */
+export function followSlides(id: string, show: (told: Told) => void): (act: Act) => void {
+  const opened = named(id);
+  opened.onmessage = ({ data }: MessageEvent<Message>) => {
+    if ("told" in data) show(data.told);
+  };
+  opened.postMessage({ hello: true } satisfies Message);
+  return (act) => opened.postMessage({ act } satisfies Message);
+}

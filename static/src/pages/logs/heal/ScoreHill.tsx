@@ -1,0 +1,117 @@
+/** The score of the poses around the selected loop, as a picture; the pose under the pointer moves the scan on the map. */
+
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { tokenRgb } from "../../../style/colour";
+import { type HillPlace, type LoopHill, placeAt, presentIn, summitOf } from "../../../tools/heal/hill";
+import { signed } from "../../../ui/numbers";
+import { isDark } from "../../../ui/theme";
+import type { Healing } from "./healing";
+
+const KEYS: Record<string, readonly [col: number, row: number]> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+
+/** Percent into a colour: the higher, the stronger. */
+function paint(canvas: HTMLCanvasElement, { size, scores }: LoopHill): void {
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const [low, high] = [tokenRgb("--surface"), tokenRgb("--beam")];
+  const greatest = Math.max(1, ...scores);
+  const image = context.createImageData(size, size);
+  scores.forEach((score, index) => {
+    const share = (score / greatest) ** 2;
+    const [row, col] = [Math.floor(index / size), index % size];
+    const rgb = low.map((from, k) => from + share * ((high[k] ?? 0) - from));
+    image.data.set([...rgb, 255], 4 * ((size - 1 - row) * size + col));
+  });
+  context.putImageData(image, 0, 0);
+}
+
+const sentence = ({ score, dx, dy, turnDeg }: HillPlace): string =>
+  `${score} % at ${signed(dx, 2)} m, ${signed(dy, 2)} m, ${signed(turnDeg, 0)}°`;
+
+export function ScoreHill({ healing, hill }: { readonly healing: Healing; readonly hill: LoopHill }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const probe = useSignal<HillPlace | null>(null);
+  useSignalEffect(() => {
+    void isDark.value;
+    const now = healing.hill.value;
+    if (canvas.current && now) paint(canvas.current, now);
+  });
+  const show = (place: HillPlace | null): void => {
+    probe.value = place;
+    healing.tryPlace(place);
+  };
+  const at = (event: PointerEvent): HillPlace => {
+    const box = (event.currentTarget as Element).getBoundingClientRect();
+    const col = ((event.clientX - box.left) / box.width) * hill.size - 0.5;
+    return placeAt(hill, col, hill.size - 0.5 - ((event.clientY - box.top) / box.height) * hill.size);
+  };
+  const middle = hill.size / 2;
+  const [col, row] = presentIn(hill);
+  const mark = probe.value;
+  const best = summitOf(hill);
+  const reach = (((hill.size - 1) / 2) * hill.cell_m).toFixed(0);
+  return (
+    <figure class="score-hill">
+      <div
+        class="score-hill-picture"
+        role="slider"
+        tabIndex={0}
+        aria-label="Score of the poses around the loop"
+        aria-valuenow={(mark ?? best).score}
+        aria-valuemin={0}
+        aria-valuemax={100}
+        aria-valuetext={sentence(mark ?? best)}
+        onPointerMove={(event) => show(at(event))}
+        onPointerDown={(event) => show(at(event))}
+        onPointerLeave={() => show(null)}
+        onBlur={() => show(null)}
+        onKeyDown={(event) => {
+          const step = KEYS[event.key];
+          if (!step) return;
+          event.preventDefault();
+          const from = probe.peek() ?? placeAt(hill, middle - 0.5, middle - 0.5);
+          show(placeAt(hill, from.col + step[0], from.row + step[1]));
+        }}
+      >
+        <canvas ref={canvas} width={hill.size} height={hill.size} />
+        <svg viewBox={`0 0 ${hill.size} ${hill.size}`} aria-hidden="true">
+          <path class="score-hill-measured" d={`M${middle - 2} ${middle}h4M${middle} ${middle - 2}v4`} />
+          <circle class="score-hill-present" cx={col + 0.5} cy={hill.size - row - 0.5} r={1.4} />
+          {mark && <rect class="score-hill-probe" x={mark.col} y={hill.size - 1 - mark.row} width={1} height={1} />}
+        </svg>
+      </div>
+      <figcaption class="quiet">
+        <span class="score-hill-text">{mark ? sentence(mark) : `Best: ${sentence(best)}`}</span>
+        <span>
+          Score of the later scan within {reach} m of where the loop puts it (+), at the best angle; the ring is its
+          pose. Point at a place to see the scan there on the map.
+        </span>
+        <Turns hill={hill} />
+      </figcaption>
+    </figure>
+  );
+}
+
+/** The greatest score at each angle. */
+function Turns({ hill }: { readonly hill: LoopHill }) {
+  const n = hill.by_turn.length;
+  const path = hill.by_turn.map((score, k) => `${k ? "L" : "M"}${(100 * k) / (n - 1)} ${30 - 0.28 * score}`).join("");
+  const end = ((n - 1) / 2) * hill.turn_deg;
+  return (
+    <span class="score-hill-turns">
+      <svg viewBox="0 0 100 30" preserveAspectRatio="none" role="img" aria-label="Greatest score at each angle">
+        <path d="M50 0V30" />
+        <path class="score-hill-curve" d={path} />
+      </svg>
+      <span>−{end}°</span>
+      <span>angle</span>
+      <span>+{end}°</span>
+    </span>
+  );
+}

@@ -1,0 +1,95 @@
+/** SLAM of the lab's robot while it drives with drifting wheels. */
+
+import { useEffect } from "preact/hooks";
+import type { LayerContent } from "../../render/picture/overlays";
+import type { Store } from "../../store/store";
+import { written } from "../../ui/numbers";
+import { Toggle } from "../../ui/Toggle";
+import { FAULTS } from "../faults/model";
+import { turnFault } from "../faults/turn";
+import "../heal/poseGraph";
+import "./slam.css";
+import "./truePath";
+
+const GRAPH = "slam";
+const PATH = "true_path";
+const DRIFT = FAULTS.find((fault) => fault.name === "drift");
+
+/** The number of loops of a graph: edges of odometry have no value. */
+const loopsOf = (content: LayerContent | null): number =>
+  content?.values?.reduce((sum, value) => sum + (Number.isNaN(value) ? 0 : 1), 0) ?? 0;
+
+export function SlamGroup({ store }: { readonly store: Store }) {
+  const faults = store.faults.value ?? {};
+  const [drifts, heals] = [faults.drift === true, faults.drift === true && faults.slam === true];
+  const isSonar = store.sensor.values.value.kind === "sonar_ring";
+  useEffect(() => {
+    if (!heals) return;
+    const ends = [GRAPH, PATH].map((name) => store.layers.subscribe(name));
+    return () => {
+      for (const end of ends) end();
+    };
+  }, [store, heals]);
+  if (!DRIFT) return null;
+  const turn = (drift: boolean, slam: boolean): void => void turnFault(store, DRIFT, drift, { slam });
+  return (
+    <div class="slam-group">
+      <p class="quiet">
+        Worn wheels report a drifting path. SLAM matches each scan with those before it, and corrects the whole path
+        where the robot comes back to a place.
+      </p>
+      <Toggle
+        label="Drifting wheels"
+        sentence="Make the map with the poses that the wheels report."
+        checked={drifts}
+        onChange={(wanted) => turn(wanted, wanted && heals)}
+      />
+      <Toggle
+        label="SLAM while driving"
+        sentence={
+          isSonar ? "A sonar's readings are too wide to be matched." : "Correct these poses as the robot drives."
+        }
+        checked={heals}
+        disabled={isSonar}
+        onChange={(wanted) => turn(wanted || drifts, wanted)}
+      />
+      {drifts && <Readout store={store} heals={heals} />}
+    </div>
+  );
+}
+
+function Readout({ store, heals }: { readonly store: Store; readonly heals: boolean }) {
+  const frame = store.frame.value;
+  const graph = store.layers.content(GRAPH).value;
+  const believed = frame?.believed_pose;
+  const off = frame && believed ? Math.hypot(frame.pose[0] - believed[0], frame.pose[1] - believed[1]) : 0;
+  return (
+    <>
+      <dl class="slam-facts">
+        <dt>The believed pose is off by</dt>
+        <dd class="slam-off">{off < 1 ? `${written(100 * off, 0)} cm` : `${written(off, 1)} m`}</dd>
+        {heals && graph && (
+          <>
+            <dt>Scans matched</dt>
+            <dd>{graph.columns[0]?.length ?? 0}</dd>
+            <dt>Loops closed</dt>
+            <dd>{loopsOf(graph)}</dd>
+          </>
+        )}
+      </dl>
+      {heals && (
+        <p class="quiet slam-key">
+          <span>
+            <span class="slam-line believed" /> believed path
+          </span>
+          <span>
+            <span class="slam-line loop" /> loops
+          </span>
+          <span>
+            <span class="slam-line true" /> true path
+          </span>
+        </p>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,208 @@
+"""The stage of the lecture in Chromium: what it shows on the way, how a reader leaves the way and comes back."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.browser.looking import centre, still
+
+# What each place of the lecture makes visible to a reader who only scrolls.
+POINTS = {
+    "start": r"passed are free, cells in which they ended are occupied",
+    "landmarks": r"[1-9]\d* of 22 corners were seen, \d+ numbers in all",
+    "grid": r"9,600 cells with a side of 0\.1 m",
+    "cell": r"marked cell has ℓ = \+3\.50, which is p = 0\.97",
+    "log-odds": r"Each scan only adds to ℓ",
+    "model": r"occupied in the window of 0\.20 m",
+    "window": r"The wall is thin and whole: 3\.\d cells of 5 cm",
+    "endpoint": r"counted from the origin, in cells of 0\.50 m",
+    "rays": r"every cell but the last is free",
+    "table": r"163 of 600 lie in the perceptual field .* ℓ 0\.00 becomes −0\.40",
+    "algorithm": r"beam by beam",
+    "pipeline": r"a change of the numbers of a few cells",
+    "characters": r"one character for each cell",
+    "sonar": r"walls become thick and doors narrow",
+    "no-return": r"Max range 3\.0 m\. Ignored",
+    "mount": r"rotated by 8°: [1-9]\d+ occupied cells where no wall is",
+    "forgetting": r"taken away 4 scans ago, and the map still shows it",
+    "counting": r"one scan counts many times",
+    "resolution": r"cells of 10 cm",
+    "polished": r"shows only the part in front of which it has been",
+    "people": r"[1-9]\d* cells of the trail are in the map",
+    "low-table": r"calls its place free, and the robot would drive into it",
+    "odometry": r"drawn again at another place, [1-9]\d+ cells",
+    "probable": r"end points lie beside the walls",
+    "matching": r"end points lie on the walls",
+    "graph": r"each wall is drawn once",
+    "file": r"[1-9]\d* cells occupied, [\d,]+ free, the others unknown",
+    "next": r"the starting point of localization",
+    "log": r"77 scans with 240 readings each",
+}
+
+# Scrolls so that the place of a scene is just above the reading line.
+TO_SCENE = """name => {
+  const place = [...document.querySelectorAll("[data-scene]")].find(one => one.dataset.scene === name);
+  const stage = document.querySelector(".lecture-stage").getBoundingClientRect();
+  const top = stage.width > 0.7 * innerWidth ? stage.bottom : 60;
+  scrollTo({ top: scrollY + place.getBoundingClientRect().top - top - 20, behavior: "instant" });
+}"""
+
+
+def stage_of(page: Page) -> Locator:
+    return page.get_by_role("complementary", name="Stage")
+
+
+def to_scene(page: Page, name: str) -> None:
+    """Scroll to a scene until the stage shows it: figures above may still take their places."""
+    stage = stage_of(page)
+    for _ in range(20):
+        page.evaluate(TO_SCENE, name)
+        try:
+            expect(stage).to_have_attribute("data-shown", name, timeout=1500)
+        except AssertionError:
+            continue
+        return
+    expect(stage).to_have_attribute("data-shown", name)
+
+
+@pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
+def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lecture.html")
+    stage = stage_of(page)
+    caption = stage.locator(".world-stage-caption > p").first
+    expect(caption).to_have_text(re.compile(POINTS["start"]))
+    names = page.locator("[data-scene]").evaluate_all("all => all.map(one => one.dataset.scene)")
+    assert set(names) == POINTS.keys() - {"start"}
+    wide = page.viewport_size is not None and page.viewport_size["width"] > 1200
+    for name in names:
+        to_scene(page, name)
+        expect(caption).to_have_text(re.compile(POINTS[name]))
+        expect(stage.locator("canvas")).to_be_in_viewport(ratio=0.9)
+        heading = page.locator(f"#{name} h2").bounding_box()
+        box = stage.bounding_box()
+        assert heading is not None
+        assert box is not None
+        if wide:  # beside the text
+            assert heading["x"] + heading["width"] <= box["x"] + 1
+        else:  # a strip above it that covers no heading
+            assert box["height"] < 0.45 * page.viewport_size["height"]  # type: ignore[index]
+            assert heading["y"] >= box["y"] + box["height"] - 1
+    assert page.get_by_role("button", name="Back to the lecture’s path").count() == 0
+
+
+def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, server: str) -> None:
+    page.goto(f"{server}/lecture.html")
+    to_scene(page, "grid")
+    still(stage_of(page).get_by_role("slider", name="Robot"))
+    # The side of the selected cell on the screen, at every frame of the way.
+    page.evaluate("""() => {
+      window.sides = [];
+      const look = () => {
+        const side = document.querySelector(".lecture-stage .world-stage-selected")?.getBoundingClientRect().width;
+        if (side) sides.push(side);
+        requestAnimationFrame(look);
+      };
+      look();
+    }""")
+    to_scene(page, "cell")
+    still(stage_of(page).get_by_role("slider", name="Selected cell"))
+    sides = page.evaluate("sides")
+    assert sides[0] < 30
+    assert sides[-1] > 100
+    assert all(later >= earlier - 1 for earlier, later in pairwise(sides))
+    assert len({round(side) for side in sides}) > 4
+
+
+def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lecture.html")
+    stage = stage_of(page)
+    robot = stage.get_by_role("slider", name="Robot")
+    back = stage.get_by_role("button", name="Back to the lecture’s path")
+    first = robot.get_attribute("aria-valuetext")
+    robot.focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowDown")
+    moved = robot.get_attribute("aria-valuetext")
+    assert moved != first
+    expect(stage.locator(".world-stage-ladder-name")).to_contain_text("after 15 scans")
+    expect(back).to_be_visible()
+    # The mouse moves it too, and what was done stays from section to section.
+    x, y = centre(robot)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y, steps=4)
+    page.mouse.up()
+    assert robot.get_attribute("aria-valuetext") != moved
+    moved = robot.get_attribute("aria-valuetext")
+    hit = page.get_by_role("slider", name="evidence of a hit")
+    hit.focus()
+    page.keyboard.press("End")
+    to_scene(page, "mount")
+    assert robot.get_attribute("aria-valuetext") == moved
+    back.click()
+    expect(back).to_have_count(0)
+    expect(hit).to_have_attribute("aria-valuenow", "0.85")
+    assert robot.get_attribute("aria-valuetext") != moved
+    expect(stage.locator(".world-stage-ladder-name")).to_contain_text("after 56 scans")
+
+
+def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/lecture.html")
+    caption = stage_of(page).locator(".world-stage-caption > p").first
+    to_scene(page, "window")
+    for look in ("torn", "fat", "thin"):
+        page.locator("#window").get_by_role("button", name=look).click()
+        expect(caption).to_contain_text(f"The wall is {look}")
+    to_scene(page, "polished")
+    page.get_by_role("switch", name="polished wall").press("Space")
+    expect(caption).to_contain_text("all of it is mapped")
+    to_scene(page, "people")
+    page.get_by_role("switch", name="someone walks").press("Space")
+    expect(caption).to_contain_text("Nobody walks")
+    to_scene(page, "low-table")
+    laser = page.get_by_role("slider", name="Height of the laser")
+    laser.focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    expect(laser).to_have_attribute("aria-valuetext", "0.35 m")
+    expect(caption).to_contain_text("cuts the low table")
+    to_scene(page, "table")
+    page.get_by_role("button", name="Next row").click()
+    expect(page.locator("#table .lit")).to_have_count(3)  # a cell at the left border: outside the field
+    to_scene(page, "endpoint")
+    steps = page.locator(".endpoint-steps dd")
+    expect(steps.nth(2)).to_contain_text("= 12")
+    origin = stage_of(page).get_by_role("slider", name="Origin of the grid")
+    origin.focus()
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    expect(origin).to_have_attribute("aria-valuetext", "0.70 m, 0.20 m")
+    expect(steps.nth(2)).to_contain_text("(6.56 − 0.70) / 0.5) = floor(11.71) = 11")
+
+
+def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: str) -> None:
+    page.goto(f"{server}/lecture.html?present#window")
+    expect(page.locator(".on-slide .world-stage canvas")).to_be_in_viewport()
+    page.locator(".on-slide").get_by_role("button", name="torn").click()
+    expect(page.locator(".on-slide .world-stage-caption")).to_contain_text("The wall is torn")
+    page.add_init_script("""addEventListener("afterprint", () => {
+      const painted = canvas => canvas.getContext("2d")
+        .getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data[3] === 255;
+      window.printed = [...document.querySelectorAll(".on-stage")].map(figure =>
+        [...figure.querySelectorAll(".world-stage.still canvas")].filter(painted).length);
+    })""")
+    page.goto(f"{server}/lecture.html")
+    expect(stage_of(page).locator("canvas")).to_be_visible()
+    page.pdf()
+    printed = page.evaluate("printed")
+    assert len(printed) >= 10
+    assert set(printed) == {1}
+    page.emulate_media(media="print")
+    expect(stage_of(page)).to_be_hidden()

@@ -1,0 +1,263 @@
+"""The lecture as slides: keys, steps, deep links, the speaker's window, decks, and the size of what is on them."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.slides import cut_off, settle, slide_ids, small_texts
+from tests.browser.test_axe import nothing_serious, violations
+
+LABEL_PX = 22  #: least size of text on a screen of 1920 x 1080
+
+
+def number(page: Page) -> int:
+    """Return the number of the slide."""
+    return int(page.locator(".presenter-number").inner_text().split("/")[0])
+
+
+def present(page: Page, server: str, fragment: str = "") -> None:
+    """Open the presentation anew."""
+    page.goto("about:blank")
+    page.goto(f"{server}/lecture.html?present{fragment}")
+    expect(page.locator(".presenter-number")).to_be_visible()
+
+
+# --- keys and steps --------------------------------------------------------------------------------------------------
+
+
+def test_a_slide_asks_then_lets_predict_then_shows_then_answers(page: Page, server: str) -> None:
+    present(page, server, "#sonar")
+    question = page.locator(".slide-question-text")
+    expect(question).to_contain_text("open door")
+    expect(page.locator("#sonar figure")).to_be_hidden()
+    page.keyboard.press("PageDown")
+    page.get_by_role("button", name="A wall").click()
+    expect(page.get_by_role("button", name="A wall")).to_have_attribute("aria-pressed", "true")
+    page.keyboard.press("Space")  # the option was clicked, and does not keep the key
+    expect(page.locator("#sonar figure")).to_be_visible()
+    expect(page.get_by_role("heading", name="open door")).to_be_visible()
+    expect(page.locator(".presenter-answer")).to_have_text("")
+    page.keyboard.press("ArrowRight")
+    expect(page.locator(".presenter-answer")).to_contain_text("× B was not right. Bayes")
+    assert page.url.endswith("?present#sonar/4")
+    before = number(page)
+    page.keyboard.press("ArrowRight")
+    assert page.url.endswith("?present#mount")
+    assert number(page) == before + 1
+    page.keyboard.press("PageUp")
+    expect(page.locator(".presenter-answer")).to_contain_text("was not right")
+
+
+def test_pages_turn_whatever_has_the_focus(page: Page, server: str) -> None:
+    present(page, server, "#log-odds/3")
+    slider = page.get_by_role("slider", name="Show the belief after reading")
+    box = slider.bounding_box()
+    assert box
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    expect(slider).to_be_focused()
+    chosen = slider.get_attribute("aria-valuetext")
+    page.keyboard.press("PageDown")
+    assert page.url.endswith("#log-odds/4")
+    page.keyboard.press("ArrowLeft")
+    assert page.url.endswith("#log-odds/3")
+    assert slider.get_attribute("aria-valuetext") == chosen
+    # With Tab the slider takes the arrows, and the slide says so; the clicker's keys still turn the page.
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    expect(slider).to_be_focused()
+    expect(page.locator(".presenter-arrows")).to_contain_text("Show the belief after reading")
+    page.keyboard.press("ArrowLeft")
+    assert slider.get_attribute("aria-valuetext") != chosen
+    assert page.url.endswith("#log-odds/3")
+    page.keyboard.press("PageDown")
+    assert page.url.endswith("#log-odds/4")
+    page.keyboard.press("Escape")  # gives the arrows back, and does not end the presentation
+    expect(page.locator(".presenter-arrows")).to_have_count(0)
+    page.keyboard.press("ArrowLeft")
+    assert page.url.endswith("#log-odds/3")
+    page.keyboard.press("b")
+    expect(page.locator(".blank-screen")).to_be_visible()
+    page.keyboard.press("b")
+    expect(page.locator(".blank-screen")).to_have_count(0)
+    page.keyboard.press("Escape")
+    expect(page.locator(".presenter")).to_have_count(0)
+    assert page.url.endswith("/lecture.html#log-odds")
+    expect(page.locator("#log-odds h2")).to_be_in_viewport()
+
+
+def test_a_dragged_handle_follows_the_pointer_on_an_enlarged_slide(page: Page, server: str) -> None:
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    present(page, server, "#rays/4")
+    settle(page)
+    handle = page.get_by_role("slider", name="Last cell of the line")
+    dot = handle.locator("circle").last
+    box = dot.bounding_box()
+    assert box
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 200, y + 120, steps=4)
+    page.mouse.up()
+    after = dot.bounding_box()
+    assert after
+    cell = page.locator("#rays .stage").evaluate("e => e.getBoundingClientRect().width") / 26
+    assert after["x"] - box["x"] == pytest.approx(-200, abs=cell)
+    assert after["y"] - box["y"] == pytest.approx(120, abs=cell)
+
+
+def test_the_derivation_comes_line_by_line(page: Page, server: str) -> None:
+    present(page, server, "#cell-derivation/2")
+    lines = page.locator("#cell .derivation-line")
+    assert [line.is_visible() for line in lines.all()] == [True, True, False, False, False]
+    page.keyboard.press("Space")
+    expect(lines.nth(2)).to_be_visible()
+    expect(page.locator("#cell figure")).to_be_hidden()
+
+
+# --- the speaker's window --------------------------------------------------------------------------------------------
+
+
+def test_the_speakers_window_shows_notes_and_the_next_slide(page: Page, server: str) -> None:
+    present(page, server, "#cell")
+    with page.expect_popup() as opened:
+        page.get_by_role("button", name="Speaker’s window").click()
+    speaker = opened.value
+    expect(speaker.get_by_role("heading", name="One cell")).to_be_visible()
+    expect(speaker.locator(".speaker-text")).to_contain_text("Let the audience count")
+    now, later = (
+        speaker.frame_locator(f"iframe[title='{title}']") for title in ("The present slide", "What comes next")
+    )
+    expect(now.locator(".slide-question-text")).to_be_visible()
+    expect(later.locator(".slide-option").first).to_be_visible()
+    # Both windows turn the pages, and the server is not asked.
+    page.context.set_offline(True)
+    speaker.keyboard.press("PageDown")
+    expect(page.locator(".slide-option").first).to_be_visible()
+    speaker.get_by_role("button", name="Blank").click()
+    expect(page.locator(".blank-screen")).to_be_visible()
+    page.keyboard.press("PageDown")
+    expect(now.locator("#cell figure")).to_be_visible()
+    expect(speaker.get_by_role("button", name="Blank")).to_have_attribute("aria-pressed", "false")
+    page.context.set_offline(False)
+    assert violations(speaker) == []
+
+
+# --- decks -----------------------------------------------------------------------------------------------------------
+
+
+def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_path: Path) -> None:
+    present(page, server)
+    total = int(page.locator(".presenter-number").inner_text().split("/")[1])
+    page.get_by_role("button", name="Arrange the slides").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Move “One cell” up").click()
+    dialog.get_by_role("button", name="Hide “Sonar cones”").click()
+    dialog.get_by_text("Add a slide").click()
+    dialog.get_by_label("Title").fill("Exercises")
+    dialog.get_by_label("Text:").fill("- One\n- Two\n\nUntil Friday.")
+    dialog.get_by_label("Notes").fill("Hand out the sheet.")
+    dialog.get_by_role("button", name="Add at the end").click()
+    expect(dialog.locator(".deck-row")).to_have_count(total + 1)
+    # a link of the lab, and one that is none
+    dialog.get_by_text("the lab", exact=True).click()
+    dialog.get_by_label("Title").fill("A room")
+    dialog.get_by_label("Link of the lab").fill("https://example.org/lab.html")
+    dialog.get_by_role("button", name="Add at the end").click()
+    expect(dialog.get_by_role("alert").first).to_contain_text("of example.org")
+    dialog.get_by_label("Link of the lab").fill(f"{server}/lab.html#s=abc")
+    dialog.get_by_role("button", name="Add at the end").click()
+    expect(dialog.locator(".deck-row")).to_have_count(total + 2)
+    nothing_serious(page)
+    page.emulate_media(color_scheme="light")
+    with page.expect_download() as saved:
+        dialog.get_by_role("button", name="Save as file").click()
+    file = tmp_path / "deck.json"
+    saved.value.save_as(file)
+    kept = json.loads(file.read_text())
+    sections = [slide.get("section") for slide in kept["slides"]]
+    assert sections.index("cell") == sections.index("grid") - 1
+    assert kept["slides"][-2:] == [
+        {"kind": "text", "title": "Exercises", "text": "- One\n- Two\n\nUntil Friday.", "notes": "Hand out the sheet."},
+        {"kind": "lab", "title": "A room", "address": "/lab.html#s=abc"},
+    ]
+    dialog.get_by_role("button", name="Close").click()
+    # The address holds the deck; so it opens elsewhere, and at its slide.
+    page.keyboard.press("End")
+    page.keyboard.press("Shift+ArrowLeft")
+    link = page.url
+    assert re.search(r"#own-text&deck=[\w-]+$", link)
+    page.goto("about:blank")
+    page.goto(link)
+    expect(page.locator(".own-text h2")).to_have_text("Exercises")
+    expect(page.locator(".own-text li")).to_have_count(2)
+    expect(page.get_by_text("Until Friday.")).to_be_hidden()
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_text("Until Friday.")).to_be_visible()
+    # the hidden slide is left out
+    assert f"/ {total + 1}" in page.locator(".presenter-number").inner_text()
+    # a bad file is refused with its reason, a good one is taken
+    page.get_by_role("button", name="Arrange the slides").click()
+    bad = tmp_path / "bad.json"
+    bad.write_text(json.dumps(kept | {"slides": [{"kind": "section", "section": "gird"}]}))
+    dialog.get_by_label("File of a deck").set_input_files(bad)
+    expect(dialog.get_by_text("was not loaded")).to_have_text(
+        "“bad.json” was not loaded. Slide 1: the lecture has no section “gird”."
+    )
+    expect(dialog.locator(".deck-row")).to_have_count(total + 2)
+    dialog.get_by_role("button", name="Whole lecture").click()
+    expect(dialog.locator(".deck-row")).to_have_count(total)
+    dialog.get_by_label("File of a deck").set_input_files(file)
+    expect(dialog.locator(".deck-row")).to_have_count(total + 2)
+
+
+def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
+    present(page, server, "#&deck=abc")
+    expect(page.locator(".toast")).to_contain_text("incomplete or damaged")
+    expect(page.locator(".slide-question-text")).to_be_visible()
+
+
+# --- what is on them -------------------------------------------------------------------------------------------------
+
+
+def test_every_slide_is_large_enough_complete_and_accessible(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    problems = {}
+    for i, name in enumerate(slide_ids(page, server)):
+        page.set_viewport_size({"width": 1920, "height": 1080})
+        present(page, server, f"#{name}/99")
+        settle(page)
+        small = small_texts(page, LABEL_PX)
+        page.set_viewport_size({"width": 1280, "height": 720})
+        settle(page)
+        cut = cut_off(page)
+        # Each slide in one of the themes: what they share is looked at in both.
+        page.emulate_media(color_scheme="light" if i % 2 else "dark")
+        serious = violations(page)
+        if small or cut or serious:
+            problems[name] = (small, cut, serious)
+    assert problems == {}
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_slides_on_a_phone_scroll_and_are_not_wider(page: Page, server: str) -> None:
+    for name in ("grid/2", "model/4", "cell-derivation/5", "file/4"):
+        present(page, server, f"#{name}")
+        settle(page)
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth + 1"), name
+        expect(page.locator(".presenter")).to_be_in_viewport(ratio=1)
+
+
+def test_the_page_leads_into_the_presentation_and_the_front_page_here(page: Page, server: str) -> None:
+    page.goto(server)
+    page.get_by_role("link", name="Open the lecture").click()
+    expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_visible()
+    page.get_by_role("button", name="Presentation mode").click()
+    expect(page.locator(".presenter")).to_be_visible()
+    page.get_by_role("button", name="Exit").click()
+    expect(page.get_by_role("heading", name="Occupancy grid mapping")).to_be_attached()
