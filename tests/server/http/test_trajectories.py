@@ -107,8 +107,8 @@ def test_the_robot_of_an_exported_recording_drives_along_an_added_trajectory(ser
     moved: dict[float, tuple[float, float]] = {}
     for schema, _, message in make_reader(BytesIO(exported.content)).iter_messages(topics=["/tf"]):
         assert schema is not None
-        decoded: Any = store.deserialize_cdr(message.data, "tf2_msgs/msg/TFMessage")
-        for one in decoded.transforms:
+        found: Any = store.deserialize_cdr(message.data, "tf2_msgs/msg/TFMessage")
+        for one in found.transforms:
             at = one.header.stamp.sec + 1e-9 * one.header.stamp.nanosec
             moved[at] = one.transform.translation.x, one.transform.translation.y
     assert moved == {float(k): (float(k), 2.5) for k in range(5)}
