@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterator
 from io import BytesIO
+from typing import Any
 
 import httpx
 import pytest
@@ -106,7 +107,8 @@ def test_the_robot_of_an_exported_recording_drives_along_an_added_trajectory(ser
     moved: dict[float, tuple[float, float]] = {}
     for schema, _, message in make_reader(BytesIO(exported.content)).iter_messages(topics=["/tf"]):
         assert schema is not None
-        for one in store.deserialize_cdr(message.data, "tf2_msgs/msg/TFMessage").transforms:
+        found: Any = store.deserialize_cdr(message.data, "tf2_msgs/msg/TFMessage")
+        for one in found.transforms:
             at = one.header.stamp.sec + 1e-9 * one.header.stamp.nanosec
             moved[at] = one.transform.translation.x, one.transform.translation.y
     assert moved == {float(k): (float(k), 2.5) for k in range(5)}
