@@ -10,15 +10,10 @@ import { CORNERS, sightings } from "./corners";
 import { Frame } from "./Frame";
 import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
 import { LoopMarks } from "./LoopMarks";
+import type { MarkProps } from "./markProps";
 import type { Mark, Scene, Shown } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
-
-export interface MarkProps {
-  readonly transform: StageTransform;
-  readonly scene: Scene;
-  readonly shown: Shown;
-}
 
 /** The true walls, and who walks between them. */
 export function World({ transform, scene, shown }: MarkProps) {
