@@ -90,7 +90,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Rotate the coloured fan, then shift it, then turn it upside down. Which of the three is hardest to notice?",
   },
   forgetting: {
-    question: "A table stood there for an hour and is taken away. When does the map forget it?",
+    question: "A table stood there for an hour and is removed. When does the map forget it?",
     options: ["About as long again", "About twice as long", "After the same few scans, however long it stood"],
     right: 2,
     answer: "That is what the clamp is for: it bounds the certainty. Without it, all hits have to be outweighed.",
