@@ -153,10 +153,23 @@ class Client:
     # -- sessions --------------------------------------------------------------------------------------------------
 
     def open(
-        self, log: Log, *, topic: str | None = None, trajectory: str | None = None, playing: bool = False
+        self,
+        log: Log,
+        *,
+        topic: str | None = None,
+        trajectory: str | None = None,
+        cut: Mapping[str, float] | None = None,
+        playing: bool = False,
     ) -> Session:
-        """Begin a session on a log, its map being empty; with ``playing`` the scans come in from the start."""
-        wanted = {"kind": "log", "log": log.id, "topic": topic, "trajectory": trajectory, "playing": playing}
+        """Begin a session on a log, its map being empty; with ``playing`` the scans come in from the start.
+
+        ``topic`` names its sensor, or several with " + " between them; ``cut`` says how scans are cut out of clouds and
+        depth images, values of :data:`mapper.sensors.planar.options.PARAMETERS`.
+        """
+        wanted: dict[str, Any] = {"kind": "log", "log": log.id, "topic": topic, "trajectory": trajectory}
+        wanted["playing"] = playing
+        if cut is not None:
+            wanted["cut"] = dict(cut)
         return _session(self._asked("POST", "/api/sessions", json=wanted))
 
     def sessions(self) -> list[Session]:

@@ -175,8 +175,7 @@ class Topic:
 
     ``frame`` to ``mount`` are those of a range sensor, None of anything else: ``frame`` is the one that its scans are
     stated in, ``mount`` ``T_base_frame`` (m, m, rad) where the file says it; ``chosen`` marks the sensor whose scans
-    the log holds. ``first_stamp_ns`` and ``last_stamp_ns`` are when its first and its last message were recorded, and
-    ``bytes`` is the size of all its messages; None for formats that do not say it.
+    the log holds. When its messages were recorded and how large they are, :mod:`mapper.io.contents` finds out.
     """
 
     name: str
@@ -188,9 +187,6 @@ class Topic:
     rate_hz: float | None = None
     mount: tuple[float, float, float] | None = None
     chosen: bool = False
-    first_stamp_ns: int | None = None
-    last_stamp_ns: int | None = None
-    bytes: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,7 +271,10 @@ class ScanLog:
             raise ConfigError("log.mount", f"The sensor mount must be three finite numbers, not {self.mount!r}.")
         if self.mounts is not None:
             object.__setattr__(self, "mounts", np.ascontiguousarray(self.mounts, dtype=np.float64))
-            check_poses(self.mounts, (len(self.ranges), 3), self.limits)
+            if self.mounts.shape != (len(self.ranges), 3) or not np.isfinite(self.mounts).all():
+                raise ConfigError(
+                    "log.mount", f"The mounts of {len(self.ranges)} scans must be as many rows of three finite numbers."
+                )
 
     @property
     def n_scans(self) -> int:

@@ -119,7 +119,14 @@ def merge_logs(
         found.append(known or slam_log(log, config, trajectory=trajectories[number], progress=of_one))
     report(2, 0.0)
     grids = [map_along([(log, one.poses)]) for log, one in zip(logs, found, strict=True)]
-    matches = place_map(grids[0], grids[1], guess)
+    try:
+        matches = place_map(grids[0], grids[1], guess)
+    except ConfigError as error:
+        if error.code != "matching.apart":
+            raise
+        raise ConfigError(
+            "merge.apart", "The two logs do not show the same place: their maps have no walls in common near the guess."
+        ) from None
     report(3, 0.0)
     joint = _Joint(logs, (found[0], found[1]), config)
     best: list[Loop] = []

@@ -39,6 +39,8 @@ Float64Array = NDArray[np.float64]
 MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
 SETTLING = 6  #: iterations after a loop
+UNSEEN = 0.03  #: of the information of a step's position
+LEAST_UNSEEN = 5.0  #: metres of the way, that are told
 EVERY = 25  #: scans between two reports
 
 
@@ -158,6 +160,19 @@ class Slam:
         )
 
 
+def _unseen_way(graph: PoseGraph) -> float:
+    """Return the length, metres, of the steps along which the scans say least: all but nothing, beside across."""
+    steps = graph.kind == ODOMETRY
+    if not steps.any():
+        return 0.0
+    motion, information = graph.relative[steps], graph.information[steps]
+    length = np.hypot(motion[:, 0], motion[:, 1])
+    ahead = motion[:, :2] / np.maximum(length, 1e-9)[:, np.newaxis]
+    along = np.einsum("ka,kab,kb->k", ahead, information[:, :2, :2], ahead)
+    unseen = along < UNSEEN * np.trace(information[:, :2, :2], axis1=1, axis2=2)
+    return float(length[unseen].sum()) if length[unseen].sum() > LEAST_UNSEEN else 0.0
+
+
 def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_sensor: int = 0) -> None:
     """Append the matched scans of a log to a store, deskewed along the result's poses.
 
@@ -246,6 +261,11 @@ def slam_log(
     notes = []
     if len(wanted) < log.n_scans and odometry is None:
         notes.append(f"Of {log.n_scans} scans {len(nodes)} were matched; the poses of the others lie between.")
+    if blind := _unseen_way(graph):
+        notes.append(
+            f"Along {blind:.0f} m of the way the scans show nothing that tells how far the robot came, as in a "
+            f"corridor: there {'the motion before' if name is None else 'the odometry'} counts."
+        )
     unaligned = slam.n_unaligned
     if unaligned:
         scans = "1 scan fits" if unaligned == 1 else f"{unaligned} scans fit"

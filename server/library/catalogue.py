@@ -29,7 +29,7 @@ INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading w
 
 
 class Catalogue:
-    """The records of one library, kept in ``store``; ``root`` is the folder of its packs.
+    """The records of one library, kept in ``store``; ``root`` is the folder of its packs and pictures.
 
     ``forgotten`` is called with the id of each log whose record was removed.
     """
@@ -48,6 +48,7 @@ class Catalogue:
         self._forgotten = forgotten
         self._root = root
         self._packs = root / "packs"
+        self._pictures = root / "pictures"
         self._records: dict[str, Record] = {}  #: uploads, and logs of the folder that were read or are to be
         self._blob_lock = asyncio.Lock()  #: held while a blob is added or deleted
         self.folder_logs: dict[str, FolderLog] = {}
@@ -91,7 +92,7 @@ class Catalogue:
 
     def _remove_unreferenced_packs(self) -> None:
         """Remove half packs and pictures, and those that belong to no record."""
-        for path in self._packs.iterdir():
+        for path in (*self._packs.iterdir(), *self._pictures.iterdir()):
             log_id = path.name.partition(".")[0]
             if path.suffix not in (".npz", ".png") or not (log_id in self._records or log_id in self.folder_logs):
                 path.unlink(missing_ok=True)
@@ -134,7 +135,7 @@ class Catalogue:
 
     def picture(self, log_id: str) -> Path:
         """Return where the picture of a log's map is, or will be."""
-        return self._packs / f"{log_id}.map.png"
+        return self._pictures / f"{log_id}.png"
 
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""

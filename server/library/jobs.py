@@ -111,9 +111,9 @@ class Jobs:
             _log.exception("log reader failed", log=record.id)
         finally:
             self._jobs.pop(record.id, None)
-            picture = self._catalogue.picture(record.id)
-            for half in picture.parent.glob(f"{record.id}.*.new"):
-                half.unlink(missing_ok=True)
+            for path in (self._catalogue.pack(record.id), self._catalogue.picture(record.id)):
+                for half in path.parent.glob(f"{path.name}.*.new"):
+                    half.unlink(missing_ok=True)
         if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
             self._catalogue.save(replace(done, attempts=0))
 

@@ -25,8 +25,10 @@ from server.library.limits import LibraryLimits
 from server.library.loading import Loading
 from server.library.log_picture import read_picture
 from server.library.log_reader import Reader
+from server.library.merge_jobs import MergeJobs
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.records import Failure, Record
+from server.library.relation_scores import RelationScores
 from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
@@ -91,7 +93,7 @@ class Library:
         self._cache = LogCache(self._limits.cache_bytes)
         root = settings.data_dir / "library"
         scratch = root / "incoming"
-        for folder in (root, root / "packs", scratch):
+        for folder in (root, root / "packs", root / "pictures", scratch):
             private_folder(folder)
         memory = self._limits.read_memory_bytes
         self._reader = reader or Reader(
@@ -114,9 +116,17 @@ class Library:
         places = Places(self._limits, max_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
         self.slam = SlamJobs(self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam")
+        self.merges = MergeJobs(self, lambda: worker_at(settings.executor, memory, scratch), scratch)
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,
+            timeout_s=self._limits.read_timeout_s,
+            cpu_s=self._limits.read_cpu_s,
+            memory_bytes=memory,
+        )
+        self.scores = RelationScores(
+            self._catalogue,
+            scratch,
             timeout_s=self._limits.read_timeout_s,
             cpu_s=self._limits.read_cpu_s,
             memory_bytes=memory,
@@ -149,10 +159,12 @@ class Library:
         """End the jobs and the reading process, and close the stores."""
         await self._folder.close()
         await self.slam.close()
+        await self.merges.close()
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
         await self._inspections.close()
+        await self.scores.close()
         await self._pictures.close()
         if self._own_reader:
             await self._reader.close()

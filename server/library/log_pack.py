@@ -180,9 +180,13 @@ def _timed_of(about: dict[str, Any], load: Load) -> TimedPoses:
 
 
 def topic_from_json(values: dict[str, Any]) -> Topic:
-    """Return the topic that ``asdict`` made ``values`` of. Raises ``TypeError`` for anything else."""
+    """Return the topic that ``asdict`` made ``values`` of, also that of an older version, which said more.
+
+    Raises ``TypeError`` for anything else.
+    """
     mount = values.get("mount")
-    return Topic(**(values | {"mount": None if mount is None else tuple(mount)}))
+    known = {field.name: values[field.name] for field in fields(Topic) if field.name in values}
+    return Topic(**(known | {"mount": None if mount is None else tuple(mount)}))
 
 
 def nbytes(log: ScanLog) -> int:

@@ -15,7 +15,8 @@ from server.library.records import Record
 from server.library.workers import PoolWorker
 from server.work.fair_lock import FairLock
 
-TIMEOUT_S = 60.0  #: of one picture, and of processor time: a recording without an index is read up to the moment
+TIMEOUT_S = 60.0  #: of one picture, and of processor time
+BYTES_PER_S = 20e6  #: and a second more for so many bytes: a recording without an index is read up to the moment
 MEMORY_BYTES = 3 << 30  #: address space of the process
 
 
@@ -35,11 +36,12 @@ class PictureJob:
     source: str
     topic: str
     at_ns: int
+    timeout_s: float
 
 
 def picture_job(job: PictureJob) -> MomentPicture:
     """Do the job. Raises :class:`ReadError` or :class:`LimitError`, which cross to the server with their codes."""
-    return jobs.bounded(TIMEOUT_S, TIMEOUT_S, lambda: _picture(job))
+    return jobs.bounded(job.timeout_s, job.timeout_s, lambda: _picture(job))
 
 
 def _picture(job: PictureJob) -> MomentPicture:
@@ -65,9 +67,10 @@ class MomentPictures:
         Its process is ended when this is cancelled. Raises what it raised.
         """
         async with self._turns.of(visitor), self._catalogue.source(record) as source:
-            job = PictureJob(str(source), topic, at_ns)
+            timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
+            job = PictureJob(str(source), topic, at_ns, timeout_s)
             try:
-                return await outcome_of(self._worker, self._worker.run(picture_job, job), TIMEOUT_S)
+                return await outcome_of(self._worker, self._worker.run(picture_job, job), timeout_s)
             except MapperError as error:
                 raise without_paths(error, source, record.name) from None
 

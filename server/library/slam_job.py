@@ -87,7 +87,7 @@ class PartialPoses:
 
 def do_slam_job(job: SlamJob) -> SlamOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log that SLAM cannot use, and limits."""
-    _lower_priority()
+    lower_priority()
     return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _slam(job), DOING, "slam")
 
 
@@ -146,7 +146,7 @@ def read_progress(out: Path) -> PartialPoses | None:
         return None
 
 
-def _lower_priority() -> None:
+def lower_priority() -> None:
     """Let the sessions be computed first; a process of a pool does it once."""
     if sys.platform == "linux":
         wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS

@@ -265,7 +265,7 @@ class SlamJobs:
         await asyncio.to_thread(private_folder, folder)
         try:
             pack, out = folder / "log.npz", folder / "slam"
-            await asyncio.to_thread(_packed, log, pack)
+            await asyncio.to_thread(packed, log, pack)
             limits = self._limits
             job = SlamJob(
                 str(pack), str(out), record.trajectory, record.parameters, limits.timeout_s, limits.cpu_s,
@@ -352,7 +352,8 @@ def _emptied(folder: Path) -> None:
     private_folder(folder)
 
 
-def _packed(log: ScanLog, path: Path) -> None:
+def packed(log: ScanLog, path: Path) -> None:
+    """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
         write_pack(RobotLog.of_one(log), path)
     except OSError:

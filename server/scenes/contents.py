@@ -40,10 +40,18 @@ class SceneContents:
         self._drawers: dict[str, Drawer[Any, Any]] = {}
         self._due: dict[str, float] = {}  #: when each drawing may be drawn again
         self._refused: set[str] = set()
+        self.height = 1.0  #: of the map's columns, as a multiple of what it is by default
 
     def due(self, drawing: Drawing) -> bool:
         """Return whether a drawing may be drawn now."""
         return self._due.get(drawing.name, 0.0) <= time.monotonic()
+
+    def set_height(self, height: float) -> None:
+        """Draw the map's columns ``height`` times as high as by default (a thread)."""
+        self.height = height
+        with self._server.atomic():
+            for drawer in list(self._drawers.values()):
+                drawer.set_height(height)
 
     def draw_all_now(self) -> None:
         """Make every drawing due."""
@@ -76,7 +84,9 @@ class SceneContents:
         with self._server.atomic():
             drawer = self._drawers.get(drawing.name)
             if drawer is None:
-                drawer = self._drawers[drawing.name] = self._types[type(drawing)](self._context, drawing)
+                drawer = self._types[type(drawing)](self._context, drawing)
+                drawer.set_height(self.height)
+                self._drawers[drawing.name] = drawer
             drawer.show(reading.content)
         took = reading.seconds + time.monotonic() - started
         if took < QUICK_S:

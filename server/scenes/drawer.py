@@ -62,6 +62,9 @@ class Drawer(ABC, Generic[DrawingT, ContentT]):
         """Whether a change by a user in the scene still waits for the model's confirmation."""
         return False
 
+    def set_height(self, height: float) -> None:
+        """Draw what stands on the floor ``height`` times as high as by default."""
+
     def remove(self) -> None:
         """Remove everything from the scene."""
         self.frame.remove()

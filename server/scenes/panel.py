@@ -211,14 +211,29 @@ class VisibilitySwitches:
             for node in members:
                 node.visible = self._switches[label].value
 
+    @property
+    def visible(self) -> dict[str, bool]:
+        """Whether the nodes of each label are shown."""
+        return {label: bool(switch.value) for label, switch in list(self._switches.items())}
+
+    def switch(self, label: str, *, visible: bool) -> None:
+        """Show or hide the nodes of a label; an unknown one is no error."""
+        switch = self._switches.get(label)
+        if switch is not None and switch.value != visible:
+            switch.value = visible
+            self._apply(label)
+
+    def _apply(self, label: str) -> None:
+        for node in self._nodes.get(label, ()):
+            with contextlib.suppress(RuntimeError):  # the node was removed meanwhile
+                node.visible = self._switches[label].value
+
     def _add(self, label: str) -> viser.GuiInputHandle[bool]:
         with self._folder:
             switch = self._gui.add_checkbox(label, True)
 
         async def switched(_: viser.GuiEvent[Any]) -> None:
-            for node in self._nodes.get(label, ()):
-                with contextlib.suppress(RuntimeError):  # the node was removed meanwhile
-                    node.visible = switch.value
+            self._apply(label)
 
         switch.on_update(switched)
         return switch

@@ -23,6 +23,7 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.scenes.browser_messages import passes
+from server.scenes.visitors import VISITOR_HEADER
 from server.sessions.drawings import MAX_DRAWING_BYTES
 
 SUBPROTOCOL = f"viser-v{metadata.version('viser')}"  #: from the metadata, since importing viser is slow
@@ -47,12 +48,24 @@ class Page:
     etag: str
 
 
-@lru_cache(maxsize=1)
-def client_page() -> Page:
-    """Return the client page of the installed viser, with Gridbloom's title."""
+#: Of a view whose controls are the page's own: the canvas alone, on the ground of the page.
+_PLAIN_STYLE = b"""<style>
+body *:not(canvas):not(:has(canvas)) { visibility: hidden !important; pointer-events: none !important; }
+[data-dock-root] *:has(canvas) { inset: 0 !important; width: 100% !important; }
+:root, body, body *:has(canvas) { background: #faf8f2 !important; }
+:root[data-mantine-color-scheme="dark"], [data-mantine-color-scheme="dark"] body,
+[data-mantine-color-scheme="dark"] body *:has(canvas) { background: #11151d !important; }
+</style></head>"""
+
+
+@lru_cache(maxsize=2)
+def client_page(*, plain_view: bool = False) -> Page:
+    """Return the client page of the installed viser, with Gridbloom's title; for a plain view without its panel."""
     spec = find_spec("viser")  # does not import it
     assert spec is not None and spec.origin is not None  # noqa: S101, PT018 - a dependency
     plain = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes().replace(*_TITLE, 1)
+    if plain_view:
+        plain = plain.replace(b"</head>", _PLAIN_STYLE, 1)
     return Page(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:32]}"')
 
 
@@ -84,8 +97,10 @@ def page_headers(host: str) -> dict[str, str]:
     }
 
 
-async def pass_on(browser: WebSocket, path: Path) -> None:
+async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
     """Connect the browser's WebSocket to viser's Unix socket at ``path`` until one of them closes; close the other.
+
+    The scene knows the connection as ``visitor``'s.
 
     The caller has not accepted the socket yet. A socket without viser's subprotocol is refused, as viser itself
     refuses clients of another version.
@@ -98,6 +113,7 @@ async def pass_on(browser: WebSocket, path: Path) -> None:
             scene = await unix_connect(
                 str(path),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
+                additional_headers={VISITOR_HEADER: visitor},
                 max_size=MAX_FROM_SCENE,
                 max_queue=1,  # further messages, each of which may be as large, wait in viser
                 compression=None,

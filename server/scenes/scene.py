@@ -18,18 +18,19 @@ import structlog
 import viser
 
 from server.logging import short_hash
+from server.scenes.cameras import ASPECT, CameraName, camera_at
 from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
 from server.scenes.panel import Panel
 from server.scenes.reading import SceneState, read_state
 from server.scenes.viser_server import ViserServer
+from server.scenes.visitors import visitor_of_connection
 from server.sessions import SessionHost
 from server.sessions.drawings import Point, Quaternion
 from server.sessions.scene_controls import Bounds
 
 MAX_HZ = 15.0
-ASPECT = 1.3  #: aspect ratio from which the initial camera has all of its bounds in view
 DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
@@ -49,6 +50,7 @@ class Scene:
         self._watching = 0
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
+        self._visitors: dict[int, str] = {}  #: of each of viser's clients
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
         self._posts_moves = False
 
@@ -119,28 +121,58 @@ class Scene:
         self._aim(state.controls.bounds or DEFAULT_BOUNDS)
         scene.on_click()(self._clicked)
         self._server.on_client_connect(self._welcome)
+        self._server.on_client_disconnect(self._dismiss)
 
     def _aim(self, bounds: Bounds) -> None:
         """Set the initial camera: from the south and above, at the centre of ``bounds``."""
         if bounds == self._bounds:
             return
         self._bounds = bounds
-        x0, y0, x1, y1 = bounds
-        x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
         camera = self._server.initial_camera
         camera.up = (0.0, 0.0, 1.0)
         camera.fov = 0.8
-        camera.look_at = (x, y, 0.0)
-        camera.position = (x, y - 0.75 * size, 0.95 * size)
-        camera.far = max(1000.0, 10.0 * size)
+        camera.position, camera.look_at = camera_at("overview", bounds, ASPECT)
+        camera.far = max(1000.0, 10.0 * max(bounds[2] - bounds[0], bounds[3] - bounds[1]))
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
         """Move the camera back on a narrow screen, so that all of its bounds are in view."""
-        aim = self._server.initial_camera
+        self._visitors[client.client_id] = visitor_of_connection.get()
         if client.camera.aspect < ASPECT:
-            back = min(ASPECT / client.camera.aspect, 4.0)
-            client.camera.position = aim.look_at + (aim.position - aim.look_at) * back
-            client.camera.look_at = aim.look_at  # viser moved it along with the position
+            self._aim_client(client, "overview")
+
+    async def _dismiss(self, client: viser.ClientHandle) -> None:
+        self._visitors.pop(client.client_id, None)
+
+    def _aim_client(self, client: viser.ClientHandle, name: CameraName) -> None:
+        position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, client.camera.aspect)
+        client.camera.position = position
+        client.camera.look_at = look_at  # viser moves it along with the position
+
+    # -- from the page's own controls ---------------------------------------------------------------------------
+
+    def aim(self, visitor: str, name: CameraName) -> None:
+        """Move the cameras of a visitor's views of this scene to one of :data:`CAMERAS`."""
+        for client_id, client in self._server.get_clients().items():
+            if self._visitors.get(client_id) == visitor:
+                self._aim_client(client, name)
+
+    @property
+    def layers(self) -> dict[str, bool]:
+        """The labels of what the scene shows, and whether they are visible."""
+        return self._panel.switches.visible
+
+    def set_layer(self, label: str, *, visible: bool) -> None:
+        """Show or hide all drawings of a label, in all views of the scene; an unknown one is no error."""
+        self._panel.switches.switch(label, visible=visible)
+
+    @property
+    def height(self) -> float:
+        """How many times as high as by default the map's columns are drawn."""
+        return self._contents.height
+
+    async def set_height(self, height: float) -> None:
+        """Draw the map's columns ``height`` times as high as by default, in all views of the scene."""
+        await asyncio.to_thread(self._contents.set_height, height)
 
     # -- from the browser, on viser's threads -------------------------------------------------------------------
 

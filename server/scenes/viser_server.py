@@ -25,6 +25,7 @@ from viser.infra import _infra
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
 from server.scenes.message_buffer import MessageBuffer
+from server.scenes.visitors import VISITOR_HEADER, visitor_of_connection
 
 
 def _serve(
@@ -37,7 +38,13 @@ def _serve(
     del port
     options["process_request"] = None  # viser's own serves files over HTTP
     bound = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=int(host))
-    return unix_serve(handler, sock=bound, **options)
+
+    async def of_visitor(connection: ServerConnection) -> None:
+        request = connection.request
+        visitor_of_connection.set("" if request is None else request.headers.get(VISITOR_HEADER, ""))
+        await handler(connection)
+
+    return unix_serve(of_visitor, sock=bound, **options)
 
 
 _infra.AsyncMessageBuffer = MessageBuffer  # type: ignore[attr-defined]

@@ -41,6 +41,10 @@ class Recording(Protocol):
     async def growing_map(self) -> tuple[GrowingMap, str]:
         """Return the present map as a sequence of its scans, and the name of its trajectory, between two ticks."""
 
+    @property
+    def examined_share(self) -> float | None:
+        """The share of the examination with the present trajectory that is done, 0 to 1; None before it has begun."""
+
     async def examined(self) -> list[Finding]:
         """Return the diagnosis of the log with the present trajectory.
 

@@ -104,12 +104,14 @@ def teleport(browser: Browser, server: str) -> Laps:
 
 
 def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, Laps]]:
-    """Return the laps of the handles of three figures of the lecture, move by move and dragged."""
+    """Return the laps of the handles of five figures of the lecture, move by move and dragged."""
     page = new_page(browser)
     page.goto(f"{server}/lecture.html")
     grips = {
         "profile": ("#model", "figure.profile", "Hit increment", ".handle-mark", 0.0, -24.0),
         "rays": ("#rays", "figure.rays", "Last cell of the line", ".drag-handle-dot", 60.0, -60.0),
+        "matching": ("#matching", "figure.matching", "Position of the moving scan", ".robot-shape", 40.0, 24.0),
+        "graph": ("#graph", "figure.springs", "Pose 9", ".robot-shape", 30.0, 30.0),
         "thresholds": ("#file", "figure.thresholds", "Occupied above", ".pill", 30.0, 0.0),
     }
     took = {}

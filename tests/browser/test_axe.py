@@ -142,6 +142,7 @@ def test_the_lab_in_every_state(page: Page, open_lab: Callable[..., Page]) -> No
 
 def test_the_logs_page_in_every_state(page: Page, server: str) -> None:
     facts: dict[str, Any] = dict.fromkeys(("scans", "beams", "duration_s", "format", "time", "mount"))
+    facts |= {"has_picture": False, "tags": ["hall"]}
     record = {"bytes": 4_200_000, "progress": 0.0, "error": None, "upside_down": False, "topics": [],
               "trajectories": [], "notes": [], "source": "upload"} | facts  # fmt: skip
     states: list[dict[str, Any]] = [
@@ -153,9 +154,11 @@ def test_the_logs_page_in_every_state(page: Page, server: str) -> None:
     lists = iter([[], [record | state for state in states]])
 
     def answer(route: Route) -> None:
-        route.fulfill(status=200, content_type="application/json", body=json.dumps({"logs": next(lists)}))
+        found = next(lists)
+        body = json.dumps({"logs": found, "total": len(found), "tags": {"hall": 3} if found else {}})
+        route.fulfill(status=200, content_type="application/json", body=body)
 
-    page.route("**/api/logs", answer, times=2)
+    page.route("**/api/logs?*", answer, times=2)
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     expect(page.locator(".library")).to_contain_text("no logs yet")

@@ -97,6 +97,7 @@ def test_the_product_runs_out_of_digits_and_the_sum_does_not(page: Page, server:
 
 def test_the_profile_feeds_the_cell(page: Page, server: str) -> None:
     section = open_section(page, server, "model")
+    section.get_by_label("Model", exact=True).select_option("fixed_increments")
     handle = section.get_by_role("slider", name="Hit increment")
     handle.focus()
     page.keyboard.press("ArrowUp")

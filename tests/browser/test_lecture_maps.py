@@ -99,7 +99,7 @@ def test_with_reduced_motion_the_table_is_removed_in_steps(page: Page, server: s
     section.get_by_role("button", name="Forward one scan").click()
     expect(caption).to_contain_text("1 scan since it was removed")
     section.get_by_role("button", name="To the end").click()
-    expect(caption).to_contain_text("forgotten after 84")
+    expect(caption).to_contain_text("forgotten after 88")
 
 
 # --- per beam or per scan --------------------------------------------------------------------------------------------

@@ -103,7 +103,7 @@ def test_the_cut_of_a_cloud_is_changed_and_its_map_shown(page: Page, server: str
     assert page.evaluate(LOG)["n_beams"] == 360
     ahead, behind = (1.52, 0.02), (-1.48, 0.02)
     settings = open_group(page, "Settings")
-    cut = settings.get_by_role("button", name="Cut the scans so")
+    cut = settings.get_by_role("button", name="Cut the scans again")
     expect(cut).to_be_disabled()
     # Points of the floor and of the ceiling end beams near the robot.
     assert state_at(page, *behind) == "unknown"

@@ -137,7 +137,7 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     picture = card.locator(".log-picture img")
     expect(picture).to_be_visible()
     until("its picture", lambda: picture.evaluate("(img) => img.naturalWidth") > 100)
-    card.get_by_role("button", name="Change the tags of aces-corrected.log.gz").click()
+    card.get_by_role("button", name="Add a tag to aces-corrected.log.gz").click()
     page.keyboard.type("Austin, corridor")
     page.keyboard.press("Enter")
     expect(card.locator(".tag")).to_have_text(["austin", "corridor", "Change"])

@@ -9,7 +9,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 from tests.browser.conftest import WatchedPage
 from tests.browser.looking import frame, open_group, settled_digest, until
 from tests.browser.test_axe import violations
-from tests.server.library.small_logs import carmen
+from tests.server.library.small_logs import carmen, tum
 
 SHOWN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
 
@@ -65,3 +65,38 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     expect(guest.get_by_role("alert")).to_contain_text("This link was revoked")
     guest.goto(f"{server}/shared/{'x' * 32}")
     expect(guest.get_by_role("alert")).to_contain_text("or there never was one: ask for another.")
+
+
+def test_whoever_has_the_address_of_a_session_shares_it_and_sees_notes_come(
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path
+) -> None:
+    (tmp_path / "ours.log").write_bytes(carmen(30))
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "ours.log")
+    page.locator(".log-card", has_text="ours.log").get_by_role("button", name="Open map").click()
+    page.wait_for_function(SHOWN)
+    session = page.evaluate("() => gridbloom.connection.store.hello.value.session")
+    watched = WatchedPage(visitor, server)
+    colleague = watched.page
+    # As the address that ``gridbloom upload`` prints: the log is in nobody's list of this browser.
+    colleague.goto(f"{server}/logs.html?session={session}")
+    colleague.wait_for_function(SHOWN)
+    shared = open_group(colleague, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    link = shared.get_by_role("listitem").get_by_role("textbox").input_value()
+    expect(open_group(page, "Share").get_by_role("listitem").get_by_role("textbox")).to_have_value(link)
+    (tmp_path / "theirs.tum").write_bytes(tum(30, y=1.0))
+    trajectories = open_group(colleague, "Trajectories")
+    trajectories.get_by_label("TUM files").set_input_files(tmp_path / "theirs.tum")
+    expect(trajectories).to_contain_text("theirs was added.")
+    # A note of theirs comes to a page that is open already, and a change of it too.
+    notes = open_group(colleague, "Notes")
+    notes.get_by_label("New note").fill("a door")
+    notes.get_by_role("button", name="Add note").click()
+    expect(page.locator(".timeline-mark")).to_have_attribute("aria-label", "Note: a door")
+    seen = open_group(page, "Notes").get_by_role("list", name="Notes")
+    expect(seen).to_contain_text("a door")
+    expect(seen.get_by_role("button", name="Edit")).to_have_count(0)
+    notes.get_by_role("button", name="Delete this note").click()
+    expect(page.locator(".timeline-mark")).to_have_count(0)
+    assert watched.problems == []

@@ -47,7 +47,7 @@ def test_a_slide_asks_then_lets_predict_then_shows_then_answers(page: Page, serv
     assert page.url.endswith("?present#sonar/4")
     before = number(page)
     page.keyboard.press("ArrowRight")
-    assert page.url.endswith("?present#no-return")
+    assert page.url.endswith("?present#mount")
     assert number(page) == before + 1
     page.keyboard.press("PageUp")
     expect(page.locator(".presenter-answer")).to_contain_text("was not right")

@@ -14,15 +14,10 @@ from __future__ import annotations
 
 import contextlib
 import os
-import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
-from io import BytesIO
 from typing import BinaryIO
 
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, DataEnd, Schema
 
@@ -32,6 +27,22 @@ from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import inflate
+from mapper.io.logs.mcap_records import (
+    AFTER_CRC,
+    CHUNK,
+    END,
+    INDEX_ENTRY_BYTES,
+    MESSAGE,
+    MESSAGE_INDEX,
+    RECORD,
+    U32,
+    U64,
+    ChunkHead,
+    CutError,
+    DamagedError,
+    decoded,
+    records,
+)
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, opened
 
@@ -39,52 +50,9 @@ MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
 SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg"})
 
-_RECORD = struct.Struct("<BQ")
-_MESSAGE = struct.Struct("<HIQQ")  #: channel, sequence, log time, publish time
-_CHUNK = struct.Struct("<QQQI")  #: start time, end time, uncompressed size, CRC; then a string and the data's length
-_INDEX = struct.Struct("<BQHI")  #: opcode and length of a message index, channel, bytes of what follows
-_INDEX_ENTRY_BYTES = 16
-_U32, _U64 = struct.Struct("<I"), struct.Struct("<Q")
-_END = struct.Struct("<BQQQI8s")  #: the footer record (summary start, summary offset start, CRC) and the magic bytes
-_AFTER_CRC = 12  #: bytes of the file's end from the summary's checksum on
 MAX_SUMMARY_BYTES = 1 << 24
 MAX_COMPRESSION_NAME = 100  #: bytes
 READ_WHOLE = 1 << 18  #: bytes of a plain chunk up to which it is read in one piece, for its checksum
-_BAD_RECORD = (struct.error, ValueError, McapError, MemoryError, OverflowError)
-
-
-class _CutError(Exception):
-    """The data ends in the middle of a record."""
-
-
-class _DamagedError(Exception):
-    """The data is no record."""
-
-
-def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, start and end of each record in a chunk. Raises :class:`_CutError` where it ends within one."""
-    at, n = 0, len(data)
-    while at < n:
-        if at + 9 > n:
-            raise _CutError
-        opcode, size = _RECORD.unpack_from(data, at)
-        if opcode == 0:
-            raise _DamagedError
-        end = at + 9 + size
-        if end > n:
-            raise _CutError
-        yield opcode, at + 9, end
-        at = end
-
-
-@dataclass(frozen=True, slots=True)
-class _ChunkHead:
-    """What a chunk states of itself: ``at`` its first byte in the log, ``data_bytes`` as they are in the file."""
-
-    at: int
-    crc: int
-    compression: str
-    data_bytes: int
 
 
 class _Mcap:
@@ -105,9 +73,9 @@ class _Mcap:
         try:
             while self._record():
                 pass
-        except _CutError:
+        except CutError:
             self.recording.notes.append(f"The file ends early, at byte {self.stream.at}: only what precedes is read.")
-        except _DamagedError:
+        except DamagedError:
             self.recording.notes.append(f"The file is damaged before byte {self.stream.at}: the rest is left out.")
 
     def look_ahead(self, file: BinaryIO) -> None:
@@ -117,21 +85,21 @@ class _Mcap:
         with it. What is wrong here is no harm: the chunks say it again.
         """
         size = file.seek(0, os.SEEK_END)
-        file.seek(max(0, size - _END.size))
-        end = file.read(_END.size)
-        if len(end) < _END.size or not end.endswith(MAGIC):
+        file.seek(max(0, size - END.size))
+        end = file.read(END.size)
+        if len(end) < END.size or not end.endswith(MAGIC):
             return
-        opcode, length, start, _, stated, _ = _END.unpack(end)
-        if opcode != Opcode.FOOTER or length != 20 or not len(MAGIC) < start < size - _END.size:
+        opcode, length, start, _, stated, _ = END.unpack(end)
+        if opcode != Opcode.FOOTER or length != 20 or not len(MAGIC) < start < size - END.size:
             return
         file.seek(start)
         summary = file.read(min(size - start, MAX_SUMMARY_BYTES))
         # The checksum is that of the summary and of the footer up to where it stands itself.
-        if stated and len(summary) == size - start and zlib.crc32(summary[:-_AFTER_CRC]) != stated:
+        if stated and len(summary) == size - start and zlib.crc32(summary[:-AFTER_CRC]) != stated:
             self._note("The summary at the file's end has not the checksum that it states, and is not used.")
             return
-        with contextlib.suppress(_CutError, _DamagedError):
-            for opcode, at, stop in _records(summary):
+        with contextlib.suppress(CutError, DamagedError):
+            for opcode, at, stop in records(summary):
                 if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                     self._content(opcode, summary, at, stop)
                 if opcode == Opcode.FOOTER:
@@ -143,10 +111,10 @@ class _Mcap:
         crc = self.stream.crc
         head = self.stream.read(9)
         if len(head) < 9:
-            raise _CutError
-        opcode, size = _RECORD.unpack(head)
+            raise CutError
+        opcode, size = RECORD.unpack(head)
         if opcode == 0:
-            raise _DamagedError
+            raise DamagedError
         self._count_record()
         if opcode == Opcode.CHUNK:
             self._chunk(size)
@@ -158,46 +126,46 @@ class _Mcap:
             content = self._exactly(size)
             self._content(opcode, content, 0, size)
             if opcode == Opcode.DATA_END:
-                stated = _decoded(DataEnd.read, content).data_section_crc
+                stated = decoded(DataEnd.read, content).data_section_crc
                 if crc is not None and stated not in (0, crc):
                     self._note("The file's checksum is not that of its bytes: something in it is damaged.")
                 return False
         elif self.stream.skip(size) < size:
-            raise _CutError
+            raise CutError
         return True
 
     def _exactly(self, n: int) -> bytes:
         data = self.stream.read(n)
         if len(data) < n:
-            raise _CutError
+            raise CutError
         return data
 
     def _message_if_wanted(self, source: ByteStream | Section, size: int) -> bytes | None:
         """Return a message's record of ``size`` bytes; pass over one that nothing is made of, and count it."""
-        head = source.read(_MESSAGE.size)
-        if len(head) < _MESSAGE.size:
-            raise _CutError
-        key, _, time, _ = _MESSAGE.unpack(head)
+        head = source.read(MESSAGE.size)
+        if len(head) < MESSAGE.size:
+            raise CutError
+        key, _, time, _ = MESSAGE.unpack(head)
         rest = size - len(head)
         if self.recording.wants(key):
             data = source.read(rest)
             if len(data) < rest:
-                raise _CutError
+                raise CutError
             return head + data
         if source.skip(rest) < rest:
-            raise _CutError
+            raise CutError
         self.recording.take(key, time, b"", size=rest)
         return None
 
     # -- chunks -------------------------------------------------------------------------------------------------
 
     def _chunk(self, size: int) -> None:
-        """Read a chunk's record of ``size`` bytes. Raises :class:`_CutError` where the file ends in it."""
+        """Read a chunk's record of ``size`` bytes. Raises :class:`CutError` where the file ends in it."""
         end = self.stream.at + size
         head = self._chunk_head(size)
         if head is None:
             if self.stream.skip(end - self.stream.at) < end - self.stream.at:
-                raise _CutError
+                raise CutError
             self._note(_damaged_chunk(end - size))
             return
         more = end - self.stream.at - head.data_bytes  # none, unless a later version of the format adds fields
@@ -207,24 +175,24 @@ class _Mcap:
             data = self.stream.read(head.data_bytes)
             self._chunk_data(head, data, cut=len(data) < head.data_bytes)
             if len(data) < head.data_bytes:
-                raise _CutError
+                raise CutError
         if self.stream.skip(more) < more:
-            raise _CutError
+            raise CutError
 
-    def _chunk_head(self, size: int) -> _ChunkHead | None:
+    def _chunk_head(self, size: int) -> ChunkHead | None:
         """Return what a chunk's record of ``size`` bytes states; None where that cannot be."""
         at = self.stream.at
-        if size < _CHUNK.size + 12:
+        if size < CHUNK.size + 12:
             return None
-        _, _, _, crc = _CHUNK.unpack(self._exactly(_CHUNK.size))
-        (n,) = _U32.unpack(self._exactly(4))
-        if n > min(MAX_COMPRESSION_NAME, size - _CHUNK.size - 12):
+        _, _, _, crc = CHUNK.unpack(self._exactly(CHUNK.size))
+        (n,) = U32.unpack(self._exactly(4))
+        if n > min(MAX_COMPRESSION_NAME, size - CHUNK.size - 12):
             return None
         compression = self._exactly(n).decode("utf-8", "replace")
-        (data_bytes,) = _U64.unpack(self._exactly(8))
+        (data_bytes,) = U64.unpack(self._exactly(8))
         if data_bytes > size - (self.stream.at - at):
             return None
-        return _ChunkHead(at, crc, compression, data_bytes)
+        return ChunkHead(at, crc, compression, data_bytes)
 
     def _skipped_by_index(self, ahead: int, data_bytes: int) -> bool:
         """Jump over a compressed chunk's data, and count its messages, where nothing is made of any of them.
@@ -232,23 +200,25 @@ class _Mcap:
         That is told by the message indexes, which follow the chunk's record, ``ahead`` bytes from here.
         """
         counts: dict[int, int] = {}
-        while self.knows_all_channels and len(index := self.stream.ahead(ahead, _INDEX.size)) == _INDEX.size:
-            opcode, length, key, entries = _INDEX.unpack(index)
+        while (
+            self.knows_all_channels and len(index := self.stream.ahead(ahead, MESSAGE_INDEX.size)) == MESSAGE_INDEX.size
+        ):
+            opcode, length, key, entries = MESSAGE_INDEX.unpack(index)
             if opcode != Opcode.MESSAGE_INDEX:
                 break
             if self.recording.wants(key) or not self.recording.knows(key) or entries + 6 > length:
                 return False
-            counts[key] = counts.get(key, 0) + entries // _INDEX_ENTRY_BYTES
+            counts[key] = counts.get(key, 0) + entries // INDEX_ENTRY_BYTES
             ahead += 9 + length
         if not counts:
             return False
         if self.stream.skip(data_bytes) < data_bytes:
-            raise _CutError
+            raise CutError
         for key, count in counts.items():
             self.recording.pass_over(key, count)
         return True
 
-    def _plain_chunk(self, head: _ChunkHead) -> None:
+    def _plain_chunk(self, head: ChunkHead) -> None:
         """Take what is wanted of a chunk that is not compressed, whose data comes next.
 
         Where all of it was read its checksum is checked, and nothing of a damaged one is taken. Channels are taken at
@@ -267,9 +237,9 @@ class _Mcap:
                         "log.chunk_too_large",
                         f"The chunk at byte {head.at} has more than the limit of {self.limits.max_chunk_bytes} bytes.",
                     )
-        except _CutError:
+        except CutError:
             is_cut = True
-        except _DamagedError:
+        except DamagedError:
             is_damaged = True
             section.skip(section.left)
             is_cut = section.left > 0
@@ -279,7 +249,7 @@ class _Mcap:
         for message in wanted:
             self._content(Opcode.MESSAGE, message, 0, len(message))
         if is_cut:
-            raise _CutError
+            raise CutError
         if is_damaged:
             self._note(_damaged_chunk(head.at))
 
@@ -288,24 +258,24 @@ class _Mcap:
         while section.left:
             record = section.read(9)
             if len(record) < 9:
-                raise _DamagedError if section.left == 0 else _CutError
-            opcode, size = _RECORD.unpack(record)
+                raise DamagedError if section.left == 0 else CutError
+            opcode, size = RECORD.unpack(record)
             if opcode == 0 or size > section.left:
-                raise _DamagedError
+                raise DamagedError
             self._count_record()
-            if opcode == Opcode.MESSAGE and size >= _MESSAGE.size:
+            if opcode == Opcode.MESSAGE and size >= MESSAGE.size:
                 message = self._message_if_wanted(section, size)
                 if message is not None:
                     yield message
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 content = section.read(size)
                 if len(content) < size:
-                    raise _CutError
+                    raise CutError
                 self._content(opcode, content, 0, size)
             elif section.skip(size) < size:
-                raise _CutError
+                raise CutError
 
-    def _chunk_data(self, head: _ChunkHead, data: bytes, *, cut: bool) -> None:
+    def _chunk_data(self, head: ChunkHead, data: bytes, *, cut: bool) -> None:
         """Take what is in a chunk's data, which is all that the file has of it."""
         damaged = _damaged_chunk(head.at)
         if head.compression in ("zstd", "lz4"):
@@ -331,12 +301,12 @@ class _Mcap:
             self._note_checksum(head)
             return
         try:
-            for opcode, start, end in _records(data):
+            for opcode, start, end in records(data):
                 self._count_record()
                 self._content(opcode, data, start, end)
-        except _DamagedError:
+        except DamagedError:
             self._note(damaged)
-        except _CutError:
+        except CutError:
             if not cut:
                 self._note(damaged)
 
@@ -350,17 +320,17 @@ class _Mcap:
     def _content(self, opcode: int, data: bytes, start: int, end: int) -> None:
         """Take a message, a channel or a schema."""
         if opcode == Opcode.MESSAGE:
-            if end - start < _MESSAGE.size:
-                raise _DamagedError
-            key, _, time, _ = _MESSAGE.unpack_from(data, start)
-            at = start + _MESSAGE.size
+            if end - start < MESSAGE.size:
+                raise DamagedError
+            key, _, time, _ = MESSAGE.unpack_from(data, start)
+            at = start + MESSAGE.size
             self.recording.take(key, time, data[at:end] if self.recording.wants(key) else b"", size=end - at)
         elif opcode == Opcode.SCHEMA:
             # Only its name is of use: what it defines is known, or not read (see ros_messages).
-            schema = _decoded(Schema.read, data[start:end])
+            schema = decoded(Schema.read, data[start:end])
             self.schemas[schema.id] = (schema.name, schema.encoding)
         elif opcode == Opcode.CHANNEL:
-            channel = _decoded(Channel.read, data[start:end])
+            channel = decoded(Channel.read, data[start:end])
             name, encoding = self.schemas.get(channel.schema_id, ("", ""))
             self.recording.channel(
                 channel.id,
@@ -370,7 +340,7 @@ class _Mcap:
                 readable=channel.message_encoding in ENCODINGS and encoding in SCHEMA_ENCODINGS,
             )
 
-    def _note_checksum(self, head: _ChunkHead) -> None:
+    def _note_checksum(self, head: ChunkHead) -> None:
         self._note(f"The chunk at byte {head.at} has not the checksum that it states, and is left out.")
 
     def _note(self, sentence: str) -> None:
@@ -380,13 +350,6 @@ class _Mcap:
 
 def _damaged_chunk(at: int) -> str:
     return f"The chunk at byte {at} is damaged; its messages, or their rest, are left out."
-
-
-def _decoded(read, content: bytes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202 - any of the library's records
-    try:
-        return read(ReadDataStream(BytesIO(content)))
-    except _BAD_RECORD:
-        raise _DamagedError from None
 
 
 def take_mcap(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:

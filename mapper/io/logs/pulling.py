@@ -6,12 +6,13 @@ The readers of containers hand their messages over, so one runs on a thread of i
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from queue import Empty, Full, Queue
+from queue import Full, Queue
 
-from mapper.core.errors import MapperError, ReadError
+from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
@@ -89,7 +90,7 @@ def pulled(files: Sequence[Source], take: Take, topic: str, kind: str, limits: L
     """
     queue: Queue[PulledMessage | None] = Queue(AHEAD)
     closed = threading.Event()
-    errors: list[MapperError] = []
+    errors: list[Exception] = []
 
     def put(message: PulledMessage | None) -> None:
         while not closed.is_set():
@@ -101,28 +102,21 @@ def pulled(files: Sequence[Source], take: Take, topic: str, kind: str, limits: L
 
     def work() -> None:
         sink = _Pulled(topic, kind, limits, put)
-        try:
-            for file in files:
-                take(file, sink, limits, None)
-                sink.next_file()
+        with contextlib.suppress(_UnwantedError):
+            try:
+                for file in files:
+                    take(file, sink, limits, None)
+                    sink.next_file()
+            except _UnwantedError:
+                raise
+            except Exception as error:  # noqa: BLE001 - whatever it is, the thread that asks for messages raises it
+                errors.append(error)
             put(None)
-        except _UnwantedError:
-            pass
-        except MapperError as error:
-            errors.append(error)
 
     thread = threading.Thread(target=work, name="pulled", daemon=True)
     thread.start()
     try:
-        while True:
-            try:
-                message = queue.get(timeout=_LOOK_S)
-            except Empty:
-                if thread.is_alive() or not queue.empty():
-                    continue
-                message = None
-            if message is None:
-                break
+        while (message := queue.get()) is not None:
             yield message
     finally:
         closed.set()

@@ -19,7 +19,6 @@ from mapper.io.logs.packing import notes_on_time
 from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
-from mapper.io.logs.stream import Stream
 from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
 from mapper.sensors.planar.cloud import first_beam
 from mapper.sensors.planar.options import PlanarCut
@@ -247,7 +246,7 @@ class RecordedLog:
             if stream.topic not in self._taken.sensors:
                 key = (stream.topic, stream.kind)
                 known = rest.get(key, Topic(*key, 0))
-                rest[key] = _extended(replace(known, count=known.count + stream.count), stream)
+                rest[key] = replace(known, count=known.count + stream.count)
         # Sensors whose scans were not asked for are listed among the others.
         sensors += [one for (_, kind), one in rest.items() if kind in PREFERENCE and one.count]
         others = [one for _, one in sorted(rest.items()) if one not in sensors]
@@ -264,7 +263,7 @@ class RecordedLog:
             x, y, yaw = (float(v) for v in self._tf.lookup(chain[: base + 1], stamps[:1]).planar[0])
             mount = (x, y, yaw)
         width = sensor.beam_width if n == 1 else abs(increment) * (n - 1)
-        topic = Topic(
+        return Topic(
             sensor.topic,
             sensor.kind,
             sensor.n_scans,
@@ -275,21 +274,6 @@ class RecordedLog:
             mount=mount,
             chosen=chosen,
         )
-        if sensor.n_scans + sensor.stream.bad < sensor.stream.count:  # several sensors share the stream
-            return topic
-        return _extended(topic, sensor.stream)
-
-
-def _extended(topic: Topic, stream: Stream) -> Topic:
-    """Return a topic with the times and the size of a stream's messages as well."""
-    first = [stamp for stamp in (topic.first_stamp_ns, stream.first_stamp_ns) if stamp is not None]
-    last = [stamp for stamp in (topic.last_stamp_ns, stream.last_stamp_ns) if stamp is not None]
-    return replace(
-        topic,
-        first_stamp_ns=min(first, default=None),
-        last_stamp_ns=max(last, default=None),
-        bytes=(topic.bytes or 0) + stream.bytes,
-    )
 
 
 def listed(names: list[str], most: int = 6) -> str:

@@ -80,6 +80,14 @@ class _Recorded:
 
 def with_streams(log: RobotLog, files: Sequence[Source], take: Take, taken: Taken) -> RobotLog:
     """Return the log of a recording with its clouds and IMUs, which are read from ``files`` when asked for."""
+    clouds, imus = streams_of(files, take, taken)
+    return replace(log, clouds=clouds, imus=imus)
+
+
+def streams_of(
+    files: Sequence[Source], take: Take, taken: Taken
+) -> tuple[dict[str, CloudStream], dict[str, ImuStream]]:
+    """Return the clouds and the IMUs of a recording by topic, which are read from ``files`` when asked for."""
     recorded = _Recorded(files, take, taken)
     counts: dict[tuple[str, str], int] = {}
     for stream in taken.streams:
@@ -95,4 +103,4 @@ def with_streams(log: RobotLog, files: Sequence[Source], take: Take, taken: Take
         for (topic, kind), count in counts.items()
         if kind == IMU
     }
-    return replace(log, clouds=clouds, imus=imus)
+    return clouds, imus

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Stream:
-    """The messages of one topic, type and serialisation; the stamps are those of the recorder."""
+    """The messages of one topic, type and serialisation."""
 
     topic: str
     kind: str
@@ -15,19 +15,6 @@ class Stream:
     count: int = 0
     bad: int = 0
     why: str = ""  #: what is wrong with the first bad one, where it could be decoded
-    bytes: int = 0
-    first_stamp_ns: int | None = None
-    last_stamp_ns: int | None = None
-
-    def note(self, stamp_ns: int, size: int) -> None:
-        """Count one message of ``size`` bytes, recorded at ``stamp_ns``, 0 where that is not known."""
-        self.count += 1
-        self.bytes += size
-        if stamp_ns:
-            if self.first_stamp_ns is None or stamp_ns < self.first_stamp_ns:
-                self.first_stamp_ns = stamp_ns
-            if self.last_stamp_ns is None or stamp_ns > self.last_stamp_ns:
-                self.last_stamp_ns = stamp_ns
 
     def refuse(self, why: str = "") -> None:
         """Count a message that could not be read; ``why`` is kept of the first."""

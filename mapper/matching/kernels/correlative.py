@@ -219,6 +219,39 @@ def _descend(
 
 
 @jit
+def best_modes(
+    levels: UInt8Array,
+    frame: Frame,
+    scans: ScanArrays,
+    i: int,
+    pose: Float64Array,
+    window: Window,
+    stride: int,
+    least: int,
+    share: float,
+    apart: Window,
+    best: Int64Array,
+) -> int:
+    """Write the best pose of the window, the best one apart from it, the best one apart from both, … (k, 4).
+
+    As :func:`branch_and_bound`, the same poses counting. A pose is apart from another by more than ``apart.cells`` in
+    row or column or by more than ``apart.turns``. Poses after the first count if they score at least its score times
+    ``share``; rows without a pose are −1, 0, 0, 0. Returns the number of points.
+    """
+    least = max(least, 1)
+    cells, n, flat, order = _bound_blocks(levels, frame, scans, i, pose, window, stride, least)
+    best[:, 0] = -1
+    best[:, 1:] = 0
+    for k in range(best.shape[0]):
+        _descend(levels, cells, n, flat, order, window, least, apart, best, k)
+        if best[k, 0] < 0:
+            break
+        if k == 0:
+            least = max(least, int(share * best[0, 0]))
+    return n
+
+
+@jit
 def branch_and_bound(
     levels: UInt8Array,
     frame: Frame,
@@ -238,40 +271,6 @@ def branch_and_bound(
     ``least`` (at least 1) do not count: where there is no other, ``best`` (4,) is −1, 0, 0, 0. Returns the number of
     points.
     """
-    least = max(least, 1)
-    cells, n, flat, order = _bound_blocks(levels, frame, scans, i, pose, window, stride, least)
-    _descend(levels, cells, n, flat, order, window, least, Window(-1, -1, 0.0), best.reshape(1, 4), 0)
-    return n
-
-
-@jit
-def best_modes(
-    levels: UInt8Array,
-    frame: Frame,
-    scans: ScanArrays,
-    i: int,
-    pose: Float64Array,
-    window: Window,
-    stride: int,
-    least: int,
-    share: float,
-    apart: Window,
-    best: Int64Array,
-) -> int:
-    """Write the best pose of the window, the best one apart from it, the best one apart from both, … (k, 4).
-
-    As :func:`branch_and_bound`. A pose is apart from another by more than ``apart.cells`` in row or column or by more
-    than ``apart.turns``. Poses after the first count if they score at least its score times ``share``; rows without a
-    pose are −1, 0, 0, 0. Returns the number of points.
-    """
-    least = max(least, 1)
-    cells, n, flat, order = _bound_blocks(levels, frame, scans, i, pose, window, stride, least)
-    best[:, 0] = -1
-    best[:, 1:] = 0
-    for k in range(best.shape[0]):
-        _descend(levels, cells, n, flat, order, window, least, apart, best, k)
-        if best[k, 0] < 0:
-            break
-        if k == 0:
-            least = max(least, int(share * best[0, 0]))
-    return n
+    return best_modes(
+        levels, frame, scans, i, pose, window, stride, least, 1.0, Window(-1, -1, 0.0), best.reshape(1, 4)
+    )

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import RedirectResponse, Response
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from server.http.services import OpenScenes, Sessions
+from server.http.services import OpenScenes, Sessions, Visitor
+from server.scenes.cameras import CAMERAS, CameraName
+
+if TYPE_CHECKING:
+    from server.scenes.scene import Scene
 
 router = APIRouter(prefix="/scenes", include_in_schema=False)
 
@@ -20,10 +27,21 @@ async def without_slash(sessions: Sessions, session_id: str) -> Response:
 @router.api_route("/{session_id}/", methods=["GET", "HEAD"])
 async def page(request: Request, sessions: Sessions, session_id: str) -> Response:
     """Return viser's client. The scene is created when the page opens its WebSocket."""
+    sessions.get(session_id)
+    return _client(request, plain_view=False)
+
+
+@router.api_route("/{session_id}/plain/", methods=["GET", "HEAD"])
+async def plain_page(request: Request, sessions: Sessions, session_id: str) -> Response:
+    """Return viser's client without its panel, for a page that has controls of its own."""
+    sessions.get(session_id)
+    return _client(request, plain_view=True)
+
+
+def _client(request: Request, *, plain_view: bool) -> Response:
     from server.scenes.proxy import client_page, page_headers  # noqa: PLC0415 - imported with the first 3D view
 
-    sessions.get(session_id)
-    client = client_page()
+    client = client_page(plain_view=plain_view)
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
     if client.etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
@@ -32,9 +50,48 @@ async def page(request: Request, sessions: Sessions, session_id: str) -> Respons
     return Response(client.plain, media_type="text/html", headers=headers)
 
 
+class SceneSettings(BaseModel):
+    """What is to be changed of a view: where its camera is, the columns' height, which layers are shown."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    camera: CameraName | None = None
+    height: FiniteFloat | None = Field(None, ge=0.1, le=10.0)
+    layers: dict[str, bool] = Field(default_factory=dict, max_length=100)
+
+
+@router.get("/{session_id}/settings")
+async def settings(sessions: Sessions, scenes: OpenScenes, session_id: str) -> dict[str, Any]:
+    """Return the cameras, the layers with their visibility, and the height of the columns."""
+    return _settings(await scenes.get(sessions.get(session_id)))
+
+
+@router.post("/{session_id}/settings")
+async def change(
+    sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str, wanted: SceneSettings
+) -> dict[str, Any]:
+    """Move the cameras of this visitor's views; set height and layers of all views of the session."""
+    scene = await scenes.get(sessions.get(session_id))
+    if wanted.camera is not None:
+        scene.aim(visitor, wanted.camera)
+    if wanted.height is not None:
+        await scene.set_height(wanted.height)
+    for label, visible in wanted.layers.items():
+        scene.set_layer(label, visible=visible)
+    return _settings(scene)
+
+
+def _settings(scene: Scene) -> dict[str, Any]:
+    return {"cameras": list(CAMERAS), "layers": scene.layers, "height": scene.height}
+
+
 @router.websocket("/{session_id}")
 @router.websocket("/{session_id}/")
-async def socket(websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, session_id: str) -> None:
+@router.websocket("/{session_id}/plain")
+@router.websocket("/{session_id}/plain/")
+async def socket(
+    websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str
+) -> None:
     """Forward the page's WebSocket to the session's scene."""
     from server.scenes.proxy import pass_on  # noqa: PLC0415 - imported with the first 3D view
 
@@ -42,6 +99,6 @@ async def socket(websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, s
     scene = await scenes.get(session)
     scene.enter()
     try:
-        await pass_on(websocket, scene.path)
+        await pass_on(websocket, scene.path, visitor)
     finally:
         scene.leave()

@@ -36,6 +36,13 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
         self._floor: viser.ImageHandle | None = None
         self._tiles: dict[tuple[int, int], viser.MeshHandle] = {}
         self._shown: GridContent | None = None
+        self._height = 1.0
+
+    def set_height(self, height: float) -> None:
+        """Draw the columns ``height`` times as high."""
+        self._height = height
+        for tile in self._tiles.values():
+            tile.scale = (1.0, 1.0, height)
 
     @classmethod
     def read(cls, drawing: GridColumns) -> GridContent:
@@ -92,6 +99,7 @@ class GridColumnsDrawer(Drawer[GridColumns, GridContent]):
                 faces,
                 color=COLUMN,
                 flat_shading=True,
+                scale=(1.0, 1.0, self._height),
                 cast_shadow=False,
             )
         elif tile in self._tiles:

@@ -32,9 +32,16 @@ _EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initialize
 
 
 async def examination(
-    log: ScanLog, trajectory: str, scheduler: Scheduler, job_owner: JobOwner, wanted: Callable[[], bool]
+    log: ScanLog,
+    trajectory: str,
+    scheduler: Scheduler,
+    job_owner: JobOwner,
+    wanted: Callable[[], bool],
+    progress: Callable[[float], None],
 ) -> list[Finding]:
     """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.examine`, which checks ``wanted``.
+
+    ``progress`` is called with the share that is done, on a worker thread.
 
     Examinations wait for a thread in the order of the scheduler.
     """
@@ -42,7 +49,7 @@ async def examination(
     def examined() -> list[Finding]:
         from mapper.diagnosis import examine  # noqa: PLC0415 - imports SciPy, which few sessions need
 
-        return examine(log, trajectory, wanted=wanted)
+        return examine(log, trajectory, progress, wanted=wanted)
 
     turn = _TURNS.request(job_owner, interactive=False)
     try:

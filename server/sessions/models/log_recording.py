@@ -71,6 +71,7 @@ class LogRecording:
         self._topic, self._cut = view.topic, view.cut
         self._host = host
         self._examinations: dict[str, asyncio.Future[list[Finding]]] = {}  #: by trajectory
+        self._shares: dict[str, float] = {}  #: of the examinations that are done, by trajectory
 
     @property
     def log(self) -> ScanLog:
@@ -177,6 +178,11 @@ class LogRecording:
             replay = self.replay
             return GrowingMap(replay.grid, replay.config, replay.index), replay.trajectory
 
+    @property
+    def examined_share(self) -> float | None:
+        """The share of the examination with the present trajectory that is done; None before it has begun."""
+        return self._shares.get(self.trajectory)
+
     async def examined(self) -> list[Finding]:
         """Return the diagnosis of the log with the present trajectory.
 
@@ -195,4 +201,9 @@ class LogRecording:
 
     async def _examine(self, trajectory: str) -> list[Finding]:
         host = self._host
-        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background())
+
+        def progress(share: float) -> None:
+            self._shares[trajectory] = share
+
+        self._shares.pop(trajectory, None)
+        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background(), progress)

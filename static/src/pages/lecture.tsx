@@ -13,7 +13,7 @@ import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
-import { DoubledSection, LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
+import { LowTableSection, PeopleSection, PolishedSection } from "./lecture/FailureSections";
 import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
@@ -53,6 +53,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   "log-odds": DigitsSection,
   model: ModelSection,
   window: WindowSection,
+  "no-return": NoReturnSection,
   endpoint: EndpointSection,
   rays: RaysSection,
   table: TableSection,
@@ -60,7 +61,6 @@ const BODIES: Record<LessonId, Part["body"]> = {
   pipeline: PipelineSection,
   characters: CharactersSection,
   sonar: SonarSection,
-  "no-return": NoReturnSection,
   mount: MountSection,
   forgetting: ForgettingSection,
   counting: CountingSection,
@@ -68,7 +68,6 @@ const BODIES: Record<LessonId, Part["body"]> = {
   polished: PolishedSection,
   people: PeopleSection,
   "low-table": LowTableSection,
-  doubled: DoubledSection,
   odometry: OdometrySection,
   probable: ProbableSection,
   matching: MatchingSection,

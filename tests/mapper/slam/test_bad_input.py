@@ -113,6 +113,13 @@ def test_a_long_corridor_keeps_the_length_that_the_odometry_reports() -> None:
     assert np.hypot(*(found.poses[-1] - found.poses[0])[:2]) == pytest.approx(way, rel=0.02)
     assert np.abs(found.poses[:, 2] - found.poses[0, 2]).max() < 0.1  # the walls show the heading
     assert not found.candidates.accepted.any()
+    told = re.match(
+        r"Along (\d+) m of the way the scans show nothing that tells how far the robot came", found.notes[0]
+    )
+    assert told
+    assert int(told[1]) > 170
+    in_a_room = slam_log(drive("room", along(ROOM, 0.4)))
+    assert not in_a_room.notes
 
 
 def test_two_places_that_look_alike_are_not_joined() -> None:

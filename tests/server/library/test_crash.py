@@ -30,17 +30,19 @@ async def ready(library: Library, log_id: str) -> Record:
 
 
 def kept(settings: Settings) -> set[str]:
-    """The files of the library, save those of the database."""
+    """The files of the library, save those of the database and the picture of the sample."""
     root = settings.data_dir / "library"
     found = {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
-    return {name for name in found if not name.startswith("library.db")}
+    return {name for name in found if not name.startswith(("library.db", "pictures/sample-office."))}
+
+
+_READ = (("packs", "npz"), ("pictures", "png"))
 
 
 def files_of(*logs: tuple[str, bytes]) -> set[str]:
     """The files that there are for logs that were read."""
-    return {f"packs/{log_id}.npz" for log_id, _ in logs} | {
-        f"blobs/{hashlib.sha256(data).hexdigest()}" for _, data in logs
-    }
+    blobs = {f"blobs/{hashlib.sha256(data).hexdigest()}" for _, data in logs}
+    return blobs | {f"{folder}/{log_id}.{kind}" for log_id, _ in logs for folder, kind in _READ}
 
 
 async def test_a_disk_that_is_full_at_the_nth_write(library: Library, settings: Settings) -> None:

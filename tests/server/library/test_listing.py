@@ -112,10 +112,10 @@ def test_a_log_is_tagged_found_and_has_a_picture(address: str, tmp_path: Path) -
         assert found["tags"] == {"hall": 1, "night": 1}
         assert ann.get("/api/logs", params={"order": "best"}).status_code == 422
 
-        packs = tmp_path / "data" / "library" / "packs"
-        assert (packs / f"{log_id}.map.png").exists()
+        library = tmp_path / "data" / "library"
+        assert (library / "pictures" / f"{log_id}.png").exists()
         assert ann.delete(f"/api/logs/{log_id}").status_code == 204
-        assert not list(packs.glob(f"{log_id}*"))
+        assert not list(library.glob(f"*/{log_id}*"))
         assert ann.get("/api/logs").json()["tags"] == {}
 
 

@@ -11,13 +11,18 @@ from typing import Any
 import pytest
 import uvicorn
 from fastapi import FastAPI
+from starlette.requests import HTTPConnection
 
 from server.http.routes.scenes import router
-from server.http.services import get_scenes, get_sessions
+from server.http.services import get_scenes, get_sessions, get_visitor
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings
 from tests.server.service import PATIENCE_S
+
+
+async def _visitor(connection: HTTPConnection) -> str:
+    return connection.cookies.get("visitor", "")
 
 
 class Service:
@@ -55,7 +60,11 @@ async def service(sessions: SessionRegistry) -> AsyncIterator[Service]:
 
     app = FastAPI(lifespan=lifespan)
     app.include_router(router)
-    app.dependency_overrides = {get_sessions: lambda: sessions, get_scenes: lambda: scenes}
+    app.dependency_overrides = {
+        get_sessions: lambda: sessions,
+        get_scenes: lambda: scenes,
+        get_visitor: _visitor,
+    }
     config = uvicorn.Config(app, host="127.0.0.1", port=0, log_level="warning", ws="websockets-sansio")
     server = uvicorn.Server(config)
     task = asyncio.create_task(server.serve())

@@ -90,10 +90,13 @@ class Client:
 
 
 @asynccontextmanager
-async def viser_client(port: int, session_id: str) -> AsyncIterator[Client]:
+async def viser_client(port: int, session_id: str, cookies: str = "") -> AsyncIterator[Client]:
     protocol = Subprotocol(f"viser-v{viser.__version__}")
     url = f"ws://127.0.0.1:{port}/scenes/{session_id}"
-    async with connect(url, subprotocols=[protocol], max_size=None, compression=None) as socket:
+    headers = {"Cookie": cookies} if cookies else {}
+    async with connect(
+        url, subprotocols=[protocol], max_size=None, compression=None, additional_headers=headers
+    ) as socket:
         client = Client(socket)
         await client.send(**CAMERA)
         yield client

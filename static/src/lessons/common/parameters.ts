@@ -10,6 +10,7 @@ const { clamp, log_odds_min, log_odds_max } = INITIAL_CONFIG;
 
 export const parameters = onPath<Readonly<Record<string, unknown>>>({
   ...INITIAL_PARAMETERS,
+  model: "step_window",
   range_max: 8,
   window: 0.2,
   clamp,

@@ -1,32 +1,37 @@
 import { type Signal, signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { bytes } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
 import { printing } from "../../ui/theme";
 import { Stage } from "../common/Stage";
+import { onPath } from "../stage/path";
 import { type Made, make, SCANS, SIDES, sizeOf } from "./model";
 import "../common/lesson.css";
 import "./resolution.css";
 
-/** The maps are made once, one after the other, coarse ones first. */
+const FIRST_NOISE = 0.01;
+const noise = onPath(FIRST_NOISE);
 const made: readonly Signal<Made | null>[] = SIDES.map(() => signal(null));
 
+/** Make the next map that is missing or has other noise, coarse ones first; return whether there was one. */
 function makeNext(): boolean {
-  const next = made.findLastIndex((one) => one.peek() === null);
+  const next = made.findLastIndex((one) => one.peek()?.noise !== noise.peek());
   const [one, side] = [made[next], SIDES[next]];
   if (!one || side === undefined) return false;
-  one.value = make(side);
+  one.value = make(side, noise.peek());
   return true;
 }
 
 /** The door and the pillar in cells of 1, 5 and 10 cm, with the memory of the floor and the time of the update. */
 export function Resolution() {
+  const sigma = noise.value;
   useEffect(() => {
     let timer = setTimeout(next, 30);
     function next(): void {
       if (makeNext()) timer = setTimeout(next, 30);
     }
     return () => clearTimeout(timer);
-  }, []);
+  }, [sigma]);
   if (printing.value) while (makeNext());
   return (
     <figure class="resolution" aria-label="The same scans in cells of 1, 5 and 10 cm">
@@ -35,9 +40,25 @@ export function Resolution() {
           <Panel key={side} side={side} made={made[i]?.value ?? null} />
         ))}
       </div>
+      <div class="figure-controls no-print">
+        <Slider
+          label="Noise of the ranges, σ"
+          sentence="Standard deviation of the measured distances from which all three maps are made."
+          value={sigma}
+          initial={FIRST_NOISE}
+          low={0}
+          high={0.1}
+          step={0.01}
+          unit="m"
+          tone="beam"
+          onInput={(value) => {
+            noise.value = value;
+          }}
+        />
+      </div>
       <figcaption class="quiet">
-        {SCANS} scans of 240 beams with a noise of σ = 1 cm. Memory: log-odds of 4 bytes for each cell of the whole
-        floor. Time: the update by the program of the lecture, in this browser.
+        {SCANS} scans of 240 beams. Memory: log-odds of 4 bytes for each cell of the whole floor. Time: the update by
+        the program of the lecture, in this browser.
       </figcaption>
     </figure>
   );
@@ -64,11 +85,12 @@ function Panel({ side, made: now }: { readonly side: number; readonly made: Made
   );
 }
 
-function Picture({ side, made: { grid } }: { readonly side: number; readonly made: Made }) {
-  const shown = useSignal(grid);
+function Picture({ side, made }: { readonly side: number; readonly made: Made }) {
+  const shown = useSignal(made.grid);
+  shown.value = made.grid;
   return (
     <Stage
-      geometry={grid.geometry}
+      geometry={made.grid.geometry}
       label={`The door and the pillar in cells of ${Math.round(100 * side)} cm`}
       grid={shown}
     />

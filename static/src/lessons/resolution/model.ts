@@ -30,14 +30,18 @@ export function sizeOf(side: number): { readonly cells: number; readonly bytes: 
 
 export interface Made {
   readonly grid: OccupancyGrid;
+  readonly noise: number;
   /** How long the update took here, milliseconds. */
   readonly ms: number;
 }
 
-export function make(side: number): Made {
-  const scans = DRIVE.slice(FIRST, LAST).map((pose, i) => ({ pose, scan: scanAt(pose, FIRST + i, USUAL) }));
+export function make(side: number, noise: number): Made {
+  const scans = DRIVE.slice(FIRST, LAST).map((pose, i) => ({
+    pose,
+    scan: scanAt(pose, FIRST + i, { ...USUAL, noise }),
+  }));
   const grid = emptyGrid(partOf(side));
   const start = performance.now();
   for (const { pose, scan } of scans) occupancyGridMapping(grid, scan, pose, INITIAL_CONFIG);
-  return { grid, ms: performance.now() - start };
+  return { grid, noise, ms: performance.now() - start };
 }

@@ -10,15 +10,10 @@ import { CORNERS, sightings } from "./corners";
 import { Frame } from "./Frame";
 import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
 import { LoopMarks } from "./LoopMarks";
+import type { MarkProps } from "./markProps";
 import type { Mark, Scene, Shown } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
-
-export interface MarkProps {
-  readonly transform: StageTransform;
-  readonly scene: Scene;
-  readonly shown: Shown;
-}
 
 /** The true walls, and who walks between them. */
 export function World({ transform, scene, shown }: MarkProps) {
@@ -64,7 +59,8 @@ function NewestScan({ transform, scene, shown }: MarkProps) {
   const at = shown.count - 1;
   const pose = scene.poses[at];
   if (!pose) return null;
-  return <Beams transform={transform} pose={pose} scan={scanAt(pose, at, scene.conditions)} />;
+  const from = believed(pose, at, scene.conditions, scene.poses);
+  return <Beams transform={transform} pose={from} scan={scanAt(pose, at, scene.conditions)} />;
 }
 
 /** The cones of the newest sonar scan, each with its arc. */

@@ -2,6 +2,7 @@ import { effect, type ReadonlySignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useId, useLayoutEffect, useRef } from "preact/hooks";
 import { shownByteAt } from "../../grid/cellValues";
+import type { OccupancyGrid } from "../../grid/occupancyGrid";
 import { FREE, OCCUPIED } from "../../render/chart/LogOddsBackground";
 import { mapColours, palette } from "../../render/map/palette";
 import { written } from "../../ui/numbers";
@@ -109,25 +110,48 @@ function layout(width: number, height: number, history: boolean): { map: Rect; l
   };
 }
 
-/** The map, one pixel for a cell, then the part in view enlarged without smoothing. */
-function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projection): void {
-  const context = canvas.getContext("2d");
-  if (!context) return;
-  const { rows, cols, resolution } = shown.map.geometry;
+interface Picture {
+  readonly isDark: boolean;
+  readonly trinary: boolean;
+  readonly picture: OffscreenCanvas;
+  /** The colour of what was never observed. */
+  readonly ground: string;
+}
+
+/** The newest picture of each map: while the view moves, the cells stay as they are. */
+const pictures = new WeakMap<OccupancyGrid, Picture>();
+
+/** A map with one pixel for a cell, in the colours of now. */
+function pictureOf(map: OccupancyGrid, trinary: boolean): Picture {
+  const kept = pictures.get(map);
+  if (kept && kept.isDark === isDark.value && kept.trinary === trinary) return kept;
+  const { rows, cols } = map.geometry;
   const colours = palette(RANGE, mapColours());
   const image = new ImageData(cols, rows);
   for (let row = 0; row < rows; row++)
     for (let col = 0; col < cols; col++) {
       const index = row * cols + col;
-      const l = shown.map.logOdds[index] ?? 0;
+      const l = map.logOdds[index] ?? 0;
       const state = l > OCCUPIED ? RANGE.high : l < FREE ? RANGE.low : 0;
-      const byte = Math.round(shownByteAt(scene.trinary ? state : l, RANGE));
-      const isSeen = shown.map.observed[index] === 1 && !(scene.trinary && state === 0);
+      const byte = Math.round(shownByteAt(trinary ? state : l, RANGE));
+      const isSeen = map.observed[index] === 1 && !(trinary && state === 0);
       const from = isSeen ? 4 * byte : 0;
       image.data.set(colours.subarray(from, from + 4), 4 * ((rows - 1 - row) * cols + col));
     }
-  const whole = new OffscreenCanvas(cols, rows);
-  whole.getContext("2d")?.putImageData(image, 0, 0);
+  const picture = new OffscreenCanvas(cols, rows);
+  picture.getContext("2d")?.putImageData(image, 0, 0);
+  const ground = `rgb(${colours[0]} ${colours[1]} ${colours[2]})`;
+  const made = { isDark: isDark.value, trinary, picture, ground };
+  pictures.set(map, made);
+  return made;
+}
+
+/** The part of the map that is in view, enlarged without smoothing. */
+function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projection): void {
+  const context = canvas.getContext("2d");
+  if (!context) return;
+  const { rows, cols, resolution } = shown.map.geometry;
+  const { picture, ground } = pictureOf(shown.map, scene.trinary);
   const ratio = Math.min(2, devicePixelRatio || 1);
   const { rect } = at;
   canvas.width = Math.round(rect.width * ratio);
@@ -136,11 +160,11 @@ function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projec
   canvas.style.height = `${rect.height}px`;
   context.imageSmoothingEnabled = false;
   context.scale(ratio, ratio);
-  context.fillStyle = `rgb(${colours[0]} ${colours[1]} ${colours[2]})`;
+  context.fillStyle = ground;
   context.fillRect(0, 0, rect.width, rect.height);
   if (scene.bare) return;
   context.drawImage(
-    whole,
+    picture,
     at.x(0) - rect.left,
     at.y(rows * resolution) - rect.top,
     cols * resolution * at.metre,

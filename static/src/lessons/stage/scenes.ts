@@ -50,7 +50,7 @@ const WALL_WORDS = {
 } as const;
 
 const POLICY_WORDS = {
-  ignore: "Ignored: beams without a return add nothing, so the middle of the room stays unknown.",
+  ignore: "Ignored: beams without a return add nothing, and what lies farther away stays unknown.",
   free: "Taken as free: all cells up to the max range are cleared, also where a surface only reflects the light away.",
   hit: "Taken as a hit: a ring of walls appears where there is nothing.",
 } as const;
@@ -124,6 +124,14 @@ export const SCENES = {
         return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * torn)} % of it with holes or jumps. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
       },
     }),
+  "no-return": () =>
+    scene({
+      scans: 29,
+      conditions: { reach: noReturnRange.value },
+      config: { no_return: noReturn.value },
+      marks: ["beams"],
+      caption: () => `Max range ${written(noReturnRange.value, 1)} m. ${POLICY_WORDS[noReturn.value]}`,
+    }),
   endpoint: () =>
     scene({
       scans: 29,
@@ -183,14 +191,6 @@ export const SCENES = {
       caption:
         "The same drive with 16 sonars in place of the laser. An echo says how far, not where on its arc: walls become thick and doors narrow.",
     }),
-  "no-return": () =>
-    scene({
-      scans: 46,
-      conditions: { reach: noReturnRange.value },
-      config: { no_return: noReturn.value },
-      marks: ["beams"],
-      caption: () => `Max range ${written(noReturnRange.value, 1)} m. ${POLICY_WORDS[noReturn.value]}`,
-    }),
   mount: () =>
     scene({
       scans: 56,
@@ -223,7 +223,7 @@ export const SCENES = {
           ? "In each cell: the number of beams of this one scan that pass it. Near the robot one scan counts many times."
           : "In each cell: one update by the scan, whatever the number of its beams.",
     }),
-  doubled: () =>
+  odometry: () =>
     scene({
       scans: 77,
       conditions: { drift: driftError.value * DEGREE },
@@ -280,11 +280,27 @@ export const SCENES = {
       marks: ["lines"],
       caption: "The door and the pillar in cells of 10 cm. Beside it the same corner in cells of 1, 5 and 10 cm.",
     }),
+  probable: () =>
+    scene({
+      scans: 72,
+      conditions: { drift: driftError.value * DEGREE },
+      view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
+      marks: ["beams", "odometry"],
+      caption:
+        "The robot stands at its true pose; its newest scan is drawn from where the odometry says it is: the end points lie beside the walls of the map.",
+    }),
   matching: () =>
     scene({
+      scans: 72,
+      view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
+      marks: ["beams"],
+      caption: "The same scan from its corrected pose: the end points lie on the walls of the map.",
+    }),
+  graph: () =>
+    scene({
       scans: 77,
-      marks: [],
-      caption: "The map of the same readings with corrected poses: each wall is drawn once again.",
+      marks: ["odometry"],
+      caption: "The whole drive with corrected poses: each wall is drawn once.",
     }),
   file: () =>
     scene({

@@ -1,7 +1,7 @@
 /** What goes wrong with maps of real buildings, each with its scene. */
 
 import { SideView } from "../../lessons/heights/SideView";
-import { driftError, peopleOn, peopleScans, polishedOn } from "../../lessons/stage/controls";
+import { peopleOn, peopleScans, polishedOn } from "../../lessons/stage/controls";
 import { Slider } from "../../ui/Slider";
 import { Toggle } from "../../ui/Toggle";
 import { OnStage } from "./OnStage";
@@ -122,41 +122,6 @@ export function LowTableSection({ id, number, title }: Props) {
         A planar laser measures in one plane, at the height of its mount. A table that is lower than this plane is not
         in any reading. The map is correct about what the laser saw, and wrong about where the robot can drive. Drag the{" "}
         <b class="noun-beam">laser</b> up and down.
-      </p>
-    </Section>
-  );
-}
-
-export function DoubledSection({ id, number, title }: Props) {
-  return (
-    <Section
-      id={id}
-      number={number}
-      title={title}
-      figure={
-        <OnStage scene="doubled" label="The map made with drifting odometry">
-          <Slider
-            label="Error of the heading"
-            sentence="How much the heading of the odometry is off after each scan, added up."
-            value={driftError.value}
-            initial={0.15}
-            low={-1}
-            high={1}
-            step={0.05}
-            unit="° per scan"
-            onInput={(value) => {
-              driftError.value = value;
-            }}
-          />
-        </OnStage>
-      }
-      sources={[["probabilistic-robotics", "section 5.4, the odometry motion model"]]}
-    >
-      <p>
-        Occupancy grid mapping takes the poses as known. Wheels slip, and dead reckoning adds up every error. When the
-        robot comes back to a place, its pose is off, and the same wall is drawn a second time beside the first:{" "}
-        <b>duplicated walls</b> are the sign of drifting poses. The <b class="noun-robot">solid</b> line is the true
-        path, the <b class="noun-beam">dashed</b> one is the odometry with which the map is made.
       </p>
     </Section>
   );

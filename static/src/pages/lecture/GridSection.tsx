@@ -60,7 +60,7 @@ export function GridSection({ id, number, title }: { id: string; number: number;
       </p>
       <MapProduct />
       <p>
-        The poses are taken as known; <SectionLink to="doubled" /> shows what happens if they are not. Later sections
+        The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. Later sections
         return to the first two assumptions; this figure shows what is lost with the third. Walls are not random: next
         to an occupied cell there is often another one. Independence is a convenience. It gives up the connectivity of
         space, and makes the update of each cell a small computation of its own.

@@ -11,8 +11,8 @@ import { SectionLink } from "./SectionLink";
 const noBeam = signal(undefined);
 
 const MODELS = [
-  { value: "fixed_increments", label: "fixed increments" },
   { value: "step_window", label: "step window in probabilities" },
+  { value: "fixed_increments", label: "fixed increments" },
   { value: "smooth_ramp", label: "smooth ramp" },
   { value: "sonar_cone", label: "sonar cone" },
   { value: "moravec_elfes", label: "Moravec and Elfes 1985" },

@@ -1,6 +1,8 @@
 import { signal } from "@preact/signals";
 import { Drift, USUAL } from "../../lessons/odometry/Drift";
+import { driftError } from "../../lessons/stage/controls";
 import { DragNumber } from "../../ui/DragNumber";
+import { Slider } from "../../ui/Slider";
 import { Section } from "./Section";
 
 const noise = signal(USUAL);
@@ -13,7 +15,27 @@ export function OdometrySection({ id, number, title }: { id: string; number: num
       id={id}
       number={number}
       title={title}
-      figure={<Drift noise={noise} />}
+      figure={
+        <>
+          <Drift noise={noise} />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: error of the heading"
+              sentence="By how much the heading of the stage's robot is off after each scan, added up."
+              value={driftError.value}
+              initial={0.15}
+              low={-1}
+              high={1}
+              step={0.05}
+              unit="° per scan"
+              tone="hit"
+              onInput={(value) => {
+                driftError.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
       sources={[["probabilistic-robotics", "chapter 5, for the errors of odometry"]]}
       after={
         <p>

@@ -112,9 +112,9 @@ export function SonarSection({ id, number, title }: { id: string; number: number
           after=","
           onInput={(value) => set({ window: value })}
         />{" "}
-        there is an <b class="noun-hit">obstacle</b>. The echo does not say where on the arc. In the figure a robot with
-        a ring of 16 sonars drives through a room; each sonar reports the nearest surface in its cone. Both maps are
-        made from the same readings.
+        there is an <b class="noun-hit">obstacle</b>; two cells of this figure, because a sonar is less exact than a
+        laser. The echo does not say where on the arc. In the figure a robot with a ring of 16 sonars drives through a
+        room; each sonar reports the nearest surface in its cone. Both maps are made from the same readings.
       </p>
     </Section>
   );

@@ -1,14 +1,18 @@
 /** Heights of a figure, CSS pixels: beside the stage, on a page of 1024 pixels, of 768, and of 390. */
 export type Reserve = readonly [wide: number, full: number, middle: number, narrow: number];
 
-/** The lessons in their order: the anchor of each on the page, its title, and the height of its figure. */
+/**
+ * The lessons in their order: the anchor of each on the page, its title, and the height of its figure. Sections on
+ * localization, costmaps, 3D maps and terrain belong between `file` and `next`; they come with their rooms.
+ */
 export const LESSONS = [
   { id: "landmarks", title: "Landmarks or a grid", reserve: [395, 328, 350, 574] },
   { id: "grid", title: "A grid and three assumptions", reserve: [318, 408, 324, 606] },
-  { id: "cell", title: "One cell", reserve: [428, 428, 428, 332] },
+  { id: "cell", title: "One cell", reserve: [454, 454, 454, 350] },
   { id: "log-odds", title: "Why log-odds", reserve: [587, 587, 587, 609] },
   { id: "model", title: "The inverse sensor model", reserve: [721, 680, 704, 825] },
   { id: "window", title: "What the window is for", reserve: [122, 122, 122, 193] },
+  { id: "no-return", title: "Beams without a return", reserve: [401, 430, 385, 1092] },
   { id: "endpoint", title: "From a reading to a cell", reserve: [186, 178, 178, 271] },
   { id: "rays", title: "Rays on a grid", reserve: [542, 723, 628, 420] },
   { id: "table", title: "Table 9.1, line by line", reserve: [424, 424, 424, 524] },
@@ -16,7 +20,6 @@ export const LESSONS = [
   { id: "pipeline", title: "The whole pipeline", reserve: [592, 592, 592, 676] },
   { id: "characters", title: "A map of characters", reserve: [753, 731, 731, 558] },
   { id: "sonar", title: "Sonar cones", reserve: [344, 434, 365, 751] },
-  { id: "no-return", title: "Beams without a return", reserve: [401, 430, 385, 1092] },
   { id: "mount", title: "Frames and mounts", reserve: [477, 517, 482, 896] },
   { id: "forgetting", title: "Clamping and forgetting", reserve: [642, 752, 684, 1024] },
   { id: "counting", title: "Per beam or per scan", reserve: [600, 690, 621, 961] },
@@ -24,11 +27,10 @@ export const LESSONS = [
   { id: "polished", title: "Polished walls", reserve: [40, 40, 40, 40] },
   { id: "people", title: "People who walk", reserve: [114, 114, 114, 114] },
   { id: "low-table", title: "A table below the laser", reserve: [192, 192, 192, 215] },
-  { id: "doubled", title: "Walls drawn twice", reserve: [66, 66, 66, 66] },
-  { id: "odometry", title: "When the poses are not known", reserve: [446, 446, 396, 847] },
-  { id: "probable", title: "The most probable pose", reserve: [511, 511, 594, 630] },
+  { id: "odometry", title: "When the poses are not known", reserve: [531, 532, 461, 928] },
+  { id: "probable", title: "The most probable pose", reserve: [567, 532, 576, 624] },
   { id: "matching", title: "Matching two scans", reserve: [495, 543, 467, 907] },
-  { id: "graph", title: "From matching to a graph", reserve: [901, 901, 806, 677] },
+  { id: "graph", title: "From matching to a graph", reserve: [745, 917, 816, 690] },
   { id: "file", title: "The file that Nav2 reads", reserve: [718, 673, 746, 1595] },
   { id: "next", title: "What is built on the map", reserve: [336, 292, 292, 493] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },

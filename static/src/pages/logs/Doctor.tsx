@@ -2,7 +2,9 @@ import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
+import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
+import type { Making } from "../making";
 import { confidenceLabel, type Examination, examine, type Finding, findingsLabel } from "./doctor";
 import "./doctor.css";
 import { trajectoryLabel } from "./describeLog";
@@ -23,12 +25,15 @@ const CHECKED =
 /** The examination of a log, which goes on while the doctor's group is closed. */
 export interface DoctorState {
   readonly state: Signal<State>;
+  /** How far an examination is; null for none, or before that is known. */
+  readonly progress: Signal<Making | null>;
   readonly run: (isShown: boolean) => Promise<void>;
 }
 
 /** The examination starts when the page is idle, a guest's with the button. */
 export function useDoctor(store: Store, session: string, isGuest: boolean): DoctorState {
   const state = useSignal<State>({ kind: "idle" });
+  const progress = useSignal<Making | null>(null);
   useSignalEffect(() => {
     // Another trajectory needs another examination.
     const now = store.trajectory.value?.name;
@@ -44,7 +49,9 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
   const run = async (isShown: boolean): Promise<void> => {
     state.value = { kind: "busy" };
     try {
-      const examination = await examine(session);
+      const examination = await examine(session, (making) => {
+        progress.value = making;
+      });
       const isOfNow = examination.trajectory === store.trajectory.peek()?.name;
       state.value = isOfNow ? { kind: "done", examination, isShown } : { kind: "idle" };
     } catch (error) {
@@ -52,7 +59,7 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
       state.value = { kind: "failed", why };
     }
   };
-  return { state, run };
+  return { state, progress, run };
 }
 
 /** The number of findings for the doctor's tab, null where none are known. */
@@ -77,7 +84,7 @@ const DRIFT = "walls.drift";
  * After an examination that began by itself a button states the number of findings; they are shown when it is pressed,
  * so that nothing on the page moves without a click.
  */
-export function Doctor({ store, doctor: { state, run }, onHeal }: DoctorProps) {
+export function Doctor({ store, doctor: { state, progress, run }, onHeal }: DoctorProps) {
   const now = state.value;
   const showsFindings = now.kind === "done" && now.isShown;
   return (
@@ -95,6 +102,7 @@ export function Doctor({ store, doctor: { state, run }, onHeal }: DoctorProps) {
             {now.kind === "busy" ? "Examining …" : "Examine this log"}
           </Button>
         )}
+        {!showsFindings && <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} />}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
         {showsFindings && now.examination.findings.length === 0 && (
           <p>
@@ -115,6 +123,24 @@ export function Doctor({ store, doctor: { state, run }, onHeal }: DoctorProps) {
         )}
       </div>
     </Panel>
+  );
+}
+
+interface ProgressProps {
+  readonly isBusy: boolean;
+  readonly progress: Making | null;
+}
+
+/** It has its room also while there is no examination: one begins by itself, and nothing is to move then. */
+function ExaminationProgress({ isBusy, progress }: ProgressProps) {
+  const fraction = progress?.fraction ?? null;
+  return (
+    <div class={isBusy ? "doctor-progress" : "doctor-progress idle"} aria-hidden="true">
+      <div class={fraction === null ? "progress waiting" : "progress"}>
+        <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
+      </div>
+      <span class="quiet number">{progress && progressText(progress)}</span>
+    </div>
   );
 }
 

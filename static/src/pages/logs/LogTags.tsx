@@ -50,7 +50,7 @@ export function LogTags({ log }: { readonly log: LogRecord }) {
       <button
         type="button"
         class="tag add"
-        aria-label={`Change the tags of ${log.name}`}
+        aria-label={log.tags.length === 0 ? `Add a tag to ${log.name}` : `Change the tags of ${log.name}`}
         onClick={() => {
           isEdited.value = true;
         }}

@@ -1,6 +1,7 @@
 /** The server's examination of a log. */
 
 import type { Value } from "../../wire/protocol";
+import { followMaking, type Making, newName } from "../making";
 
 export interface Finding {
   readonly check: string;
@@ -23,9 +24,11 @@ export interface Examination {
   readonly findings: readonly Finding[];
 }
 
-/** Examine the log of a session. Throws an error with the server's message if it is refused. */
-export async function examine(session: string): Promise<Examination> {
-  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor`);
+/** Examine the log of a session; `show` is called with how far that is. Throws an error with the server's message if it is refused. */
+export async function examine(session: string, show: (making: Making | null) => void): Promise<Examination> {
+  const name = newName();
+  const stop = followMaking(name, show);
+  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor?name=${name}`).finally(stop);
   const body: unknown = await answer.json();
   if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The log could not be examined.");
   return body as Examination;

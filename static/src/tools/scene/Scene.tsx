@@ -1,9 +1,30 @@
+/** The 3D view of a session: the canvas of the server's scene, and our own controls of its camera and its layers. */
+
 import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { Button } from "../../ui/Button";
+import { Slider } from "../../ui/Slider";
+import { toast } from "../../ui/Toast";
 import { isDark, printing } from "../../ui/theme";
 import "./scene.css";
 
-/** The 3D scene of a session in an iframe, in the colour scheme of this page. */
-export function Scene({ session }: { readonly session: string }) {
+/** What can be set of a view. */
+interface Settings {
+  readonly cameras: readonly string[];
+  readonly layers: Readonly<Record<string, boolean>>;
+  readonly height: number;
+}
+
+interface SceneProps {
+  readonly session: string;
+}
+
+const addressOf = (session: string, part: string): string => `/scenes/${encodeURIComponent(session)}/${part}`;
+
+/** Interval at which the layers are asked for until the scene has some. */
+const AGAIN_MS = 700;
+
+export function Scene({ session }: SceneProps) {
   const dark = useSignal(isDark.peek());
   useSignalEffect(() => {
     if (!printing.value) dark.value = isDark.value;
@@ -11,10 +32,75 @@ export function Scene({ session }: { readonly session: string }) {
   const query = dark.value ? "?darkMode" : "";
   return (
     <div class="scene-group">
-      <iframe class="scene" title="3D view" src={`/scenes/${encodeURIComponent(session)}/${query}`} />
+      <iframe class="scene" title="3D view" src={addressOf(session, `plain/${query}`)} />
+      <SceneControls session={session} />
+    </div>
+  );
+}
+
+function SceneControls({ session }: SceneProps) {
+  const now = useSignal<Settings | null>(null);
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const look = async (): Promise<void> => {
+      const found = await ask(session);
+      if (found) now.value = found;
+      if (!found || Object.keys(found.layers).length === 0) timer = setTimeout(() => void look(), AGAIN_MS);
+    };
+    void look();
+    return () => clearTimeout(timer);
+  }, [session]);
+  const change = async (wanted: object): Promise<void> => {
+    const found = await ask(session, wanted);
+    if (found) now.value = found;
+    else toast("The server does not answer.", "error");
+  };
+  const { cameras = [], layers = {}, height = 1 } = now.value ?? {};
+  return (
+    <div class="scene-controls">
+      <fieldset class="actions" aria-label="Camera">
+        {cameras.map((camera) => (
+          <Button key={camera} onClick={() => void change({ camera })}>
+            {camera.charAt(0).toUpperCase() + camera.slice(1)}
+          </Button>
+        ))}
+      </fieldset>
+      <fieldset class="actions" aria-label="Layers">
+        {Object.entries(layers).map(([label, isShown]) => (
+          <Button key={label} pressed={isShown} onClick={() => void change({ layers: { [label]: !isShown } })}>
+            {label}
+          </Button>
+        ))}
+      </fieldset>
+      <Slider
+        label="Height of the columns"
+        sentence="How many times as high as by default the columns of the map are drawn."
+        unit="×"
+        value={height}
+        initial={1}
+        low={0.2}
+        high={5}
+        step={0.1}
+        onInput={(value) => void change({ height: value })}
+      />
       <a href={`/3d?session=${encodeURIComponent(session)}`} target="_blank" rel="noopener">
-        Open in a new tab
+        Open in a new tab, with all parameters
       </a>
     </div>
   );
+}
+
+/** The settings of a scene, after a change of some of them; null where the server does not answer. */
+async function ask(session: string, wanted?: object): Promise<Settings | null> {
+  const change = wanted && {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(wanted),
+  };
+  try {
+    const answer = await fetch(addressOf(session, "settings"), change);
+    return answer.ok ? ((await answer.json()) as Settings) : null;
+  } catch {
+    return null;
+  }
 }

@@ -12,7 +12,8 @@ import pytest
 from rosbags.highlevel import AnyReader
 from scipy.spatial.transform import Rotation
 
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, ReadError
+from mapper.io.clouds import open_clouds
 from mapper.io.logs import open_robot_log
 from mapper.io.logs.selection import Selection
 from mapper.sensors.point_cloud import PointCloud
@@ -88,6 +89,26 @@ def test_clouds_and_imus_beside_a_lidar_are_streams_with_frame_mount_and_stamps(
     assert whole.frame_id == "imu"
     assert np.isnan(whole.orientation[:3]).all()
     np.testing.assert_array_equal(whole.orientation[3:, 2], [one.orientation.z for one in turns[3:]])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_clouds_of_a_robot_without_a_lidar_are_opened_without_being_cut(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = [one for one in run() if one.topic != "/scan"]
+    path = written(tmp_path, said, kind)
+    decoded: list[object] = []
+    monkeypatch.setattr("mapper.io.logs.cutting.point_cloud", lambda *args, **_: decoded.append(args))
+    (stream,) = open_clouds(path).values()
+    assert decoded == []
+    assert [one.stamp_ns for one in stream] == [T0 + i * TENTH + 5 for i in range(8)]
+    mounts = stream.mounts("velodyne", np.array([T0 + 2 * TENTH]))
+    assert mounts is not None
+    np.testing.assert_allclose(mounts[0, :3, 3], [0.2, 0.1, 1.0])
+    folder = tmp_path / "none"
+    folder.mkdir()
+    with pytest.raises(ReadError, match="holds no point clouds"):
+        open_clouds(written(folder, [one for one in said if one.topic != "/points"], kind))
 
 
 def test_no_more_than_a_few_clouds_are_in_memory_and_reading_ends_with_the_reader(tmp_path: Path) -> None:

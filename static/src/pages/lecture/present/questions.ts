@@ -90,7 +90,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Rotate the coloured fan, then shift it, then turn it upside down. Which of the three is hardest to notice?",
   },
   forgetting: {
-    question: "A table stood there for an hour and is removed. When does the map forget it?",
+    question: "A table stood there for an hour and is taken away. When is it forgotten?",
     options: ["About as long again", "About twice as long", "After the same few scans, however long it stood"],
     right: 2,
     answer: "That is what the clamp is for: it bounds the certainty. Without it, all hits have to be outweighed.",
@@ -178,16 +178,11 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
     notes: "Drag the laser up and down past the height of the table, and watch the map.",
   },
-  doubled: {
+  odometry: {
     question: "A map shows the same wall twice, a little apart. What has happened?",
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
     right: 1,
-    answer: "The poses are taken as known. Where they drift, a place seen again is drawn in another position.",
-    notes: "Drag the error of the heading away from zero. Small errors add up: the first scans look right.",
-  },
-  odometry: {
-    question: "The wheels slip by a few percent. How good is the map after one round?",
-    answer: "Errors of raw odometry add up, that of the heading most of all; matching keeps them small.",
+    answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
     notes: "Drag the error of the heading first, then that of the way. Compare the two maps.",
   },
   probable: {

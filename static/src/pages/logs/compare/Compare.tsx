@@ -2,7 +2,6 @@
 
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { Fragment } from "preact";
-import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { BLINK_S, type Comparison, VIEW_MODES, type ViewMode } from "../../../tools/compare/comparison";
 import { Legend } from "../../../tools/compare/Legend";
@@ -13,7 +12,7 @@ import { Panel } from "../../../ui/Panel";
 import { Toggle } from "../../../ui/Toggle";
 import type { Compared, LogInfo } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
-import { logs, watchAll } from "../library";
+import { LogChoice } from "../LogChoice";
 import { compareWith, differing, endComparison, type Kind, kindOf, type Other } from "./sides";
 
 interface CompareProps {
@@ -162,43 +161,19 @@ function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonl
   );
 }
 
-const VALUE_SEPARATOR = "\n";
-
 function Logs({ own, compared, disabled, onChoose }: ChooseProps & { readonly own: string }) {
-  useEffect(watchAll, []);
-  const list = (logs.value ?? []).filter((log) => log.state === "ready" && log.id !== own);
-  const choices = list.flatMap((log) => {
-    const sensors = log.topics.filter((topic) => topic.beams !== null);
-    return sensors.length > 1
-      ? sensors.map((topic) => ({ id: log.id, topic: topic.name, label: `${log.name}, ${topic.name}` }))
-      : [{ id: log.id, topic: "", label: log.name }];
-  });
-  const now = compared?.log ? compared.log + VALUE_SEPARATOR + (compared.topic ?? "") : "";
   return (
     <>
       <p class="quiet">
         A is another log, complete, with the settings of this one. The maps can be compared only if the poses of both
         logs are in the same frame.
       </p>
-      <label class="field">
-        <span class="visually-hidden">The other log</span>
-        <select
-          class="select"
-          disabled={disabled || choices.length === 0}
-          value={now}
-          onChange={(event) => {
-            const [log = "", topic = ""] = event.currentTarget.value.split(VALUE_SEPARATOR);
-            if (log) onChoose({ log, topic: topic || null });
-          }}
-        >
-          <option value="">{choices.length > 0 ? "Choose a log …" : "No other log"}</option>
-          {choices.map(({ id, topic, label }) => (
-            <option key={id + topic} value={id + VALUE_SEPARATOR + topic}>
-              {label}
-            </option>
-          ))}
-        </select>
-      </label>
+      <LogChoice
+        own={own}
+        chosen={compared?.log ? { log: compared.log, topic: compared.topic ?? null } : null}
+        disabled={disabled}
+        onChoose={onChoose}
+      />
     </>
   );
 }

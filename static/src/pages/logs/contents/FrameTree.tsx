@@ -19,7 +19,7 @@ export function FrameTree({ store, session }: FrameTreeProps) {
         frames > 0 ? (
           <Tree store={store} session={session} />
         ) : (
-          <p class="quiet">The log has no transforms (tf): its scans state where the robot was.</p>
+          <p class="quiet">The log has no transforms (tf): there is no tree of frames.</p>
         )
       }
     </WhenKnown>

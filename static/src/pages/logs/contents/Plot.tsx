@@ -62,6 +62,17 @@ export function Plot({ store, series, plot, zoom }: PlotProps) {
   useEffect(() => {
     drawn.current?.setSize({ width, height: HEIGHT });
   }, [width]);
+  const level = levelOf(columns.flatMap((column) => column.values));
+  if (level !== null) {
+    return (
+      <figure class="plot" data-plot={plot}>
+        <figcaption>{plot}</figcaption>
+        <p class="quiet">
+          {Number.isNaN(level) ? "There are no values." : `${Number(level.toFixed(3))} ${unit} all the time.`}
+        </p>
+      </figure>
+    );
+  }
   return (
     <figure class="plot" data-plot={plot}>
       <figcaption>
@@ -71,6 +82,13 @@ export function Plot({ store, series, plot, zoom }: PlotProps) {
       <div ref={frame} role="img" aria-label={inWords(series, plot)} />
     </figure>
   );
+}
+
+/** The value that all have in common, NaN without any; null where they differ and are worth a chart. */
+function levelOf(values: readonly (number | null)[]): number | null {
+  const known = values.filter((value) => value !== null);
+  const first = known[0] ?? Number.NaN;
+  return known.every((value) => value === first) ? first : null;
 }
 
 /** A drag sets the interval, a double click ends it; uPlot's own zoom would show the coarse values enlarged. */

@@ -114,16 +114,6 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
           {type}
           {isMapped && <strong class="topic-mapped"> · mapped</strong>}
         </span>
-        {sensor && (
-          <Button
-            kind="quiet"
-            label={`Map ${name}`}
-            disabled={sensor.reading.value !== null}
-            onClick={() => void sensor.use(name, null)}
-          >
-            Map this topic
-          </Button>
-        )}
         {hasSpan && whole > 0 && (
           <span
             class="topic-span"
@@ -134,6 +124,17 @@ function Row({ topic, whole, isMapped, sensor }: RowProps) {
               from {clock(first_s)} to {clock(last_s)}
             </span>
           </span>
+        )}
+        {sensor && (
+          <button
+            type="button"
+            class="topic-map"
+            aria-label={`Map ${name}`}
+            disabled={sensor.reading.value !== null}
+            onClick={() => void sensor.use(name, null)}
+          >
+            {isMapped ? "Map this one by itself" : "Map this one"}
+          </button>
         )}
       </th>
       <td>{messages.toLocaleString("en")}</td>

@@ -12,7 +12,9 @@ import type { SlamState } from "./api";
 import { Graph } from "./Graph";
 import type { Healing } from "./healing";
 import "./heal.css";
+import { Merge } from "./Merge";
 import { Parameters } from "./Parameters";
+import { Score } from "./Score";
 
 interface HealProps {
   readonly store: Store;
@@ -66,6 +68,8 @@ export function Heal({ store, session, healing, comparison, isGuest }: HealProps
         </Panel>
       )}
       {graph && <Graph store={store} healing={healing} graph={graph} isGuest={isGuest} />}
+      {!isGuest && <Merge store={store} session={session} comparison={comparison} />}
+      {!isGuest && <Score store={store} session={session} />}
       {!graph && isGuest && <p class="quiet">The poses of this map have no pose graph.</p>}
     </>
   );

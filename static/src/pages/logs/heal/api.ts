@@ -48,6 +48,65 @@ export const cancelSlam = (id: string): Promise<SlamState> => request(healing(id
 export const poseGraph = async (id: string): Promise<PoseGraph | null> =>
   (await request<{ graph: PoseGraph | null }>(`${session(id)}/graph`)).graph;
 
+/** Two logs of one place brought into one frame: what is under way, or what came of it. */
+export interface MergeState {
+  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
+  readonly other: string | null;
+  readonly fraction: number;
+  readonly elapsed_s: number | null;
+  readonly error: { readonly message: string } | null;
+  readonly result: {
+    readonly trajectory: string;
+    readonly loops: number;
+    readonly tried: number;
+    readonly score: number;
+    readonly cpu_s: number;
+  } | null;
+}
+
+const merging = (id: string): string => `${session(id)}/merge`;
+
+export const mergeState = (id: string): Promise<MergeState> => request(merging(id));
+
+export const mergeWith = (id: string, log: string, topic: string | null): Promise<MergeState> =>
+  request(merging(id), "POST", { log, topic });
+
+export const cancelMerge = (id: string): Promise<MergeState> => request(merging(id), "DELETE");
+
+/** Mean errors over relations. */
+export interface ScoreFigures {
+  readonly count: number;
+  readonly translation_m: number;
+  readonly rotation_deg: number;
+}
+
+export interface PoseScore {
+  readonly trajectory: string;
+  readonly relations: number;
+  readonly policy: "records" | "time";
+  readonly left_out: number;
+  readonly all: ScoreFigures;
+  readonly unambiguous: ScoreFigures | null;
+  readonly published: readonly {
+    readonly program: string;
+    readonly translation: number;
+    readonly rotation: number | null;
+    readonly count: number | null;
+    readonly source: string;
+  }[];
+}
+
+/** Score the poses in use against the relations in a file. */
+export async function scorePoses(id: string, file: File): Promise<PoseScore> {
+  const answer = await fetch(`${session(id)}/relations?name=${encodeURIComponent(file.name)}`, {
+    method: "PUT",
+    body: file,
+  });
+  const body = (await answer.json()) as PoseScore & { readonly message?: string };
+  if (!answer.ok) throw new Error(body.message ?? "The server refused this file.");
+  return body;
+}
+
 export interface Change {
   readonly remove?: number;
   readonly lock?: number;

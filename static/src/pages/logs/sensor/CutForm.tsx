@@ -16,7 +16,13 @@ interface CutFormProps {
 export function CutForm({ log, sensor }: CutFormProps) {
   if (!log.cut) return null;
   return (
-    <Disclosure title="Scans cut from clouds" note={log.topic} open>
+    <Disclosure
+      title={
+        log.cut.table.some((row) => row.name === "min_height") ? "Scans cut from clouds" : "Scans cut from depth images"
+      }
+      note={log.topic}
+      open
+    >
       <Fields
         key={JSON.stringify(log.cut.values)}
         table={log.cut.table}
@@ -70,7 +76,7 @@ function Fields({ table, values, sensor, topic }: FieldsProps) {
           class="button primary"
           disabled={fault !== null || !isChanged || sensor.reading.value !== null}
         >
-          Cut the scans so
+          Cut the scans again
         </button>
       </div>
       <p role="status">{fault}</p>
@@ -93,7 +99,7 @@ function Field({ row, value, onInput }: FieldProps) {
       <label for={id}>{row.label}</label>
       <input
         id={id}
-        class="input"
+        class="cut-input"
         type="number"
         step="any"
         min={low}

@@ -1,0 +1,65 @@
+"""``/api/sessions/{id}/merge``: bring a session's log and another one of the same place into one frame."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.core.errors import MapperError
+from server.http.routes.trajectories import update_sessions
+from server.http.services import Logs, Sessions
+from server.http.session_access import writable_session
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+_tasks: set[asyncio.Task[None]] = set()  # of merges that have ended: asyncio itself keeps no reference
+
+
+class Other(BaseModel):
+    """The log to merge with."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    log: str = Field(max_length=64, description="Id of the other log.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of it, if it has several.")
+
+
+@router.post("/{session_id}/merge", status_code=202)
+async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Other) -> dict[str, Any]:
+    """Begin to align the session's log and another one of the same place, as a job.
+
+    Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
+    have a trajectory ``merged`` in one frame.
+    """
+    of_log = writable_session(sessions, session_id)
+    owner, first = of_log.owner, (of_log.log_id, of_log.recording.view().topic)
+
+    async def tell() -> None:
+        with suppress(MapperError):  # a log was deleted meanwhile
+            for log_id in (first[0], wanted.log):
+                await update_sessions(library, sessions, owner, log_id)
+
+    def done() -> None:
+        task = asyncio.create_task(tell())
+        _tasks.add(task)
+        task.add_done_callback(_tasks.discard)
+
+    return library.merges.begin(owner, first, (wanted.log, wanted.topic), done)
+
+
+@router.get("/{session_id}/merge")
+async def state(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return how far the merge of the session's log is, and what came of it."""
+    of_log = writable_session(sessions, session_id)
+    return library.merges.state(of_log.owner, of_log.log_id)
+
+
+@router.delete("/{session_id}/merge")
+async def cancel(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Cancel the merge of the session's log, if it is queued or running."""
+    of_log = writable_session(sessions, session_id)
+    return await library.merges.cancel(of_log.owner, of_log.log_id)

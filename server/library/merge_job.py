@@ -1,0 +1,79 @@
+"""The job of a worker process that brings two logs of one place into one frame. It writes a TUM file for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.sensors.scan import ScanLog
+from server.library import job as jobs
+from server.library.log_pack import StalePackError, read_pack
+from server.library.slam_job import lower_priority
+
+DOING = "Merging these logs"  #: in errors
+NAME = "merged"  #: of the trajectories
+ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
+
+
+@dataclass(frozen=True, slots=True)
+class MergeJob:
+    """Merge the logs in the packs ``first`` and ``second``. ``out`` is the path of its files without their endings."""
+
+    first: str
+    second: str
+    out: str
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[MergeJob], MergeOutcome]:
+        """The function that does it."""
+        return do_merge_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that takes too long."""
+        return jobs.time_error(self.timeout_s, DOING, "merge")
+
+
+@dataclass(frozen=True, slots=True)
+class MergeOutcome:
+    """How two logs were merged: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match."""
+
+    loops: int
+    tried: int
+    score: float
+    cpu_s: float
+
+
+def do_merge_job(job: MergeJob) -> MergeOutcome:
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for logs that do not show one place, and limits."""
+    lower_priority()
+    return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _merge(job), DOING, "merge")
+
+
+def _merge(job: MergeJob) -> MergeOutcome:
+    from mapper.io.export import tum_text  # noqa: PLC0415 - only this process needs SciPy and SLAM
+    from mapper.sensors.scan import Trajectory  # noqa: PLC0415
+    from mapper.slam import MergeProgress, merge_logs  # noqa: PLC0415
+
+    def report(progress: MergeProgress) -> bool:
+        jobs.note_progress(progress.fraction)
+        return True
+
+    logs = _read(job.first), _read(job.second)
+    found = merge_logs(*logs, progress=report)
+    for log, poses, ending in zip(logs, found.poses, ENDINGS, strict=True):
+        one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
+        Path(job.out + ending).write_text(tum_text(one, NAME), encoding="ascii")
+    jobs.note_progress(1.0)
+    return MergeOutcome(len(found.loops), found.n_tried, found.score, found.cpu_seconds)
+
+
+def _read(pack: str) -> ScanLog:
+    try:
+        return read_pack(Path(pack))
+    except StalePackError:
+        raise ReadError("log.gone", "What was read of this log is no longer there.") from None

@@ -1,0 +1,51 @@
+/** A choice of one of the visitor's other logs, and of its sensor where it has several. */
+
+import { useEffect } from "preact/hooks";
+import { logs, watchAll } from "./library";
+
+export interface ChosenLog {
+  readonly log: string;
+  readonly topic: string | null;
+}
+
+interface LogChoiceProps {
+  /** The log that is not offered. */
+  readonly own: string;
+  readonly chosen: ChosenLog | null;
+  readonly disabled: boolean;
+  readonly onChoose: (chosen: ChosenLog) => void;
+}
+
+const SEPARATOR = "\n";
+
+export function LogChoice({ own, chosen, disabled, onChoose }: LogChoiceProps) {
+  useEffect(watchAll, []);
+  const list = (logs.value ?? []).filter((log) => log.state === "ready" && log.id !== own);
+  const choices = list.flatMap((log) => {
+    const sensors = log.topics.filter((topic) => topic.beams !== null);
+    return sensors.length > 1
+      ? sensors.map((topic) => ({ id: log.id, topic: topic.name, label: `${log.name}, ${topic.name}` }))
+      : [{ id: log.id, topic: "", label: log.name }];
+  });
+  return (
+    <label class="field">
+      <span class="visually-hidden">The other log</span>
+      <select
+        class="select"
+        disabled={disabled || choices.length === 0}
+        value={chosen ? chosen.log + SEPARATOR + (chosen.topic ?? "") : ""}
+        onChange={(event) => {
+          const [log = "", topic = ""] = event.currentTarget.value.split(SEPARATOR);
+          if (log) onChoose({ log, topic: topic || null });
+        }}
+      >
+        <option value="">{choices.length > 0 ? "Choose a log …" : "No other log"}</option>
+        {choices.map(({ id, topic, label }) => (
+          <option key={id + topic} value={id + SEPARATOR + topic}>
+            {label}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}

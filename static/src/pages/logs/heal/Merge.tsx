@@ -1,0 +1,117 @@
+/** Merges the log with another one of the same place: both get poses in one frame, and their maps are shown as one. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import type { Comparison } from "../../../tools/compare/comparison";
+import { Button } from "../../../ui/Button";
+import { Panel } from "../../../ui/Panel";
+import { compareWith } from "../compare/sides";
+import { type ChosenLog, LogChoice } from "../LogChoice";
+import { cancelMerge, type MergeState, mergeState, mergeWith } from "./api";
+
+interface MergeProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly comparison: Comparison;
+}
+
+const EVERY_MS = 500;
+const isUnderWay = (job: MergeState | null): boolean => job?.state === "queued" || job?.state === "running";
+
+export function Merge({ store, session, comparison }: MergeProps) {
+  const own = store.hello.value?.log?.id ?? "";
+  const chosen = useSignal<ChosenLog | null>(null);
+  const job = useSignal<MergeState | null>(null);
+  const failure = useSignal<string | null>(null);
+  const ask = async (what: Promise<MergeState>): Promise<void> => {
+    failure.value = null;
+    try {
+      job.value = await what;
+    } catch (error) {
+      failure.value = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+    }
+  };
+  const now = job.value;
+  useEffect(() => {
+    void mergeState(session).then(
+      (found) => {
+        job.value = found;
+      },
+      () => undefined, // the server does not answer: nothing is under way that this page knows of
+    );
+  }, [session, job]);
+  useEffect(() => {
+    if (!isUnderWay(now)) return;
+    const timer = setTimeout(() => void ask(mergeState(session)), EVERY_MS);
+    return () => clearTimeout(timer);
+  });
+  const showBoth = async (result: NonNullable<MergeState["result"]>): Promise<void> => {
+    store.send({ type: "trajectory", name: result.trajectory });
+    comparison.mode.value = "merge";
+    failure.value = await compareWith(session, {
+      log: now?.other ?? null,
+      topic: chosen.peek()?.topic ?? null,
+      trajectory: result.trajectory,
+    });
+  };
+  return (
+    <Panel title="Merge with another log">
+      <div class="heal">
+        <p class="quiet">
+          Another log of the same place: SLAM corrects both, one map is laid on the other, and all scans are joined in
+          one graph.
+        </p>
+        {!isUnderWay(now) && (
+          <>
+            <LogChoice
+              own={own}
+              chosen={chosen.value}
+              disabled={false}
+              onChoose={(choice) => {
+                chosen.value = choice;
+              }}
+            />
+            <div class="heal-actions">
+              <Button
+                disabled={chosen.value === null}
+                onClick={() => chosen.value && void ask(mergeWith(session, chosen.value.log, chosen.value.topic))}
+              >
+                Merge the two logs
+              </Button>
+              {now?.result && (
+                <Button onClick={() => now.result && void showBoth(now.result)}>Show both as one map</Button>
+              )}
+            </div>
+          </>
+        )}
+        {now && isUnderWay(now) && (
+          <div class="heal-progress">
+            <progress max={1} value={now.fraction} aria-label="Merging" />
+            <p role="status">
+              {now.state === "queued" ? "Waiting …" : "Merging …"} {Math.floor(100 * now.fraction)} %
+              {now.elapsed_s !== null && ` · ${Math.floor(now.elapsed_s)} s`}
+            </p>
+            <div class="heal-actions">
+              <Button icon="close" onClick={() => void ask(cancelMerge(session))}>
+                Cancel
+              </Button>
+            </div>
+          </div>
+        )}
+        {now?.result && (
+          <p role="status">
+            Merged: {now.result.loops} of {now.result.tried} loops between the two logs fit. Both logs have a trajectory
+            “merged” in one frame.
+          </p>
+        )}
+        {now?.state === "cancelled" && <p role="status">Merging was cancelled. Both logs are as before.</p>}
+        {(failure.value ?? now?.error?.message) && (
+          <p class="heal-failed" role="alert">
+            {failure.value ?? now?.error?.message}
+          </p>
+        )}
+      </div>
+    </Panel>
+  );
+}

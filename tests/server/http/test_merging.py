@@ -1,0 +1,115 @@
+"""Two logs of one place merged over HTTP: both get poses in one frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from mapper.core.errors import ConfigError
+from server.library.merge_job import ENDINGS, MergeJob, MergeOutcome
+from tests.server.library import slam_stand_ins as stand_ins
+from tests.server.library.small_logs import carmen, tum
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
+
+
+def quick(job: MergeJob) -> MergeOutcome:
+    """Lay both logs 2 m to the left."""
+    for ending, start in zip(ENDINGS, (0, 100), strict=True):
+        Path(job.out + ending).write_bytes(tum(6, 2.0, start))
+    return MergeOutcome(7, 9, 0.8, 0.5)
+
+
+def apart(job: MergeJob) -> MergeOutcome:
+    raise ConfigError("merge.apart", "The two logs do not show the same place.")
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with pytest.MonkeyPatch.context() as patch:
+        worker_at: Callable[..., Any] = __import__("server.library.workers", fromlist=["worker_at"]).worker_at
+        made: list[Any] = []
+
+        def first_a_real_one(*given: Any) -> Any:
+            made.append(stand_ins.ThreadWorker() if made else worker_at(*given))
+            return made[-1]
+
+        patch.setattr("server.library.library.worker_at", first_a_real_one)
+        patch.setattr("server.library.merge_job.do_merge_job", quick)
+        with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
+            yield service
+
+
+@pytest.fixture(scope="module")
+def logs(service: Service) -> tuple[str, str]:
+    found = []
+    for name, start in (("first.log", 0), ("second.log", 100)):
+        log_id = service.http.put("/api/logs", params={"name": name}, content=carmen(6, start)).json()["id"]
+        once_read(service.http, log_id)
+        found.append(str(log_id))
+    return found[0], found[1]
+
+
+def ended(http: httpx.Client, session: str) -> dict[str, Any]:
+    address = f"/api/sessions/{session}/merge"
+    return dict(until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one))
+
+
+def ys(http: httpx.Client, session: str) -> list[float]:
+    lines = http.get(f"/api/sessions/{session}/trajectory.tum").text.splitlines()
+    return [float(line.split()[2]) for line in lines]
+
+
+def test_both_logs_have_the_merged_poses_and_their_maps_are_compared(service: Service, logs: tuple[str, str]) -> None:
+    http = service.http
+    session = service.begin(kind="log", log=logs[0], playing=False)
+    address = f"/api/sessions/{session}/merge"
+    assert http.get(address).json()["state"] == "none"
+    answer = http.post(address, json={"log": logs[1]})
+    assert answer.status_code == 202, answer.text
+    found = ended(http, session)
+    assert (found["state"], found["other"]) == ("done", logs[1])
+    assert found["result"] == {"trajectory": "merged", "loops": 7, "tried": 9, "score": 0.8, "cpu_s": 0.5}
+    for log_id in logs:
+        other = service.begin(kind="log", log=log_id, trajectory="merged", playing=False)
+        assert ys(http, other) == [2.0] * 6
+    beside = {"log": logs[1], "trajectory": "merged"}
+    assert http.put(f"/api/sessions/{session}/compare", json=beside).status_code == 200
+
+
+def test_what_cannot_be_merged_is_said(
+    service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    http = service.http
+    session = service.begin(kind="log", log=logs[0], playing=False)
+    address = f"/api/sessions/{session}/merge"
+    assert http.post(address, json={"log": logs[0]}).json()["code"] == "merge.same"
+    assert http.post(address, json={"log": "nothing"}).status_code == 404
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", apart)
+    http.post(address, json={"log": logs[1]})
+    assert ended(http, session)["error"] == {
+        "code": "merge.apart", "message": "The two logs do not show the same place."
+    }  # fmt: skip
+    token = http.post("/api/links", json={"session": session}).json()["token"]
+    with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guest:
+        guests = guest.post(f"/api/shared/{token}/sessions").json()["id"]
+        assert guest.post(f"/api/sessions/{guests}/merge", json={"log": logs[1]}).status_code in (403, 404)
+
+
+def test_a_merge_is_cancelled(service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", endless)
+    session = service.begin(kind="log", log=logs[1], playing=False)
+    address = f"/api/sessions/{session}/merge"
+    service.http.post(address, json={"log": logs[0]})
+    until(lambda: service.http.get(address).json()["state"] == "running")
+    assert service.http.post(address, json={"log": logs[0]}).json()["code"] == "merge.too_many"
+    assert service.http.delete(address).json()["state"] == "cancelled"
+
+
+def endless(job: MergeJob) -> MergeOutcome:
+    """Go on until the files of the job are removed."""
+    until(lambda: not Path(job.first).exists())
+    return MergeOutcome(0, 0, 0.0, 0.0)

@@ -1,0 +1,77 @@
+"""The page's own controls of a 3D view: cameras, the height of the columns, layers; the view without viser's panel."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from server.scenes.cameras import CAMERAS, CameraName, camera_at
+from tests.server.begin import new_simulation
+from tests.server.scenes.conftest import Service
+from tests.server.scenes.viser_client import Client, viser_client
+
+
+def cameras_set(client: Client) -> list[Any]:
+    return [message["position"] for message in client.of_type("SetCameraPositionMessage")]
+
+
+async def test_cameras_height_and_layers_are_set(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    base, address = f"http://127.0.0.1:{service.port}", f"/scenes/{session.id}/settings"
+    async with httpx.AsyncClient(base_url=base, cookies={"visitor": "ann"}) as ann:
+        assert (await ann.get(address)).json()["cameras"] == list(CAMERAS)
+        async with (
+            viser_client(service.port, session.id, "visitor=ann") as of_ann,
+            viser_client(service.port, session.id, "visitor=bob") as of_bob,
+        ):
+            column = await of_ann.until(lambda m: m["type"] == "MeshMessage" and m["name"].startswith("/map/"))
+            await of_bob.until(lambda m: m["type"] == "MeshMessage" and m["name"].startswith("/map/"))
+            assert column["props"]["scale"] in (1.0, [1.0, 1.0, 1.0])
+
+            # Only the cameras of the visitor who asked go there.
+            of_bob.forget()
+            wanted, _ = camera_at("above", session.model.controls().bounds or (0.0, 0.0, 1.0, 1.0), 800 / 600)
+            assert (await ann.post(address, json={"camera": "above"})).status_code == 200
+            await of_ann.until(
+                lambda m: m["type"] == "SetCameraPositionMessage" and m["position"] == pytest.approx(wanted)
+            )
+            settings = (await ann.post(address, json={"height": 2.5})).json()
+            assert settings["height"] == 2.5
+            await of_bob.until(
+                lambda m: m["type"] == "SceneNodeUpdateMessage" and m["updates"].get("scale") == [1.0, 1.0, 2.5]
+            )
+            assert cameras_set(of_bob) == []
+
+            assert settings["layers"]["Beams"] is True
+            settings = (await ann.post(address, json={"layers": {"Beams": False, "no such": False}})).json()
+            assert (settings["layers"]["Beams"], "no such" in settings["layers"]) == (False, False)
+            await of_bob.until(
+                lambda m: (
+                    m["type"] == "SetSceneNodeVisibilityMessage" and m["name"] == "/robot/beams" and not m["visible"]
+                )
+            )
+
+        assert (await ann.post(address, json={"camera": "below"})).status_code == 422
+        assert (await ann.post(address, json={"height": 99})).status_code == 422
+
+
+async def test_the_plain_view_has_no_panel(service: Service) -> None:
+    session = await new_simulation(service.sessions, "ann", "room", seed=1)
+    async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}") as http:
+        page, plain = [await http.get(f"/scenes/{session.id}/{part}") for part in ("", "plain/")]
+    assert "visibility: hidden !important" in plain.text
+    assert "visibility: hidden !important" not in page.text
+    assert plain.headers["content-security-policy"] == page.headers["content-security-policy"]
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_cameras_look_at_the_middle_and_go_back_in_narrow_pictures(name: CameraName) -> None:
+    bounds = (2.0, 1.0, 12.0, 7.0)
+    (x, y, z), look_at = camera_at(name, bounds, 1.6)
+    assert look_at == (7.0, 4.0, 0.0)
+    (far_x, far_y, far_z), _ = camera_at(name, bounds, 0.65)
+    near, far = (((x - 7) ** 2 + (y - 4) ** 2 + z**2) ** 0.5, ((far_x - 7) ** 2 + (far_y - 4) ** 2 + far_z**2) ** 0.5)
+    assert far == pytest.approx(2.0 * near)
+    assert z > 0
