@@ -1,6 +1,5 @@
 import type { ComponentType } from "preact";
 import { Beams, Walls } from "../common/Scene";
-import type { StageTransform } from "../common/Stage";
 import { castRay } from "../common/world";
 import { sonarScan } from "../sonar/world";
 import { BeamCells, ReadingCells } from "./BeamCells";
@@ -11,7 +10,7 @@ import { Frame } from "./Frame";
 import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
 import { LoopMarks } from "./LoopMarks";
 import type { MarkProps } from "./markProps";
-import type { Mark, Scene, Shown } from "./scene";
+import type { Mark } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
 
