@@ -22,7 +22,7 @@ from mapper.costmap.inflation import inflate, radius_in_cells
 from mapper.costmap.layered import LayeredCostmap
 from mapper.grid import GridGeometry
 from mapper.io.logs import open_log
-from mapper.io.maps import values_of
+from mapper.io.maps.pixels import occupancy_values
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.planning import PlannerConfig, plan_path
@@ -31,8 +31,8 @@ SIDE, RESOLUTION, INSCRIBED = 2048, 0.05, 0.1
 
 
 @njit(cache=True)
-def wavefront(costs, levels, table, radius, heads, tails, after, cells, sources, seen, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Inflate as Nav2's inflation_layer.cpp does: cells wait in bins by their distance from the obstacle they came from.
+def wavefront(costs, levels, table, radius, heads, tails, after, cells, sources, seen, out):
+    """Inflate as Nav2's inflation_layer.cpp does: cells wait in bins by their distance from the obstacle's cell.
 
     ``levels`` and ``table`` are of squared distances: the number of the bin, and the cost.
     """
@@ -92,7 +92,7 @@ def by_wavefront(costs: np.ndarray, radius: int) -> Callable[[], np.ndarray]:
     seen, out = np.empty(costs.size, dtype=np.bool_), np.empty_like(costs)
 
     def run() -> np.ndarray:
-        wavefront(costs, levels, table, radius, heads, tails, *lists, seen, out)
+        wavefront(costs, levels, table, radius, heads, tails, lists[0], lists[1], lists[2], seen, out)
         return out
 
     return run
@@ -149,7 +149,7 @@ def inflation(rounds: int = 5) -> None:
 
 
 def changed_box(rounds: int = 50) -> None:
-    """Print the time from a painted box of 100 × 100 cells to the costs."""
+    """Print the processor time from a painted box of 100 × 100 cells to the costs."""
     geometry = GridGeometry(RESOLUTION, SIDE, SIDE)
     keepout = KeepoutLayer(geometry)
     layer = InflationLayer(geometry, InflationConfig(), INSCRIBED)
@@ -158,9 +158,9 @@ def changed_box(rounds: int = 50) -> None:
     for k in range(rounds):
         corner = np.array([20.0 + k % 7, 30.0])
         keepout.paint(corner + 5.0 * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), 100 if k % 2 else 0)
-        began = time.perf_counter()
+        began = time.process_time()
         costmap.update()
-        took.append(1e3 * (time.perf_counter() - began))
+        took.append(1e3 * (time.process_time() - began))
     print(f"a changed box of 100 × 100 cells to costs: median {np.median(took):.2f} ms, p95 {p95(took):.2f} ms")
 
 
@@ -169,7 +169,7 @@ def p95(values: list[float]) -> float:
 
 
 def moving_goal(folder: Path, goals: int = 50) -> None:
-    """Print the time of a path on Intel's map when the goal moves."""
+    """Print the processor time of a path on Intel's map when the goal moves."""
     path = folder / "carmen" / "intel-corrected.log.gz"
     if not path.is_file():
         print("carmen: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
@@ -177,7 +177,7 @@ def moving_goal(folder: Path, goals: int = 50) -> None:
     log, config = open_log(path), MappingConfig()
     grid = grid_for(log, config)
     integrate_log(grid, log, config)
-    costmap = build_costmap(grid.geometry, values_of(grid)).costmap
+    costmap = build_costmap(grid.geometry, occupancy_values(grid)).costmap
     costmap.update()
     start = log.trajectory().poses[0, :2]
     open_cells = np.argwhere(costmap.costs < 100)
@@ -187,12 +187,12 @@ def moving_goal(folder: Path, goals: int = 50) -> None:
         lengths = []
         for k in rng.permutation(len(open_cells)):
             goal = grid.geometry.cell_to_world(open_cells[k])
-            began = time.perf_counter()
+            began = time.process_time()
             try:
                 found = plan_path(costmap.costs, grid.geometry, start, goal, planner)
             except MapperError:
                 continue  # an island of free cells behind a wall
-            took.append(1e3 * (time.perf_counter() - began))
+            took.append(1e3 * (time.process_time() - began))
             lengths.append(found.length)
             if len(took) > goals:
                 break
