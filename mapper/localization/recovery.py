@@ -11,7 +11,10 @@ from mapper.localization.textbook import augmented_share
 Float64Array = NDArray[np.float64]
 
 RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhere
-PATIENCE = 4  #: scans that are compared after a reset before there is another one
+PATIENCE = 4  #: scans that are compared before the first reset,
+MOST_PATIENCE = (
+    64  #: and before a later one, at most: each reset doubles their number, each scan that fits takes one off
+)
 INTERVAL = 2  #: updates from one comparison to the next
 
 
@@ -22,6 +25,7 @@ class Recovery:
         self._config = config
         self._ratio = 1.0
         self._compared = 0
+        self._patience = PATIENCE
         self._slow = self._fast = 0.0
         self._updates = 0
 
@@ -34,9 +38,14 @@ class Recovery:
         """Take how a scan fits, and how it fits at the best of many poses; return whether the robot seems lost."""
         self._compared += 1
         self._ratio += RATE * (fit / max(fit, best, 1e-9) - self._ratio)
-        lost = self._ratio < self._config.reset_below and self._compared >= PATIENCE
+        is_poor = self._ratio < self._config.reset_below
+        lost = is_poor and self._compared >= self._patience
         if lost:
+            # Where no pose explains the scans well, resets find the robot where it was: they become rare.
             self._ratio, self._compared = 1.0, 0
+            self._patience = min(2 * self._patience, MOST_PATIENCE)
+        elif not is_poor:
+            self._patience = max(self._patience - 1, PATIENCE)
         return lost
 
     def random_share(self, log_likelihoods: Float64Array, n_beams: int) -> float:

@@ -28,7 +28,7 @@ from mapper.slam.sparse_system import SparseSystem
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
-RADIUS = 5.0  #: metres
+RADIUS = 3.0  #: metres: a larger one gains little and fills the factor
 MOST_NEAR = 400  #: scans within it that are looked at
 BLOCK = 256  #: scans whose neighbours are looked up at once
 BEFORE = 4  #: scans before each one that it is aligned with

@@ -326,6 +326,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
     pose: Annotated[Pose | None, Meta(description="the best estimate")]
+    at: Annotated[Pose | None, Meta(description="the true pose that it is an estimate of")]
     covariance: Annotated[
         tuple[float, float, float, float] | None,
         Meta(

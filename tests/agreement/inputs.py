@@ -266,7 +266,8 @@ def states(draw: st.DrawFn) -> StatesCase:
     grid.log_odds = np.where(np.isnan(seen), grid.log_odds, seen).astype(np.float32)
     grid.observed |= ~np.isnan(seen)
     free, occupied = sorted((draw(some(0.25, 0.5, 0.0, low=0, high=1)), draw(some(0.65, 0.5, 1.0, low=0, high=1))))
-    return StatesCase(grid, occupied, free)
+    # Rounded: where p is the last number below 1 the textbook cannot tell which side of such a threshold a cell is on.
+    return StatesCase(grid, round(occupied, 9), round(free, 9))
 
 
 @dataclass(frozen=True)

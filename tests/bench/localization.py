@@ -127,11 +127,11 @@ def success(folder: Path, seeds: int) -> None:
         for what, one in (("without a hint", globally), ("kidnapped", kidnapped)):
             print(table_row(f"{name}, {what}", [one(raw, model, odometry, true, k) for k in range(seeds)]), flush=True)
     for name in WORLDS:
-        model = None
+        first_drive = sample_log(300, name, 0)
+        model = model_for(mapped(sample_log(600, name, 1_000_000), "true"), first_drive)
         runs: dict[str, list[Run]] = {"without a hint": [], "kidnapped": []}
         for seed in range(seeds):
             drive = sample_log(300, name, seed)
-            model = model or model_for(mapped(sample_log(600, name, 1_000_000), "true"), drive)
             poses = drive.trajectory("odometry").poses, drive.trajectory("true").poses
             runs["without a hint"].append(globally(drive, model, *poses, seed))
             runs["kidnapped"].append(kidnapped(drive, model, *poses, seed))
@@ -181,7 +181,8 @@ def plain_update(
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()
     drawn = np.searchsorted(np.cumsum(weights), (rng.random() + np.arange(n)) / n).clip(max=n - 1)
-    return np.column_stack([x, y, theta])[drawn]
+    out: np.ndarray = np.column_stack([x, y, theta])[drawn]
+    return out
 
 
 def best_ms(work: Callable[[], object], repeats: int) -> float:
@@ -230,7 +231,7 @@ def speed(folder: Path, rounds: int = 30) -> None:
             return resampled(now, weighed(now), n, 0.4, fixed)
 
         weights = weighed(particles)
-        steps = {
+        steps: dict[str, Callable[[], object]] = {
             "motion": moved,
             "weights": partial(weighed, particles),
             "resampling": partial(resampled, particles, weights, n, 0.4, fixed),

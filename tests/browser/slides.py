@@ -38,10 +38,12 @@ _CUT = """() => {
     if (!svg.checkVisibility({ visibilityProperty: true })) continue;
     const around = svg.getBoundingClientRect();
     for (const text of svg.querySelectorAll("text")) {
-      const box = text.getBoundingClientRect();
+      const [box, matrix] = [text.getBoundingClientRect(), text.getScreenCTM()];
       const [left, right] = [around.left - box.left, box.right - around.right];
       const out = Math.max(left, right, around.top - box.top, box.bottom - around.bottom);
-      if (box.width > 0 && out > 5) found.push([text.textContent, "out of its drawing", Math.round(out)]);
+      // A letter is lower than the box of its line.
+      const slack = 0.3 * parseFloat(getComputedStyle(text).fontSize) * Math.hypot(matrix.a, matrix.b);
+      if (box.width > 0 && out > slack) found.push([text.textContent, "out of its drawing", Math.round(out)]);
     }
   }
   for (const box of document.querySelectorAll(".on-slide :not(svg *), .presenter *")) {

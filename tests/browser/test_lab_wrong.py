@@ -100,7 +100,7 @@ def test_the_correct_map_is_shown_in_the_picture_of_the_wrong_one(lab: Page) -> 
     assert store(lab, "compared") == {"values": {"mount_upside_down": False}, "with_faults": False}
     # Another fault with it: the second map is right of both.
     lab.get_by_role("switch", name="Odometry drift").click()
-    until("the drift", lambda: store(lab, "faults") == {"drift": True, "specular": False})
+    until("the drift", lambda: store(lab, "faults")["drift"])
     lab.get_by_role("switch", name="No clamp").click()
     until("both set right", lambda: store(lab, "compared")["values"] == {"mount_upside_down": False, "clamp": True})
     # Left of the divider the correct map is shown, right of it the other.

@@ -188,7 +188,7 @@ def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str)
 
 
 def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: str) -> None:
-    page.goto(f"{server}/lecture.html?present#window")
+    page.goto(f"{server}/lecture.html?present#window/3")
     expect(page.locator(".on-slide .world-stage canvas")).to_be_in_viewport()
     page.locator(".on-slide").get_by_role("button", name="torn").click()
     expect(page.locator(".on-slide .world-stage-caption")).to_contain_text("The wall is torn")

@@ -17,7 +17,7 @@ from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import sample_log
 from server.client import Client, ClientError, Log
-from tests.server.service import Service, running, settings_for
+from tests.server.service import Service, running, settings_for, until
 
 TOKEN = "a-token-of-this-test-0123456789"
 
@@ -91,7 +91,9 @@ def test_a_session_seeks_to_a_scan_and_its_link_shows_it(client: Client, service
     assert client.address(session) == f"http://127.0.0.1:{service.port}/logs.html?session={session.id}"
     token = link.removeprefix(f"http://127.0.0.1:{service.port}/shared/")
     shared = service.http.post(f"/api/shared/{token}/sessions").json()
-    assert (shared["title"], shared["index"]) == ("turned.csv", 10)
+    assert shared["title"] == "turned.csv"
+    # The session is there before its map is.
+    until(lambda: service.http.get(f"/api/sessions/{shared['id']}").json()["index"] == 10)
     picture = np.asarray(Image.open(BytesIO(client.picture(session))).convert("L"))
     assert picture.shape == client.map(session).geometry.shape
     assert picture.min() < 60

@@ -108,6 +108,7 @@ class LabLocalization:
             "is_on": True,
             "values": self.values,
             "pose": [round(float(v), 4) for v in found.pose],
+            "at": [round(v, 4) for v in self._true],
             "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
             "is_converged": found.is_converged,
             "share": round(found.share, 4),
@@ -121,7 +122,8 @@ class LabLocalization:
 
 
 OFF: dict[str, Any] = {
-    "type": "localization", "is_on": False, "values": {}, "pose": None, "covariance": None, "is_converged": False,
-    "share": 0.0, "fit": 0.0, "entropy": 0.0, "n_particles": 0, "n_updates": 0, "error_m": None, "error_rad": None,
+    "type": "localization", "is_on": False, "values": {}, "pose": None, "at": None, "covariance": None,
+    "is_converged": False, "share": 0.0, "fit": 0.0,
+    "entropy": 0.0, "n_particles": 0, "n_updates": 0, "error_m": None, "error_rad": None,
 }  # fmt: skip
 """The message ``localization`` of a session without a filter."""

@@ -9,6 +9,7 @@ const PAGES = [
 
 /** Whether this page stands within another one: a slide, or the speaker's window. */
 const isFramed = parent !== window;
+document.documentElement.classList.toggle("framed", isFramed);
 
 /**
  * The header of every page, with a link to its content, which has the id `main`. A page within a slide has none.

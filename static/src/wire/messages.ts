@@ -413,6 +413,8 @@ export interface LocalizationMessage {
   readonly values: Values;
   /** the best estimate */
   readonly pose: Pose | null;
+  /** the true pose that it is an estimate of */
+  readonly at: Pose | null;
   /** variances of the estimate: xx, xy, yy in m², yaw in rad² */
   readonly covariance: readonly [number, number, number, number] | null;
   /** whether the particles agree on one place */
@@ -958,6 +960,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     is_on: isFlag,
     values: isValues,
     pose: oneOf(isPose, isNull),
+    at: oneOf(isPose, isNull),
     covariance: oneOf(isTuple(isNumber, isNumber, isNumber, isNumber), isNull),
     is_converged: isFlag,
     share: isNumber,

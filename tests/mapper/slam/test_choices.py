@@ -8,7 +8,7 @@ from mapper.slam.refinement import neighbour_pairs
 
 
 def test_scans_shortly_after_a_matched_one_are_passed_over() -> None:
-    times = np.arange(20) * 0.025
+    times = np.asarray(np.arange(20) * 0.025, dtype=np.float64)
     assert next_scan(0, times, np.zeros(3)) == 4
     assert next_scan(3, times, np.array([0.0, 4.0, 0.0])) == 5  # 0.2 m of the way
     assert next_scan(3, times, np.array([0.0, 0.0, -20.0])) == 4
@@ -52,7 +52,7 @@ def test_each_scan_is_aligned_with_near_and_with_far_ones() -> None:
     away = np.abs(poses[of_last, 0] - poses[399, 0])
     assert len(of_last) == 4 + 8
     assert np.count_nonzero(away < 0.5) >= 8
-    assert away.max() > 4.0
+    assert away.max() > 2.5
     # Of so many scans at one place that each is near all others, as many pairs remain as elsewhere.
     still = neighbour_pairs(np.zeros((3_000, 3)), 8)
     assert len(still) <= 3_000 * 12

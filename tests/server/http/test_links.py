@@ -114,7 +114,7 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
     own = guest.post(f"/api{link['address']}/sessions").json()["id"]
     async with stream(service, own, guest) as socket:
         watcher = Watcher(socket)
-        await watcher.until(lambda: "frame" in watcher.newest)
+        await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 25)
         await watcher.settle()
         frame = watcher.newest["frame"]
         assert (frame["index"], frame["playing"]) == (25, False)

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
+from io import BytesIO
+from typing import Any
 
 import httpx
 import pytest
+from mcap.reader import make_reader
+from rosbags.typesys import Stores, get_typestore
 
 from tests.server.library.small_logs import carmen, tum
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
@@ -88,3 +92,23 @@ def test_whoever_has_the_address_of_a_session_adds_to_its_log(service: Service) 
             assert (refused.status_code, refused.json()["code"]) == (403, "link.read_only")
         assert colleague.delete(address).status_code == 204
     assert [one["name"] for one in http.get(f"/api/logs/{log_id}").json()["trajectories"]] == ["scan"]
+
+
+def test_the_robot_of_an_exported_recording_drives_along_an_added_trajectory(service: Service) -> None:
+    """Read by rosbags: its poses in the map are those of the trajectory in use, at the times of the scans."""
+    http = service.http
+    log_id = http.put("/api/logs", params={"name": "exported.log"}, content=carmen(5)).json()["id"]
+    once_read(http, log_id)
+    put(http, log_id, "mine", tum(5, y=2.5))
+    session = service.begin(kind="log", log=log_id, trajectory="mine", playing=False)
+    exported = http.get(f"/api/sessions/{session}/run.mcap")
+    assert exported.status_code == 200, exported.text
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    moved: dict[float, tuple[float, float]] = {}
+    for schema, _, message in make_reader(BytesIO(exported.content)).iter_messages(topics=["/tf"]):
+        assert schema is not None
+        found: Any = store.deserialize_cdr(message.data, "tf2_msgs/msg/TFMessage")
+        for one in found.transforms:
+            at = one.header.stamp.sec + 1e-9 * one.header.stamp.nanosec
+            moved[at] = one.transform.translation.x, one.transform.translation.y
+    assert moved == {float(k): (float(k), 2.5) for k in range(5)}

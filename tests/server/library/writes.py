@@ -111,7 +111,7 @@ def be_killed_by_a_reading(folder: Path) -> None:
     async def run() -> None:
         library = Library(Settings(data_dir=folder))
 
-        async def kill(*_: object) -> None:
+        async def kill(*_: object, **__: object) -> None:
             await library._catalogue._store.load()  # what was asked of the database before is done
             os.kill(os.getpid(), signal.SIGKILL)
 

@@ -41,7 +41,7 @@ export function KernelPlot({ kernel, scale, loops }: KernelPlotProps) {
             <text class="kernel-tick" x={width - PAD.right} y={HEIGHT - 2} text-anchor="end">
               residual, standard deviations
             </text>
-            <text class="kernel-tick" x={0} y={12}>
+            <text class="kernel-tick" x={0} y={14}>
               weight of a loop
             </text>
             <path class="kernel-curve" d={curve.join("")} />

@@ -8,6 +8,8 @@ import { scanAt, USUAL } from "../stage/sensing";
 /** Sides of a cell, metres. */
 export const SIDES = [0.01, 0.05, 0.1] as const;
 const BYTES_PER_CELL = 4;
+/** The first run of a program in a browser is slower than the others. */
+const RUNS = 3;
 
 /** The part of the floor that is drawn, metres: a door and the pillar behind it. */
 const PART = { x: 6.9, y: 1.2, width: 3.2, height: 2.4 } as const;
@@ -31,7 +33,7 @@ export function sizeOf(side: number): { readonly cells: number; readonly bytes: 
 export interface Made {
   readonly grid: OccupancyGrid;
   readonly noise: number;
-  /** How long the update took here, milliseconds. */
+  /** How long the update took here, milliseconds: the least of some runs. */
   readonly ms: number;
 }
 
@@ -40,8 +42,12 @@ export function make(side: number, noise: number): Made {
     pose,
     scan: scanAt(pose, FIRST + i, { ...USUAL, noise }),
   }));
-  const grid = emptyGrid(partOf(side));
-  const start = performance.now();
-  for (const { pose, scan } of scans) occupancyGridMapping(grid, scan, pose, INITIAL_CONFIG);
-  return { grid, noise, ms: performance.now() - start };
+  let [grid, ms] = [emptyGrid(partOf(side)), Number.POSITIVE_INFINITY];
+  for (let run = 0; run < RUNS; run++) {
+    grid = emptyGrid(partOf(side));
+    const start = performance.now();
+    for (const { pose, scan } of scans) occupancyGridMapping(grid, scan, pose, INITIAL_CONFIG);
+    ms = Math.min(ms, performance.now() - start);
+  }
+  return { grid, noise, ms };
 }

@@ -5,7 +5,7 @@ import { written } from "../../ui/numbers";
 import { DragHandle } from "../common/DragHandle";
 import { cellSide, originAt, pipelineBeam } from "./controls";
 import { FLOOR } from "./floor";
-import type { MarkProps } from "./Marks";
+import type { MarkProps } from "./markProps";
 import { readingOf } from "./reading";
 
 const limited = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));

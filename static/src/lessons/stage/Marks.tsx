@@ -1,6 +1,5 @@
 import type { ComponentType } from "preact";
 import { Beams, Walls } from "../common/Scene";
-import type { StageTransform } from "../common/Stage";
 import { castRay } from "../common/world";
 import { sonarScan } from "../sonar/world";
 import { BeamCells, ReadingCells } from "./BeamCells";
@@ -10,15 +9,10 @@ import { CORNERS, sightings } from "./corners";
 import { Frame } from "./Frame";
 import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
 import { LoopMarks } from "./LoopMarks";
-import type { Mark, Scene, Shown } from "./scene";
+import type { MarkProps } from "./markProps";
+import type { Mark } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
-
-export interface MarkProps {
-  readonly transform: StageTransform;
-  readonly scene: Scene;
-  readonly shown: Shown;
-}
 
 /** The true walls, and who walks between them. */
 export function World({ transform, scene, shown }: MarkProps) {

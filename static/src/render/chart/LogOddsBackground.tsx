@@ -8,7 +8,9 @@ import "./chart.css";
 
 export const FREE = logOdds(FREE_THRESHOLD);
 export const OCCUPIED = logOdds(OCCUPIED_THRESHOLD);
-const AXIS_PX = 48;
+const AXIS_PX = 54;
+/** Height that the label of a tick takes. */
+const LABEL_PX = 17;
 const EDGE_PX = 8;
 
 /** The vertical axis; it contains the limits and every value. */
@@ -63,7 +65,8 @@ export function LogOddsBackground({ width, evidence, limits }: LogOddsBackground
     ["zone-prior", "unknown", OCCUPIED, FREE],
     ["zone-miss", "free", FREE, low],
   ] as const;
-  const every = high - low > 14 ? Math.ceil((high - low) / 7) : 1;
+  // At most one tick in seven, and no two labels over each other.
+  const every = Math.max(high - low > 14 ? Math.ceil((high - low) / 7) : 1, Math.ceil(LABEL_PX / (y(0) - y(1))));
   const ticks: number[] = [];
   for (let tick = Math.ceil(low / every); tick * every <= high - 0.5; tick++) ticks.push(tick * every);
   return (
@@ -96,7 +99,7 @@ export function LogOddsBackground({ width, evidence, limits }: LogOddsBackground
       ))}
       <text
         class="tick"
-        transform={`translate(12 ${(evidence.from + evidence.to) / 2}) rotate(-90)`}
+        transform={`translate(14 ${(evidence.from + evidence.to) / 2}) rotate(-90)`}
         text-anchor="middle"
       >
         log-odds ℓ

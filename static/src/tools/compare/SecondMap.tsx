@@ -11,7 +11,12 @@ import { Legend } from "./Legend";
 /** The comparison of a store's two maps. */
 export function useComparison(store: Store | null): Comparison | null {
   const comparison = useMemo(() => store && new Comparison(store), [store]);
-  useEffect(() => comparison?.start(), [comparison]);
+  useEffect(() => {
+    const stop = comparison?.start();
+    // A simulation explains the cells of its own map only.
+    if (store) store.mapAt = null;
+    return stop;
+  }, [comparison]);
   return comparison;
 }
 

@@ -186,8 +186,9 @@ export class Comparison {
     const compared = this.#store.compared.peek();
     if (!compared || !this.pair.peek()) return [0, 1];
     if (this.mode.peek() === "difference" || this.mode.peek() === "merge") return [1, 1];
-    const samePoses =
-      compared.with_faults && !compared.log && compared.trajectory === this.#store.trajectory.peek()?.name;
+    // The correct map of a simulation has the true poses: the same unless the believed ones differ.
+    const areTrue = compared.with_faults || !this.#store.frame.peek()?.believed_pose;
+    const samePoses = areTrue && !compared.log && compared.trajectory === this.#store.trajectory.peek()?.name;
     return samePoses ? [0, 1] : [this.share, 1];
   }
 }

@@ -41,12 +41,14 @@ export function Localization({ store }: { readonly store: Store }) {
         out where the robot is.
       </p>
       <div class="localization-row">
-        <Button
-          kind="primary"
-          label={isOn ? "Start anew, anywhere" : "Find the robot"}
-          onClick={() => begin(on.peek())}
-        />
-        {isOn && <Button kind="quiet" label="End" onClick={() => store.send({ type: "localize", value: false })} />}
+        <Button kind="primary" onClick={() => begin(on.peek())}>
+          {isOn ? "Start anew, anywhere" : "Find the robot"}
+        </Button>
+        {isOn && (
+          <Button kind="quiet" onClick={() => store.send({ type: "localize", value: false })}>
+            End
+          </Button>
+        )}
       </div>
       {isOn && message && (
         <>

@@ -20,9 +20,11 @@ function seenFrom(a: Pose, b: Pose): Pose {
 export function paintLocalization(store: Store, brush: Brush): void {
   const message = store.localization.peek();
   const frame = store.frame.peek();
-  if (!message?.pose || !message.covariance) return;
+  if (!message?.pose || !message.at || !message.covariance) return;
   const { ctx, view, size, colours } = brush;
-  const { pose, covariance } = message;
+  const { at, covariance } = message;
+  // The robot has moved on since: the estimate is carried on by its true motion, which is short.
+  const pose = frame ? compose(message.pose, seenFrom(at, frame.pose)) : message.pose;
   const [xx, xy, yy] = covariance;
   const [x, y] = toScreen(view, size, pose[0], pose[1]);
   if (frame && message.is_converged) {

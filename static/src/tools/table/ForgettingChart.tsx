@@ -49,7 +49,7 @@ export function ForgettingChart({ points, guess, forgetting }: ForgettingChartPr
           </g>
         ))}
         <line class="most" x1={LEFT} x2={right} y1={y(FORGOTTEN)} y2={y(FORGOTTEN)} />
-        <text x={right} y={y(FORGOTTEN) + 14} text-anchor="end">
+        <text x={LEFT + 20} y={y(FORGOTTEN) + 14}>
           forgotten: {100 * FORGOTTEN} % free
         </text>
         {ticks(0, most, width / TICK_PX).map((tick) => (

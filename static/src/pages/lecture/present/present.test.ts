@@ -115,7 +115,7 @@ it("every question has an answer, and every right option is one of the options",
     expect(question, id).toMatch(/\?$/);
     expect(options?.[right ?? -1] !== undefined, id).toBe(options !== undefined);
     // a line of the bar each
-    expect(question.length, id).toBeLessThanOrEqual(80);
+    expect(question.length, id).toBeLessThanOrEqual(78);
     expect(answer.length, id).toBeLessThanOrEqual(112);
     expect(notes.length, id).toBeGreaterThan(40);
   }

@@ -90,7 +90,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Rotate the coloured fan, then shift it, then turn it upside down. Which of the three is hardest to notice?",
   },
   forgetting: {
-    question: "A table stood there for an hour and is taken away. When does the map forget it?",
+    question: "A table stood there for an hour and is taken away. When is it forgotten?",
     options: ["About as long again", "About twice as long", "After the same few scans, however long it stood"],
     right: 2,
     answer: "That is what the clamp is for: it bounds the certainty. Without it, all hits have to be outweighed.",
@@ -150,7 +150,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Follow one reading step by step, then select another beam. The characters at the end are the map.",
   },
   resolution: {
-    question: "Cells of 1 cm instead of 10 cm: how much more memory does the same floor need?",
+    question: "Cells of 1 cm instead of 10 cm: how much more memory is needed?",
     options: ["10 times as much", "100 times as much", "1000 times as much"],
     right: 1,
     answer: "The side enters squared. And 1 cm shows the noise of the sensor, while 10 cm narrows the door.",
@@ -172,14 +172,14 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
   },
   "low-table": {
-    question: "The map is right about everything that the laser saw. Can the robot still hit a table?",
+    question: "The map is right about all that the laser saw. Can the robot hit a table?",
     options: ["No", "Yes, if the table is lower than the laser’s plane"],
     right: 1,
     answer: "A cell has no height: what lies below the plane of the laser is in no reading at all.",
     notes: "Drag the laser up and down past the height of the table, and watch the map.",
   },
   odometry: {
-    question: "A map shows the same wall twice, a few centimetres apart. What has happened?",
+    question: "A map shows the same wall twice, a little apart. What has happened?",
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
     right: 1,
     answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
@@ -194,8 +194,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Drag the diamond along the corridor with cabinets, with doors, and bare. When is the answer wrong?",
   },
   graph: {
-    question: "The robot is back where it began, and its map is not. Which pose is to be corrected?",
-    options: ["The last one", "The first one", "All of them, a little"],
+    question: "The robot is back where it began, its map is not. Which pose is wrong?",
+    options: ["The last one", "The first one", "All of them, a little each"],
     right: 2,
     answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",

@@ -1,10 +1,12 @@
 import { useEffect, useRef } from "preact/hooks";
+import { stage } from "./state";
 
 /** Least width of a figure as a fraction of the available width. */
 const NARROWEST = 0.5;
 
 /** Sets the figure of a slide to the greatest width at which its height fits. */
 export function useFittedWidth(on: boolean) {
+  const now = on ? stage.value : null; // the figure may show more of itself at a later step
   const frame = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const element = frame.current;
@@ -24,6 +26,6 @@ export function useFittedWidth(on: boolean) {
       observer.disconnect();
       element.style.width = "";
     };
-  }, [on]);
+  }, [on, now]);
   return frame;
 }

@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Store } from "../../../store/store";
+import { labelFont } from "../../../style/labelFont";
 import { clock, written } from "../../../ui/numbers";
 import { isDark } from "../../../ui/theme";
 import { useWidth } from "../../../ui/useWidth";
@@ -145,6 +146,7 @@ function optionsOf(
   };
   const axisColour = resolved("--foreground-soft");
   const axis = {
+    font: labelFont(),
     stroke: axisColour,
     grid: { stroke: resolved("--line"), width: 1 },
     ticks: { stroke: resolved("--line") },

@@ -1,0 +1,36 @@
+"""The lab localizes its robot, in Chromium: it is found, kidnapped by a click, and found again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import open_group
+
+_MESSAGE = "() => gridbloom.connection.store.localization.peek()"
+_FOUND = f"() => {{ const m = ({_MESSAGE})(); return m?.is_converged && m.error_m < 0.5; }}"
+
+
+def test_the_robot_is_kidnapped_by_a_click_and_found_again(open_lab: Callable[..., Page]) -> None:
+    page = open_lab()
+    open_group(page, "Localize")
+    page.get_by_role("button", name="Find the robot").click()
+    page.wait_for_function(
+        "() => gridbloom.connection.store.layers.content('particles').peek()?.columns[0].length > 99"
+    )
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'play' })")
+    page.wait_for_function(_FOUND)
+    expect(page.get_by_text("Found", exact=True)).to_be_visible()
+    # The world's picture shows the whole floor: a point in another room, right of the middle.
+    world = page.get_by_role("application").first
+    box = world.bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.86 * box["width"], box["y"] + 0.42 * box["height"])
+    page.wait_for_function(f"() => ({_MESSAGE})().error_m > 2")
+    page.wait_for_function(_FOUND)
+    page.get_by_role("switch", name="Likelihood field").click()
+    page.wait_for_function("() => gridbloom.connection.store.layers.grid('likelihood_field').map.peek() !== null")
+    page.get_by_role("button", name="End").click()
+    page.wait_for_function(f"() => !({_MESSAGE})().is_on")
+    expect(page.get_by_text("Found", exact=True)).to_have_count(0)

@@ -1,0 +1,34 @@
+"""The lab's robot with drifting wheels runs SLAM while it drives, in real Chromium."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import await_map, until
+
+ERROR = """() => {
+  const { pose, believed_pose } = gridbloom.connection.store.frame.peek();
+  return believed_pose ? Math.hypot(pose[0] - believed_pose[0], pose[1] - believed_pose[1]) : null;
+}"""
+NODES = "() => gridbloom.connection.store.layers.content('slam').peek()?.columns[0].length ?? 0"
+
+
+def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> None:
+    page.goto(f"{server}/lab.html")
+    await_map(page)
+    page.get_by_role("tab", name="SLAM").click()
+    page.get_by_role("switch", name="Drifting wheels").check()
+    page.evaluate("gridbloom.connection.store.send({ type: 'speed', value: 8 })")
+    until("the wheels to drift", lambda: (page.evaluate(ERROR) or 0) > 0.3)
+    off = page.locator(".slam-off")
+    expect(off).to_have_text(re.compile(r"\d"))
+    page.get_by_role("switch", name="SLAM while driving").check()
+    until("SLAM", lambda: page.evaluate(NODES) > 20 and page.evaluate(ERROR) < 0.15)
+    until("its graph to grow", lambda: page.evaluate(NODES) > 60)
+    assert page.evaluate(ERROR) < 0.15
+    expect(page.locator(".slam-facts")).to_contain_text("Scans matched")
+    # The layers end with the switch.
+    page.get_by_role("switch", name="SLAM while driving").uncheck()
+    until("the graph to go", lambda: page.evaluate(NODES) == 0)
