@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,15 +19,18 @@ def path(
     start: Annotated[str, typer.Option("--from", metavar="X,Y", help="Where the robot is, in metres.")],
     goal: Annotated[str, typer.Option("--to", metavar="X,Y", help="Where it shall go, in metres.")],
     params: Annotated[
-        Path | None, typer.Option(metavar="NAV2.yaml", help="Nav2 parameter file of the costmap; Nav2's defaults else.")
+        Path | None,
+        typer.Option(metavar="NAV2.yaml", help="Nav2 parameter file of costmap and planner; else defaults."),
     ] = None,
     tolerance: Annotated[
-        float, typer.Option(metavar="METRES", help="How far from an occupied goal the path may end.")
-    ] = 0.5,
-    astar: Annotated[bool, typer.Option("--astar", help="Search by A*, not by Dijkstra's algorithm.")] = False,
+        float | None, typer.Option(metavar="METRES", help="How far from an occupied goal the path may end. [0.5]")
+    ] = None,
+    astar: Annotated[
+        bool | None, typer.Option("--astar/--dijkstra", help="The algorithm of the search. [Dijkstra's]")
+    ] = None,
     unknown: Annotated[
-        bool, typer.Option("--unknown/--no-unknown", help="Whether the path may cross unknown cells.")
-    ] = True,
+        bool | None, typer.Option("--unknown/--no-unknown", help="Whether the path may cross unknown cells. [yes]")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write the points of the path: x,y in metres, one a line.")
     ] = None,
@@ -39,17 +43,20 @@ def path(
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
     from mapper.planning import PlannerConfig, plan_path  # noqa: PLC0415 - start-up
+    from mapper.planning.nav2_parameters import parse_nav2_planner  # noqa: PLC0415 - start-up
 
     start_xy = numbers("--from", "two numbers, X,Y in metres", 2, start)
     goal_xy = numbers("--to", "two numbers, X,Y in metres", 2, goal)
-    try:
-        config = PlannerConfig(use_astar=astar, allow_unknown=unknown, tolerance=tolerance)
-    except MapperError as error:
-        fail(error.message)
-    parameters = DEFAULT
+    parameters, config = DEFAULT, PlannerConfig()
     if params is not None:
         with refusing(params):
-            parameters = parse_nav2_costmap(read_parameter_file(params))
+            data = read_parameter_file(params)
+            parameters, config = parse_nav2_costmap(data), parse_nav2_planner(data)
+    given: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
+    try:
+        config = replace(config, **{name: value for name, value in given.items() if value is not None})
+    except MapperError as error:
+        fail(error.message)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
         costmap = build_costmap(loaded.grid.geometry, loaded.values, parameters).costmap

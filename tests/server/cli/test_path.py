@@ -48,3 +48,21 @@ def test_what_is_refused(run: Run, tmp_path: Path) -> None:
     near = run("path", yaml_path, "--from", "1,1", "--to", "3.05,1")
     assert near.status == 0
     assert "the nearest place to the goal" in near.out
+
+
+def test_parameters_of_nav2_and_the_commands_own(run: Run, tmp_path: Path) -> None:
+    yaml_path, params = walled_map(tmp_path), tmp_path / "nav2.yaml"
+    params.write_text(
+        "global_costmap: {ros__parameters: {robot_radius: 1.2, footprint_padding: 0.0, plugins: [static, inflation],\n"
+        "  static: {plugin: 'nav2_costmap_2d::StaticLayer'},\n"
+        "  inflation: {plugin: 'nav2_costmap_2d::InflationLayer', inflation_radius: 1.5}}}\n"
+        "planner_server: {ros__parameters: {planner_plugins: [A],\n"
+        "  A: {plugin: 'nav2_navfn_planner::NavfnPlanner', tolerance: 0.0}}}\n"
+    )
+    ends = "--from", "1,1", "--to", "3.5,1"
+    refused = run("path", yaml_path, *ends, "--params", params)
+    assert refused.status == 2
+    assert "its cell is inscribed, and no cell within the tolerance of 0 m can be reached" in refused.err
+    near = run("path", yaml_path, *ends, "--params", params, "--tolerance", "2", "--json")
+    assert near.status == 0, near.err
+    assert json.loads(near.out)["reaches_goal"] is False
