@@ -109,12 +109,14 @@ def maps() -> dict[str, np.ndarray]:
 
 
 def best_cpu_ms(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Return the least processor time of each, over all threads, in ms; they take turns."""
+    """Return the least processor time of each, over all threads, in ms; they take turns.
+
+    Each is called once just before it is measured, so that none finds the caches as another one left them.
+    """
     best = dict.fromkeys(works, math.inf)
-    for work in works.values():
-        work()
     for _ in range(rounds):
         for name, work in works.items():
+            work()
             began = time.process_time()
             work()
             best[name] = min(best[name], 1e3 * (time.process_time() - began))
