@@ -95,18 +95,20 @@ def inflate(
     near = costs[low_row : min(box.row1 + radius, rows), low_col : min(box.col1 + radius, cols)]
     blocks = _blocks(near, around)
 
+    out[box.row0 : box.row1, box.col0 : box.col1] = costs[box.row0 : box.row1, box.col0 : box.col1]
+    if not blocks.any():
+        return
+
     def fill(tiles: list[tuple[int, int]]) -> None:
         columns, squares, distances = _working(radius)
         for row, col in tiles:
-            last_row, last_col = min(row + TILE_ROWS, box.row1), min(col + TILE_COLS, box.col1)
-            old, new = costs[row:last_row, col:last_col], out[row:last_row, col:last_col]
             top, left = row - low_row, col - low_col
             if near_blocks(blocks, top - radius, top + TILE_ROWS + radius, left - radius, left + TILE_COLS + radius):
+                last_row, last_col = min(row + TILE_ROWS, box.row1), min(col + TILE_COLS, box.col1)
                 part = distances[: last_row - row, : last_col - col]
                 tile_distances(near, around, radius, top, left, *_cut(columns, squares, part, radius), part)
+                old, new = costs[row:last_row, col:last_col], out[row:last_row, col:last_col]
                 write_costs(part, table, config.inflate_unknown, old, new)
-            else:
-                new[:] = old
 
     _over_tiles(fill, box)
 

@@ -11,13 +11,10 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
-import yaml
-
-from mapper.core.errors import ConfigError, LimitError, ReadError
-from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.errors import ConfigError, ReadError
+from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
 
 Layout = Literal["nav2", "ros1"]
@@ -65,27 +62,19 @@ class AmclParameters:
     ignored: tuple[str, ...]
 
 
-def read_amcl_yaml(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> AmclParameters:
+def read_amcl_yaml(path: str | os.PathLike[str]) -> AmclParameters:
     """Return the parameters in an AMCL yaml. Raises as :func:`parse_amcl_yaml`, and for a file that cannot be read."""
-    place = Path(path)
-    try:
-        with place.open("rb") as file:
-            data = file.read(limits.max_yaml_bytes + 1)
-    except OSError as error:
-        raise ReadError("amcl.unreadable", f"The file {place.name!r} cannot be read: {error.strerror}.") from error
-    return parse_amcl_yaml(data, limits)
+    return parse_amcl_yaml(read_parameter_file(path))
 
 
-def parse_amcl_yaml(data: bytes, limits: Limits = DEFAULT_LIMITS) -> AmclParameters:
+def parse_amcl_yaml(data: bytes) -> AmclParameters:
     """Return the parameters in the text of an AMCL yaml, whose node may stand anywhere in a Nav2 file.
 
     Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Raises :class:`ReadError` for text
     that is no such yaml, and for a value that is none, and :class:`ConfigError` for a name that AMCL does not have and
-    a value that is impossible.
+    a value that is impossible, as well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
-    if len(data) > limits.max_yaml_bytes:
-        raise LimitError("amcl.too_large", f"The parameters' yaml is larger than {limits.max_yaml_bytes} bytes.")
-    values, layout = _node(_loaded(data))
+    values, layout = _node(parse_ros_parameters(data))
     names = _NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
     given: dict[str, Any] = {}
     ignored = []
@@ -101,26 +90,6 @@ def parse_amcl_yaml(data: bytes, limits: Limits = DEFAULT_LIMITS) -> AmclParamet
     if layout == "nav2" and "laser_model_type" not in given:
         given["laser_model_type"] = "likelihood_field"
     return AmclParameters(start.with_values(given), layout, tuple(ignored))
-
-
-def _loaded(data: bytes) -> object:
-    try:
-        text = data.decode("utf-8-sig")
-        depth = 0
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            if isinstance(event, yaml.AliasEvent):
-                raise ReadError("amcl.yaml", "The parameters' yaml has an alias, which is not allowed.")
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > 4 * MOST_DEPTH:
-                raise ReadError("amcl.yaml", "The parameters' yaml is nested too deeply.")
-        return yaml.safe_load(text)
-    except UnicodeDecodeError as error:
-        raise ReadError("amcl.yaml", f"The parameters' yaml is not UTF-8 text: byte {error.start} is wrong.") from error
-    except yaml.MarkedYAMLError as error:
-        line = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise ReadError("amcl.yaml", f"The parameters' yaml is malformed{line}: {error.problem}.") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise ReadError("amcl.yaml", "The parameters' yaml is malformed.") from error
 
 
 def _node(root: object, depth: int = 0) -> tuple[dict[str, Any], Layout]:

@@ -18,7 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mapper
-from mapper.grid import TILE, OccupancyGrid
+from mapper.costmap import DecayConfig, DecayLayer, Footprint, InflationConfig, Observation, ObstacleConfig
+from mapper.costmap.build import DEFAULT, build_costmap
+from mapper.costmap.inflation import inflate, squared_distances
+from mapper.costmap.layers import Robot
+from mapper.costmap.nav2_parameters import NamedLayer
+from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
 from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
@@ -33,6 +38,7 @@ from mapper.matching.match import match_scan
 from mapper.matching.parameters import METHODS, MatchConfig
 from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import Target, scan_target
+from mapper.planning import PlannerConfig, plan_path
 from mapper.replay import Replay
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
@@ -81,6 +87,7 @@ def precompile() -> None:
     compare(grid, grid)
     map_metrics(grid)
     _localize(replay.log, grid)
+    _plan(grid.geometry)
     _match(replay.log)
     _close_a_loop(replay.log)
     pose = replay.log.sensor_poses()[0]
@@ -97,6 +104,27 @@ def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
         robot.update(np.zeros(3), log.scan(0))
         robot.start_at([*pose, 0.0])
         robot.predict(np.zeros(3), np.array([0.5, 0.0, 0.0]))
+
+
+def _plan(geometry: GridGeometry) -> None:
+    """Lay the layers of a costmap over an empty map with one observation, and plan by each algorithm."""
+    layers = (*DEFAULT.layers[:1], NamedLayer("obstacle_layer", ObstacleConfig()), *DEFAULT.layers[1:])
+    values = np.zeros(geometry.shape, dtype=np.int8)
+    built = build_costmap(geometry, values, replace(DEFAULT, layers=layers))
+    middle = geometry.cell_to_world((geometry.rows // 2, geometry.cols // 2))
+    seen = Observation(np.array([*middle, 0.3]), np.array([[*middle + 1.0, 0.3]]))
+    fading = DecayLayer(geometry, DecayConfig(), DEFAULT.general)
+    built.obstacles[0].observe(seen)
+    fading.observe(seen)
+    corners = middle + np.array([[0.5, 0.0], [1.0, 0.0], [1.0, 0.5]])
+    built.keepout.paint(corners, 100)
+    built.costmap.update(0.0, (float(middle[0]), float(middle[1]), 0.0))
+    fading.changed(0.0, Robot((float(middle[0]), float(middle[1]), 0.0), Footprint.circle(0.2)))
+    far = InflationConfig(inflation_radius=200 * geometry.resolution)  # distances of 32 bits
+    inflate(built.costmap.costs, far, geometry.resolution, 0.1, np.empty_like(built.costmap.costs))
+    squared_distances(built.costmap.costs, 1)
+    for use_astar in (False, True):
+        plan_path(built.costmap.costs, geometry, middle, middle, PlannerConfig(use_astar=use_astar))
 
 
 def _match(log: ScanLog) -> None:

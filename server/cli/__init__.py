@@ -45,6 +45,9 @@ from server.cli import localize as localizing  # noqa: F401
 from server.cli import costmap as costing  # noqa: F401
 
 # isort: split
+from server.cli import path as planning  # noqa: F401
+
+# isort: split
 from server.cli import bench as measuring  # noqa: F401
 
 # isort: split

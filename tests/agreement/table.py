@@ -106,6 +106,15 @@ from tests.agreement.matching import (
     views_by_kernel,
     views_by_textbook,
 )
+from tests.agreement.planning import (
+    path_by_kernel,
+    path_by_textbook,
+    planning_cases,
+    searched_cells_by_kernel,
+    searched_cells_by_textbook,
+    spread_by_kernel,
+    spread_by_textbook,
+)
 from tests.agreement.slam import (
     agreement_by_kernel,
     agreement_by_textbook,
@@ -461,4 +470,7 @@ TABLE = (
     Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
     Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
     Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
+    Row("cost to come by Dijkstra", spread_by_kernel, spread_by_textbook, planning_cases()),
+    Row("cost to come by A*", searched_cells_by_kernel, searched_cells_by_textbook, planning_cases()),
+    Row("path back", path_by_kernel, path_by_textbook, planning_cases()),
 )

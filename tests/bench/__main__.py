@@ -23,6 +23,7 @@ from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.tools.bench import bench_map
+from tests.bench.costmap import costmap
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
 from tests.bench.inspecting import inspecting
@@ -212,6 +213,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "match": matching,
     "slam": slam,
     "localization": localization,
+    "costmap": costmap,
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,

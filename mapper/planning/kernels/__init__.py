@@ -1,0 +1,1 @@
+"""Compiled functions of planning: bare arrays, results written into ``out``, no errors."""

@@ -1,0 +1,155 @@
+"""The cheapest path between two places on a costmap."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap.costs import NO_INFORMATION, name_of_cost
+from mapper.grid.occupancy_grid import GridGeometry
+from mapper.planning.kernels.a_star import search
+from mapper.planning.kernels.steps import trace_back
+from mapper.planning.kernels.wavefront import spread
+from mapper.planning.parameters import PlannerConfig
+from mapper.planning.step_costs import step_costs
+
+Cell = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A path on a costmap.
+
+    ``cells`` (n, 2), (row, col), each beside the one before. ``points`` (n, 2) are their centres in map metres, with
+    the given start as the first one, and the goal as the last one where the path reaches it: ``reaches_goal``. ``cost``
+    is the sum of the costs of its steps, ``length`` is in m. ``potential`` (rows, cols) is the cost to come of each
+    cell from the start, infinity where the search did not find one.
+    """
+
+    cells: Int64Array
+    points: Float64Array
+    cost: float
+    length: float
+    reaches_goal: bool
+    potential: Float64Array
+
+
+def plan_path(
+    costs: UInt8Array,
+    geometry: GridGeometry,
+    start_xy: Sequence[float] | Float64Array,
+    goal_xy: Sequence[float] | Float64Array,
+    config: PlannerConfig | None = None,
+) -> Path:
+    """Return the cheapest path from ``start_xy`` to ``goal_xy``, map metres, for a robot at the centre of each cell.
+
+    ``costs`` (rows, cols) uint8 are those of a costmap with ``geometry``. Cells have eight neighbours. A straight step
+    costs neutral_cost + cost_factor · value of the cell that it leads to, a diagonal one √2 times that
+    (:func:`mapper.planning.step_costs.step_costs`). Where the goal cannot be reached, the path ends in the reachable
+    cell nearest to it, within the tolerance. Raises :class:`ConfigError` for a start or a goal that is not finite or
+    outside the map, a start that is blocked, and where there is no path; it says why.
+    """
+    config = config or PlannerConfig()
+    if costs.shape != geometry.shape or costs.dtype != np.uint8:
+        message = f"The costs must be {geometry.shape} uint8, as the geometry, not {costs.shape} {costs.dtype}."
+        raise ConfigError("path.costs", message)
+    costs = np.ascontiguousarray(costs)
+    table = step_costs(config)
+    start, goal = _cell(geometry, start_xy, "start"), _cell(geometry, goal_xy, "goal")
+    if math.isinf(table[costs[start]]):
+        raise ConfigError("path.start_blocked", f"The robot cannot be at the start: {_why_blocked(costs, start)}.")
+    potential = cost_to_come(costs, table, start, goal, config.use_astar)
+    end = goal if potential[goal] < math.inf else _nearest(geometry, potential, goal_xy, config.tolerance)
+    if end is None:
+        raise ConfigError("path.none", _why_none(costs, config, start, goal, potential))
+    cols = geometry.cols
+    out = np.empty(costs.size, dtype=np.int32)
+    n = trace_back(costs, table, potential, start[0] * cols + start[1], end[0] * cols + end[1], out)
+    cells = np.stack(np.divmod(out[:n][::-1].astype(np.int64), cols), axis=-1)
+    points = geometry.cell_to_world(cells)
+    if end == goal:
+        points[-1] = goal_xy
+    if n > 1 or end != goal:
+        points[0] = start_xy
+    else:  # start and goal are in one cell
+        cells, points = np.repeat(cells, 2, axis=0), np.array([start_xy, goal_xy], dtype=np.float64)
+    length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+    return Path(cells, points, float(potential[end]), length, end == goal, potential)
+
+
+def cost_to_come(
+    costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell, use_astar: bool = False
+) -> Float64Array:
+    """Return the cost to come (rows, cols) from ``start``, by Dijkstra's algorithm or by A*; infinity elsewhere.
+
+    ``table`` (256,) has the costs of a straight step. The search ends where the goal's cost is known; without a way
+    there it has the cost of every cell that can be reached.
+    """
+    cols = costs.shape[1]
+    least = float(table.min())
+    ends = start[0] * cols + start[1], goal[0] * cols + goal[1]
+    out = np.empty(costs.shape)
+    one, other = np.empty(costs.size, dtype=np.int32), np.empty(costs.size, dtype=np.int32)
+    if use_astar:
+        search(costs, table, *ends, least, np.empty(costs.size), one, other, out)
+    else:
+        width = 0.999 * least  # narrower than any step, whatever the rounding of the sums
+        n = int(math.sqrt(2.0) * float(table[np.isfinite(table)].max()) / width) + 3
+        spread(costs, table, *ends, width, np.empty(n, dtype=np.int32), one, other, out)
+    return out
+
+
+def _cell(geometry: GridGeometry, place: Sequence[float] | Float64Array, what: str) -> Cell:
+    xy = np.asarray(place, dtype=np.float64)
+    if xy.shape != (2,) or not np.isfinite(xy).all():
+        raise ConfigError(f"path.{what}", f"The {what} must be two finite numbers, x and y in m, not {xy.tolist()}.")
+    row, col = (int(k) for k in geometry.world_to_cell(xy))
+    if not geometry.contains((row, col)):
+        message = f"The {what} ({xy[0]:g}, {xy[1]:g}) is outside the map of {geometry.size_text} cells."
+        raise ConfigError(f"path.{what}_outside", message)
+    return row, col
+
+
+def _nearest(
+    geometry: GridGeometry, potential: Float64Array, goal_xy: Sequence[float] | Float64Array, tolerance: float
+) -> Cell | None:
+    """Return the reachable cell whose centre is nearest to the goal and at most ``tolerance`` m from it."""
+    row, col = (int(k) for k in geometry.world_to_cell(goal_xy))
+    reach = int(tolerance / geometry.resolution) + 2
+    top, left = max(row - reach, 0), max(col - reach, 0)
+    near = np.argwhere(np.isfinite(potential[top : row + reach + 1, left : col + reach + 1])) + np.array([top, left])
+    if not len(near):
+        return None
+    distances = np.hypot(*(geometry.cell_to_world(near) - np.asarray(goal_xy)).T)
+    best = int(np.argmin(distances))
+    return (int(near[best, 0]), int(near[best, 1])) if distances[best] <= tolerance else None
+
+
+def _why_blocked(costs: UInt8Array, cell: Cell) -> str:
+    cost = int(costs[cell])
+    if cost == NO_INFORMATION:
+        return "its cell is unknown, and the path may not cross unknown cells"
+    return f"its cell is {name_of_cost(cost)}"
+
+
+def _why_none(costs: UInt8Array, config: PlannerConfig, start: Cell, goal: Cell, potential: Float64Array) -> str:
+    """Return a sentence on what would have to be otherwise for a path to the goal to be found."""
+    said = "There is no path to the goal"
+    if math.isinf(step_costs(config)[costs[goal]]):
+        return (
+            f"{said}: the robot cannot be there, {_why_blocked(costs, goal)}, and no cell within the tolerance of "
+            f"{config.tolerance:g} m can be reached."
+        )
+    unknown = PlannerConfig(allow_unknown=True)
+    if not config.allow_unknown and np.isfinite(cost_to_come(costs, step_costs(unknown), start, goal)[goal]):
+        return f"{said} without crossing unknown cells."
+    passable = step_costs(config, inscribed_passable=True)
+    if np.isfinite(cost_to_come(costs, passable, start, goal)[goal]):
+        return f"{said}: it would have to pass where the robot touches an obstacle (inscribed cells)."
+    reached = int(np.isfinite(potential).sum())
+    return f"{said}: obstacles are all around the {reached} cells that can be reached from the start."

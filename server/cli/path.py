@@ -1,0 +1,89 @@
+"""``path``: the cheapest path on the costmap of a map file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from mapper.core.errors import MapperError
+from server.cli.app import app
+from server.cli.common import AsJson, fail, numbers, print_json, refusing
+
+
+@app.command()
+def path(
+    map_yaml: Annotated[Path, typer.Argument(metavar="MAP.yaml", help="A map file.")],
+    start: Annotated[str, typer.Option("--from", metavar="X,Y", help="Where the robot is, in metres.")],
+    goal: Annotated[str, typer.Option("--to", metavar="X,Y", help="Where it shall go, in metres.")],
+    params: Annotated[
+        Path | None,
+        typer.Option(metavar="NAV2.yaml", help="Nav2 parameter file of costmap and planner; else defaults."),
+    ] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(metavar="METRES", help="How far from an occupied goal the path may end. [0.5]")
+    ] = None,
+    astar: Annotated[
+        bool | None, typer.Option("--astar/--dijkstra", help="The algorithm of the search. [Dijkstra's]")
+    ] = None,
+    unknown: Annotated[
+        bool | None, typer.Option("--unknown/--no-unknown", help="Whether the path may cross unknown cells. [yes]")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write the points of the path: x,y in metres, one a line.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Plan the cheapest path between two places of a map, on the costmap of Nav2's layers."""
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
+    from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
+    from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
+    from mapper.planning import PlannerConfig, plan_path  # noqa: PLC0415 - start-up
+    from mapper.planning.nav2_parameters import parse_nav2_planner  # noqa: PLC0415 - start-up
+
+    start_xy = numbers("--from", "two numbers, X,Y in metres", 2, start)
+    goal_xy = numbers("--to", "two numbers, X,Y in metres", 2, goal)
+    parameters, config = DEFAULT, PlannerConfig()
+    if params is not None:
+        with refusing(params):
+            data = read_parameter_file(params)
+            parameters, config = parse_nav2_costmap(data), parse_nav2_planner(data)
+    given: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
+    try:
+        config = replace(config, **{name: value for name, value in given.items() if value is not None})
+    except MapperError as error:
+        fail(error.message)
+    with refusing(map_yaml):
+        loaded = load_map(map_yaml)
+        costmap = build_costmap(loaded.grid.geometry, loaded.values, parameters).costmap
+        costmap.update()
+        found = plan_path(costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
+    facts: dict[str, Any] = {
+        "map": str(map_yaml),
+        "length": round(found.length, 3),
+        "cost": round(found.cost, 3),
+        "points": len(found.points),
+        "end": [round(float(value), 6) for value in found.points[-1]],
+        "reaches_goal": found.reaches_goal,
+    }
+    if out is not None:
+        lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in found.points)
+        try:
+            with atomic_write(out) as file:
+                file.write(f"x,y\n{lines}".encode())
+        except OSError as error:
+            fail(f"{out}: The path cannot be written: {error.strerror}.")
+        facts["file"] = str(out)
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{found.length:.2f} m, cost {found.cost:.0f}, {len(found.points)} points")
+    if not found.reaches_goal:
+        x, y = found.points[-1]
+        typer.echo(f"  ends at ({x:.2f}, {y:.2f}), the nearest place to the goal that the robot can reach")
+    if out is not None:
+        typer.echo(f"  wrote {out}")
