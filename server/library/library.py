@@ -23,7 +23,6 @@ from server.library.inspections import Inspections
 from server.library.jobs import Jobs
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
-from server.library.log_picture import read_picture
 from server.library.log_reader import Reader
 from server.library.merge_jobs import MergeJobs
 from server.library.moment_pictures import MomentPicture, MomentPictures
@@ -311,6 +310,8 @@ class Library:
 
         Raises :class:`LogNotFoundError`, also where there is no picture.
         """
+        from server.library.log_picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
+
         record = self.get(owner, log_id)
         try:
             return await asyncio.to_thread(read_picture, self._catalogue.picture(record.id), dark=dark)

@@ -10,7 +10,6 @@ from pathlib import Path
 from mapper.io.logs.summary import summarise
 from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
-from server.library.log_picture import write_picture
 from server.library.records import Record
 
 SAMPLE_ID = "sample-office"
@@ -45,6 +44,7 @@ class Sample:
 
     async def _make(self) -> ScanLog:
         from mapper.simulation import sample_log  # noqa: PLC0415 - the simulator, imported with the first sample
+        from server.library.log_picture import write_picture  # noqa: PLC0415 - Pillow and the replay of logs
 
         try:
             log = replace(await asyncio.to_thread(sample_log), name=SAMPLE_NAME)

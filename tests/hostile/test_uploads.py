@@ -16,6 +16,7 @@ from typing import Any
 import httpx
 import pytest
 
+from server.library.sample import SAMPLE_ID
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, until
 
@@ -70,10 +71,10 @@ def open_log(service: Service, log: dict[str, Any]) -> httpx.Response:
 
 
 def left(service: Service) -> list[str]:
-    """Files of uploads and packs."""
+    """Files of uploads, packs and pictures, without those of the service's own sample."""
     folder = service.state.settings.data_dir / "library"
     found = [str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()]
-    return [name for name in found if not name.startswith("library.db")]
+    return [name for name in found if not name.startswith("library.db") and SAMPLE_ID not in name]
 
 
 async def test_each_bad_log_fails_alone_with_its_own_error(service: Service, undisturbed: Undisturbed) -> None:
@@ -138,7 +139,7 @@ def test_a_name_is_only_shown(service: Service, name: str, shown: str) -> None:
     log = sent(service, carmen(3), name)
     assert (log["state"], log["name"]) == ("ready", shown)
     digest = hashlib.sha256(carmen(3)).hexdigest()
-    assert sorted(left(service)) == [f"blobs/{digest}", f"packs/{log['id']}.npz"]
+    assert sorted(left(service)) == [f"blobs/{digest}", f"packs/{log['id']}.npz", f"pictures/{log['id']}.png"]
     service.http.delete(f"/api/logs/{log['id']}")
 
 

@@ -60,6 +60,7 @@ def test_the_topics_are_listed_and_kept_beside_the_pack(service: Service, sessio
         "first_s": 0.0,
         "last_s": pytest.approx(3.9),
         "mapped": True,
+        "cut": False,
     }
     assert topics["/imu"]["mapped"] is None
     assert {one["topic"] for one in held["series"]} == {"/imu", "/odom", "/battery", "/cmd_vel"}
