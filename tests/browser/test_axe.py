@@ -21,7 +21,7 @@ SERIOUS = ("serious", "critical")
 READY = {
     "/": ".hero canvas",
     "/lecture.html": ".lesson-figure figure",
-    "/lecture.html?present": ".on-slide figure",
+    "/lecture.html?present": ".on-slide .slide-question",  # the first step; test_slides.py looks at every slide
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
 }

@@ -10,7 +10,8 @@ from playwright.sync_api import Page, expect
 from tests.browser.conftest import LOOKS
 from tests.browser.lecturing import open_section
 
-WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
+# On a phone innerWidth grows with a page that is too wide, clientWidth does not.
+WIDER = "() => document.documentElement.scrollWidth > document.documentElement.clientWidth + 1"
 
 
 # Of each section: whether its figure is still awaited, and the height that it takes.

@@ -8,7 +8,8 @@ from playwright.sync_api import Page, expect
 from tests.browser.conftest import LOOKS
 from tests.browser.looking import await_map, frame, open_group, until
 
-WIDER = "() => document.documentElement.scrollWidth > innerWidth + 1"
+# On a phone innerWidth grows with a page that is too wide, clientWidth does not.
+WIDER = "() => document.documentElement.scrollWidth > document.documentElement.clientWidth + 1"
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])

@@ -159,6 +159,15 @@ _PASSIVE = """figure => {
   return null;
 }"""
 
+# Resolves when the page has stood still for some frames: after a finger it rolls on, and the next
+# touch would scroll it.
+_STILL = """async () => {
+  for (let before = NaN, same = 0; same < 8; before = scrollY) {
+    await new Promise(requestAnimationFrame);
+    same = scrollY === before ? same + 1 : 0;
+  }
+}"""
+
 
 def value_of(slider: ElementHandle) -> str:
     return str(slider.get_attribute("aria-valuetext"))
@@ -203,6 +212,7 @@ def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: st
             x, y = place
             fingers.drag(((x, y), (x + 2, y - 200)), steps=5)
             until(f"the page to scroll on {name}", lambda before=before: scrolled(page) > before + 60)  # type: ignore[misc]
+            page.evaluate(_STILL)
     assert driven > 30
 
     # The list of sections, folded on a phone, leads on and folds up again.
