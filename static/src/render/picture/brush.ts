@@ -255,13 +255,16 @@ export function tracePolygon(brush: Brush, points: readonly Point[]): void {
   brush.ctx.closePath();
 }
 
-/** The path of a log's robot: solid up to pose `done`, faint beyond. */
+/**
+ * The path of a log's robot: solid up to pose `done`, faint beyond. After a change of the sensor the last frame may
+ * still count more poses than the new path has.
+ */
 export function paintPath(brush: Brush, poses: readonly Point[], done: number): void {
   const { ctx, colours } = brush;
   const near = 1.5 * brush.view.scale;
   for (const [from, to, alpha] of [
     [Math.max(0, done - 1), poses.length, 0.25],
-    [0, done, 0.8],
+    [0, Math.min(done, poses.length), 0.8],
   ] as const) {
     ctx.beginPath();
     let last: Point = [Number.NaN, Number.NaN];

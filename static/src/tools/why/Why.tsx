@@ -38,8 +38,10 @@ function Panel({ store }: WhyProps) {
     // If it was opened by keyboard, the focus moves to the slider; with a mouse it stays on the picture.
     const byKeys = before instanceof HTMLElement && before.matches(":focus-visible");
     if (byKeys) slider.current?.focus({ preventScroll: true });
-    // On a phone the group may be below the screen.
-    panel.current?.scrollIntoView({ block: "start" });
+    // On a phone the group may be below the screen, or behind what stays at its top; where it is seen, nothing moves.
+    const top = panel.current?.getBoundingClientRect().top ?? 0;
+    const covered = Number.parseFloat(getComputedStyle(document.documentElement).scrollPaddingTop) || 0;
+    if (top < covered || top > 0.75 * innerHeight) panel.current?.scrollIntoView({ block: "start" });
     const closeOn = (event: KeyboardEvent): void => {
       if (event.key === "Escape" && !event.defaultPrevented) store.explain(null);
     };
