@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
 import { type LogRecord, putTags } from "./library";
@@ -8,7 +8,7 @@ import { type LogRecord, putTags } from "./library";
 export function LogTags({ log }: { readonly log: LogRecord }) {
   const isEdited = useSignal(false);
   const field = useRef<HTMLInputElement>(null);
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (isEdited.value) field.current?.focus();
   }, [isEdited.value]);
   const save = async (): Promise<void> => {
