@@ -231,7 +231,7 @@ def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: st
     sections.get_by_role("link", name="One cell").tap()
     expect(page.locator("#cell h2")).to_be_in_viewport()
     expect(sections.get_by_role("link", name="One cell")).to_be_hidden()
-    expect(sections.get_by_role("button")).to_contain_text("2 One cell")
+    expect(sections.get_by_role("button")).to_contain_text("3 One cell")
 
 
 # --- the lab ---------------------------------------------------------------------------------------------------------
