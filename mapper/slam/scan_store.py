@@ -88,6 +88,10 @@ class ScanStore:
         self._n += 1
         return n
 
+    def drop_last(self) -> None:
+        """Remove the scan that was appended last."""
+        self._n -= 1
+
     def deskew(self, velocities: Float64Array) -> None:
         """Write the points and normals of all scans anew for these velocities (n, 3) of the base, see :meth:`append`.
 
