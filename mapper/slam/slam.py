@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, compose_one, inverse, wrap_angle
-from mapper.sensors.joint_log import sensor_of_scan, sensors_of
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
@@ -26,13 +25,14 @@ from mapper.slam.odometry import (
     motions,
     next_scan,
     odometry_name,
+    sensor_of_scan,
     sweep_velocities,
     velocities_along,
 )
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
-from mapper.slam.scan_store import ScanStore
+from mapper.slam.scan_store import ScanStore, sensors_of
 
 Float64Array = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ class Slam:
         ``motion`` (3,) is the odometry's since the scan before, None without odometry, and ``seconds`` the time since
         then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
         while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
-        log states the time between beams. ``mount`` (3,), ``T_base_laser``, is that of a sensor that moves on the robot.
+        log states the time between beams. ``mount`` (3,) is ``T_base_laser`` of a sensor that moves on it.
         """
         n = len(self)
         if n == len(self._poses):

@@ -16,9 +16,12 @@ from server.stream.message_parts import (
     Compared,
     Contribution,
     Edits,
+    KeepoutStroke,
+    LayerCost,
     LayerInfo,
     LogInfo,
     Numbers,
+    Parameter,
     Point,
     Pose,
     Segment,
@@ -47,6 +50,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
     seed: Annotated[
         int | UnsetType,
         Meta(description="simulations: seed; the same seed and commands give the same scans"),
+    ] = UNSET
+    navigation: Annotated[
+        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the costmap and the path")
     ] = UNSET
 
 
@@ -207,6 +213,44 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
 
 
+class CostmapMessage(Struct, tag_field="type", tag="costmap"):
+    """Simulations: the costmap over the robot's map."""
+
+    is_on: Annotated[bool, Meta(description="whether there is one")]
+    values: Annotated[Values, Meta(description="navigation parameters")]
+    footprint: Annotated[list[Point], Meta(description="corners of the robot's outline, in its frame, without padding")]
+    inscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
+    circumscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
+    keepout: Annotated[list[KeepoutStroke], Meta(description="all that is painted")]
+
+
+class PathMessage(Struct, tag_field="type", tag="path"):
+    """Simulations with a costmap: the path to the goal; its points are in the layer `plan`."""
+
+    goal: Annotated[Point | None, Meta(description="the goal; null: there is none")]
+    drives: Annotated[bool, Meta(description="whether the robot drives along it")]
+    length: Annotated[float | None, Meta(description="length, m; null: there is no path")]
+    cost: Annotated[float | None, Meta(description="sum of the costs of its steps; null: there is no path")]
+    reaches_goal: Annotated[bool, Meta(description="whether it ends at the goal")]
+    reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
+    carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
+    plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
+
+
+class CostMessage(Struct, tag_field="type", tag="cost"):
+    """Answer to `cost`: what each layer says of a cell, bottom first."""
+
+    x: Annotated[float, Meta(description="the place that was asked for, m")]
+    y: Annotated[float, Meta(description="the place that was asked for, m")]
+    layers: Annotated[list[LayerCost], Meta(description="one for each layer that is on")]
+
+
+class Nav2Message(Struct, tag_field="type", tag="nav2"):
+    """Answer to `nav2`."""
+
+    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]
+
+
 class WorkingMessage(Struct, tag_field="type", tag="working"):
     """Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended."""
 
@@ -287,6 +331,10 @@ ServerMessage = (
     | WorldMessage
     | Forgetting
     | LocalizationMessage
+    | CostmapMessage
+    | PathMessage
+    | CostMessage
+    | Nav2Message
     | WorkingMessage
     | NoticeMessage
     | ErrorMessage
