@@ -26,20 +26,22 @@ def costmap(
     """Lay Nav2's costmap layers over a map: static layer, inflation, and the robot's footprint."""
     import numpy as np  # noqa: PLC0415 - start-up
 
-    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.build import DEFAULT, build_costmap, load_masks  # noqa: PLC0415 - start-up
     from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
     from mapper.costmap.files import save_costmap  # noqa: PLC0415 - start-up
     from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
 
-    parameters = DEFAULT
+    parameters, masks = DEFAULT, {}
     if params is not None:
         with refusing(params):
             parameters = parse_nav2_costmap(read_parameter_file(params), node)
+        with refusing(params):
+            masks = load_masks(parameters, params.parent)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
-        built = build_costmap(loaded.grid.geometry, loaded.values, parameters)
+        built = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks)
         built.costmap.update()
     costs = built.costmap.costs
     with refusing(out):
@@ -58,7 +60,8 @@ def costmap(
         "free": int(counts[0]),
         "no_information": int(counts[NO_INFORMATION]),
         "without_effect": list(parameters.unused),
-        "filters": list(parameters.filters),
+        "filters": [one.name for one in parameters.filters],
+        "without_mask": list(built.unmasked),
         "files": [str(image_path), str(yaml_path)],
     }
     if as_json:
@@ -73,7 +76,7 @@ def costmap(
         f"  {facts['lethal']} lethal, {facts['inscribed']} inscribed, {facts['inflated']} inflated, "
         f"{facts['free']} free, {facts['no_information']} no information"
     )
-    if facts["filters"]:
-        typer.echo(f"  filters without a mask: {', '.join(facts['filters'])}")
+    if built.unmasked:
+        typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
     for path in facts["files"]:
         typer.echo(f"  wrote {path}")
