@@ -21,6 +21,10 @@ def costmap(
     node: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which costmap of the file: global_costmap or local_costmap.")
     ] = None,
+    mcap: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.mcap", help="Also write nav2_msgs/Costmap and nav_msgs/OccupancyGrid messages."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Lay Nav2's costmap layers over a map: static layer, inflation, and the robot's footprint."""
@@ -28,7 +32,7 @@ def costmap(
 
     from mapper.costmap.build import DEFAULT, build_costmap, load_masks  # noqa: PLC0415 - start-up
     from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
-    from mapper.costmap.files import save_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.files import save_costmap, save_costmap_mcap  # noqa: PLC0415 - start-up
     from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
@@ -46,6 +50,10 @@ def costmap(
     costs = built.costmap.costs
     with refusing(out):
         yaml_path, image_path = save_costmap(costs, loaded.grid.geometry, out, loaded.description.frame)
+        files = [image_path, yaml_path]
+        if mcap is not None:
+            save_costmap_mcap(costs, loaded.grid.geometry, mcap, loaded.description.frame)
+            files.append(mcap)
     counts = np.bincount(costs.ravel(), minlength=256)
     outline = built.costmap.footprint
     facts: dict[str, Any] = {
@@ -62,7 +70,7 @@ def costmap(
         "without_effect": list(parameters.unused),
         "filters": [one.name for one in parameters.filters],
         "without_mask": list(built.unmasked),
-        "files": [str(image_path), str(yaml_path)],
+        "files": [str(path) for path in files],
     }
     if as_json:
         print_json(facts)
