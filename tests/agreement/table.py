@@ -29,6 +29,9 @@ from tests.agreement.costmap import (
     laid_by_textbook,
     observed_by_kernel,
     observed_by_textbook,
+    voxel_cases,
+    voxels_by_kernel,
+    voxels_by_textbook,
 )
 from tests.agreement.grids import (
     merged_by_core,
@@ -248,6 +251,7 @@ TABLE = (
     Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
     Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
     Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
+    Row("columns of voxels", voxels_by_kernel, voxels_by_textbook, voxel_cases()),
     Row("cost to come by Dijkstra", spread_by_kernel, spread_by_textbook, planning_cases()),
     Row("cost to come by A*", searched_cells_by_kernel, searched_cells_by_textbook, planning_cases()),
     Row("path back", path_by_kernel, path_by_textbook, planning_cases()),
