@@ -104,15 +104,36 @@ class StaticLayer:
             raise ConfigError(
                 "costmap.shape", f"The map has {values.shape} values, but the costmap {geometry.shape} cells."
             )
-        self._values, self._config = values, config
+        self._values, self._config = values.copy(), config
         table = static_costs(config, general.track_unknown_space)
         self.costs: UInt8Array = table[values.view(np.uint8)]
-        self._full: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+        self._table = table
+        self._changed: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+
+    def renew(self, values: Int8Array, box: CellBox) -> None:
+        """Take other values of the map, those of the cells of ``box``, as for a map that is still being made.
+
+        Raises :class:`ConfigError` for another shape than that of the box.
+        """
+        part = self._values[_part(box)]
+        if values.shape != part.shape:
+            message = f"The box has {part.shape} cells, but there are {values.shape} values."
+            raise ConfigError("costmap.shape", message)
+        differs = values != part
+        if not differs.any():
+            return
+        rows, cols = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
+        near = CellBox(
+            box.row0 + int(rows[0]), box.row0 + int(rows[-1]) + 1, box.col0 + int(cols[0]), box.col0 + int(cols[-1]) + 1
+        )
+        self._values[_part(box)] = values
+        self.costs[_part(box)] = self._table[values.view(np.uint8)]
+        self._changed = near if self._changed is None else self._changed | near
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return the whole map once."""
+        """Return the whole map at first, then what was renewed."""
         del now, robot
-        box, self._full = self._full, None
+        box, self._changed = self._changed, None
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
@@ -151,6 +172,10 @@ class ObstacleLayer:
         first = NO_INFORMATION if general.track_unknown_space else FREE
         self.costs: UInt8Array = np.full(geometry.shape, first, dtype=np.uint8)
         self._bounds = _no_bounds()
+
+    def configure(self, config: ObstacleConfig) -> None:
+        """Take other parameters; what was marked stays."""
+        self._config = config
 
     def observe(self, observation: Observation) -> None:
         """Clear what the beams of an observation passed, then mark its end points."""
@@ -196,6 +221,10 @@ class DecayLayer:
         self._marked: Float64Array = np.full(geometry.shape, -np.inf)  #: when, s
         self._now = -np.inf
         self._bounds = _no_bounds()
+
+    def configure(self, config: DecayConfig) -> None:
+        """Take other parameters; what was marked stays."""
+        self._config = config
 
     def observe(self, observation: Observation) -> None:
         """Clear what the beams of an observation passed, then mark its end points with its stamp."""
@@ -258,6 +287,16 @@ class KeepoutLayer:
         lattice = self._geometry.to_lattice(vertices)
         fill_polygon(lattice, np.int8(value), self.mask, self._bounds)
         fill_polygon(lattice, np.uint8(cost), self.costs, self._bounds)
+
+    def clear(self) -> None:
+        """Remove all that was painted."""
+        painted = np.argwhere(self.mask >= 0)
+        if len(painted):
+            (row0, col0), (row1, col1) = painted.min(axis=0), painted.max(axis=0)
+            bounds = self._bounds
+            bounds[0], bounds[1] = min(bounds[0], row0), max(bounds[1], row1 + 1)
+            bounds[2], bounds[3] = min(bounds[2], col0), max(bounds[3], col1 + 1)
+            self.mask[...], self.costs[...] = -1, NO_INFORMATION
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
         """Return what was painted since the last call."""

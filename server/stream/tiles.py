@@ -69,7 +69,10 @@ class TilePicture:
         """Set ``values`` (rows, cols); cells that are ``missing`` or NaN have no value (worker thread)."""
         scaled = (values.astype(np.float32) - self.low) * np.float32(254.0 / (self.high - self.low)) - np.float32(127.0)
         none = np.isnan(scaled) if missing is None else np.isnan(scaled) | missing
-        cells = np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8)
+        self.set_cells(np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8))
+
+    def set_cells(self, cells: NDArray[np.int8]) -> None:
+        """Set the picture's ``cells`` (rows, cols) themselves (worker thread)."""
         differs = np.zeros((self.revision.shape[0] * TILE, self.revision.shape[1] * TILE), dtype=np.bool_)
         np.not_equal(cells, self.cells, out=differs[: cells.shape[0], : cells.shape[1]])
         rows, cols = self.revision.shape
