@@ -140,6 +140,17 @@ from tests.agreement.slam import (
     ways_by_kernel,
     ways_by_textbook,
 )
+from tests.agreement.volume import (
+    asked_by_kernel,
+    asked_by_textbook,
+    cast_by_kernel,
+    cast_by_textbook,
+    inserted_by_kernel,
+    inserted_by_textbook,
+    tree_by_kernel,
+    tree_by_textbook,
+    volume_cases,
+)
 
 
 @dataclass(frozen=True)
@@ -255,4 +266,8 @@ TABLE = (
     Row("cost to come by Dijkstra", spread_by_kernel, spread_by_textbook, planning_cases()),
     Row("cost to come by A*", searched_cells_by_kernel, searched_cells_by_textbook, planning_cases()),
     Row("path back", path_by_kernel, path_by_textbook, planning_cases()),
+    Row("volume", inserted_by_kernel, inserted_by_textbook, volume_cases()),
+    Row("casts in a volume", cast_by_kernel, cast_by_textbook, volume_cases()),
+    Row("octree", tree_by_kernel, tree_by_textbook, volume_cases()),
+    Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
 )
