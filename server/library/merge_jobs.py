@@ -10,26 +10,25 @@ import secrets
 import shutil
 import time
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import structlog
 
-from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
+from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.sensors.scan import ScanLog
-from server.library.merge_job import ENDINGS, NAME, MergeJob, MergeOutcome
+from server.library.following import followed
+from server.library.merge_job import ENDINGS, NAME, MergeJob
 from server.library.slam_job import check_one_sensor
 from server.library.slam_jobs import Logs, SlamLimits, packed
 from server.library.storage import private_folder
 from server.library.trajectories import NewTrajectory
-from server.library.workers import GRACE_S, Worker
+from server.library.workers import Worker
 from server.work.fair_lock import FairLock
 
 MOST_OF_OWNER = 1  #: unfinished jobs of one visitor
 MOST = 20  #: of all visitors
-LOOK_S = 0.2  #: how often the service looks whether a job takes too long
 
 _log = structlog.get_logger(__name__)
 
@@ -146,7 +145,8 @@ class MergeJobs:
                 await asyncio.to_thread(packed, log, pack)
             out, limits = folder / "merged", self._limits
             job = MergeJob(str(packs[0]), str(packs[1]), str(out), limits.timeout_s, limits.cpu_s, limits.memory_bytes)
-            outcome = await self._followed(job)
+            worker = self._worker = self._worker or self._make_worker()
+            outcome = await followed(worker, job, "merge")
             texts = [await asyncio.to_thread(out.with_name(out.name + ending).read_bytes) for ending in ENDINGS]
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
@@ -157,26 +157,6 @@ class MergeJobs:
             new = NewTrajectory(NAME, text, "slam", said)
             await self._logs.trajectories.put(owner, self._logs.get(owner, log_id), log, new)
         return {"trajectory": NAME, **asdict(outcome)}
-
-    async def _followed(self, job: MergeJob) -> MergeOutcome:
-        """Wait for the job in its process."""
-        worker = self._worker = self._worker or self._make_worker()
-        try:
-            done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
-            deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
-            while not done.done():
-                await asyncio.wait([done], timeout=LOOK_S)
-                if time.monotonic() > deadline:
-                    worker.end()
-                    raise job.time_error()
-            return done.result()
-        except BrokenExecutor:
-            worker.end()
-            message = "The process of this job was ended, most likely because the logs need too much memory."
-            raise ReadError("merge.died", message) from None
-        except asyncio.CancelledError:
-            worker.end()
-            raise
 
     async def close(self) -> None:
         """End what runs, and the process."""

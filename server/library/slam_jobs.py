@@ -13,17 +13,17 @@ import secrets
 import shutil
 import time
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 import structlog
 
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import LimitError, MapperError
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
+from server.library.following import followed
 from server.library.log_pack import write_pack
 from server.library.records import Failure, Record
 from server.library.slam_job import (
@@ -39,13 +39,12 @@ from server.library.slam_job import (
 from server.library.slam_record import SlamRecord, load_slam_records, put_slam_record
 from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory, Trajectories
-from server.library.workers import GRACE_S, Worker
+from server.library.workers import Worker
 from server.work.fair_lock import FairLock
 
 MOST_OF_OWNER = 3  #: unfinished jobs of one visitor
 MOST = 50  #: of all visitors
 MOST_ATTEMPTS = 2  #: runs of one job that the end of the service may interrupt
-LOOK_S = 0.2  #: how often a running job is looked at
 
 _log = structlog.get_logger(__name__)
 
@@ -297,28 +296,16 @@ class SlamJobs:
 
     async def _followed(self, job: SlamJob, out: Path, running: _Running) -> SlamOutcome:
         """Wait for the job in its process, and tell the listeners how far it is."""
+
+        async def look() -> None:
+            newest = await asyncio.to_thread(read_progress, out)
+            if newest is not None and (running.poses is None or newest.fraction != running.poses.fraction):
+                running.poses = newest
+                for listener in [*running.listeners]:
+                    listener(newest)
+
         worker = self._worker = self._worker or self._make_worker()
-        try:
-            done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
-            deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
-            while not done.done():
-                await asyncio.wait([done], timeout=LOOK_S)
-                newest = await asyncio.to_thread(read_progress, out)
-                if newest is not None and (running.poses is None or newest.fraction != running.poses.fraction):
-                    running.poses = newest
-                    for listener in [*running.listeners]:
-                        listener(newest)
-                if time.monotonic() > deadline:
-                    worker.end()
-                    raise job.time_error()
-            return done.result()
-        except BrokenExecutor:
-            worker.end()
-            message = "The process of this job was ended, most likely because the log needs too much memory."
-            raise ReadError("slam.died", message) from None
-        except asyncio.CancelledError:
-            worker.end()
-            raise
+        return await followed(worker, job, "slam", look)
 
     def _save(self, record: SlamRecord) -> None:
         """Store a changed record; if it cannot be written, it is valid until the next start."""
