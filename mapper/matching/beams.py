@@ -80,7 +80,7 @@ class Beams:
         )
 
     def at(self, mount: Float64Array) -> Beams:
-        """Return the beams of the sensor at another mount (3,), ``T_base_laser``, as one that moves on the robot has."""
+        """Return the beams of the sensor at another mount (3,), ``T_base_laser``: it may move on the robot."""
         x, y, yaw = (float(value) for value in mount)
         if (x, y, yaw) == self.mount:
             return self

@@ -22,9 +22,10 @@ def prepare_scans(
     """Return the points of the scans ``first`` to ``stop`` of a log in the frame of its base, and their normals.
 
     Readings from the log's ``range_min`` up to the smaller of its ``range_max`` and the argument ``range_max``
-    metres are points. The mount is applied, of a sensor that moves on the robot that at each scan, and the order is that of the bearing counter-clockwise; beams beyond one
-    whole turn are left out. The normal of a point is that of the line through the points of ``half_width`` beams
-    on either side and of those within ``reach`` metres, see :func:`mapper.matching.kernels.scan_points.write_normals`.
+    metres are points. The mount is applied, of a sensor that moves on the robot that of each scan, and the order is
+    that of the bearing counter-clockwise; beams beyond one whole turn are left out. The normal of a point is that of
+    the line through the points of ``half_width`` beams on either side and of those within ``reach`` metres, see
+    :func:`mapper.matching.kernels.scan_points.write_normals`.
 
     Raises :class:`ConfigError` for scans that the log lacks, and as :meth:`mapper.matching.beams.Beams.of`.
     """

@@ -122,8 +122,8 @@ class FrontEnd:
     ) -> Step:
         """Align the next scan; ``motion`` (3,) is the odometry's since the one before, None for no odometry.
 
-        ``seconds`` is the time since the one before, None where it is not known. ``sensor``, ``velocity`` and ``mount`` are as
-        in :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
+        ``seconds`` is the time since the one before, None where it is not known. ``sensor``, ``velocity`` and
+        ``mount`` are as in :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
         """
         expected = self._expected(seconds) if motion is None else motion
         if velocity is None:

@@ -94,7 +94,7 @@ class Slam:
         ``motion`` (3,) is the odometry's since the scan before, None without odometry, and ``seconds`` the time since
         then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
         while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
-        log states the time between beams. ``mount`` (3,), ``T_base_laser``, is that of a sensor that moves on the robot.
+        log states the time between beams. ``mount`` (3,) is ``T_base_laser`` of a sensor that moves on it.
         """
         n = len(self)
         if n == len(self._poses):
