@@ -345,6 +345,13 @@ class Library:
         record = self.get(owner, log_id)
         return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
 
+    def stop_inspecting(self, owner: str, log_id: str, visitor: str) -> None:
+        """End what :meth:`contents` has begun for ``visitor`` of a log of ``owner``.
+
+        Raises :class:`LogNotFoundError`.
+        """
+        self._inspections.cancel(self.get(owner, log_id).id, visitor)
+
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
     ) -> tuple[Added, Sequence[str]]:

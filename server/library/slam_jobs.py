@@ -21,6 +21,8 @@ from typing import Any, Protocol
 import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
@@ -33,7 +35,6 @@ from server.library.slam_job import (
     PartialPoses,
     SlamJob,
     SlamOutcome,
-    check_one_sensor,
     read_progress,
 )
 from server.library.slam_record import SlamRecord, load_slam_records, put_slam_record
@@ -56,7 +57,7 @@ class Logs(Protocol):
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log."""
 
-    async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
+    async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
         """Return a log."""
 
     @property
@@ -144,13 +145,17 @@ class SlamJobs:
         topic: str | None = None,
         trajectory: str | None = None,
         parameters: dict[str, Any] | None = None,
+        cut: dict[str, float] | None = None,
     ) -> dict[str, Any]:
         """Queue SLAM of a log, and return its state; one that is queued or running goes on.
 
+        ``cut`` says how its scans are cut out of clouds and depth images, None as by default.
+
         Raises :class:`LimitError` for one job too many, :class:`mapper.core.errors.ConfigError` for a parameter that
-        SLAM refuses, and as the library for a log that the owner may not open.
+        SLAM refuses and for a cut that is none, and as the library for a log that the owner may not open.
         """
         changed = await asyncio.to_thread(changed_parameters, parameters or {})
+        PlanarCut.of(cut or {})
         log_record = self._logs.get(owner, log_id)
         key = (owner, log_id)
         if key not in self._running:
@@ -159,7 +164,7 @@ class SlamJobs:
                 raise LimitError("slam.too_many", message)
             if len(self._running) >= MOST:
                 raise LimitError("slam.busy", "Too many SLAM jobs are under way; try again later.")
-            record = SlamRecord(log_id, owner, topic, trajectory, "queued", time.time(), parameters=changed)
+            record = SlamRecord(log_id, owner, topic, trajectory, "queued", time.time(), parameters=changed, cut=cut)
             self._queue(record)
             try:
                 await self._database.run(lambda connection: put_slam_record(connection, log_record, record))
@@ -257,8 +262,7 @@ class SlamJobs:
     async def _slam(self, record: SlamRecord, running: _Running) -> dict[str, Any]:
         """Run SLAM in the worker process, add the trajectory, and return what is shown of the result."""
         owner, log_id = record.owner, record.log_id
-        log = await self._logs.load(owner, log_id, record.topic)
-        check_one_sensor(log)
+        log = await self._logs.load(owner, log_id, record.topic, PlanarCut.of(record.cut or {}))
         if record.trajectory is not None:
             log.trajectory(record.trajectory)
         folder = self._folder / secrets.token_hex(10)
@@ -355,7 +359,7 @@ def _emptied(folder: Path) -> None:
 def packed(log: ScanLog, path: Path) -> None:
     """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
-        write_pack(RobotLog.of_one(log), path)
+        write_pack(RobotLog({one.topic: one for one in sensors_of(log)}), path)
     except OSError:
         raise StorageError(
             "log.storage", "The log could not be stored for SLAM; the server's disk may be full."

@@ -13,7 +13,7 @@ from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
 from server.library.tables import slam_jobs
 
-_TEXTS = ("result", "parameters")  # columns of JSON
+_TEXTS = ("result", "parameters", "cut")  # columns of JSON
 
 SlamState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
@@ -23,7 +23,8 @@ class SlamRecord:
     """A job of ``owner`` that corrects the poses of a log, beginning with those of ``trajectory``.
 
     ``attempts`` counts the runs that the end of the service interrupted; ``result`` is what the HTTP interface shows of
-    a job that is done. ``parameters`` are those of SLAM that differ from the first values.
+    a job that is done. ``parameters`` are those of SLAM that differ from the first values, ``cut`` how
+    the scans are cut out of clouds and depth images (None: as by default).
     """
 
     log_id: str
@@ -36,6 +37,7 @@ class SlamRecord:
     error: Failure | None = None
     result: dict[str, Any] | None = None
     parameters: dict[str, Any] = field(default_factory=dict)
+    cut: dict[str, float] | None = None
 
     @property
     def is_unfinished(self) -> bool:
@@ -63,8 +65,8 @@ def load_slam_records(connection: Connection) -> Sequence[SlamRecord]:
         values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
         code, message = values.pop("error_code"), values.pop("error_message")
         error = None if code is None else Failure(code, message or "")
-        result, parameters = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
-        found.append(SlamRecord(**values, error=error, result=result, parameters=parameters or {}))
+        result, parameters, cut = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
+        found.append(SlamRecord(**values, error=error, result=result, parameters=parameters or {}, cut=cut))
     return found
 
 
@@ -86,5 +88,6 @@ def put_slam_record(connection: Connection, log: Record, record: SlamRecord) -> 
             error_message=None if record.error is None else record.error.message,
             result=None if record.result is None else json.dumps(record.result),
             parameters=json.dumps(record.parameters),
+            cut=None if record.cut is None else json.dumps(record.cut),
         )
     )

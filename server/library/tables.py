@@ -111,6 +111,7 @@ slam_jobs = Table(
     Column("error_message", Text),
     Column("result", Text),  # JSON
     Column("parameters", Text),  # JSON, those that differ from the first values
+    Column("cut", Text),  # JSON, how its scans were cut out of clouds; empty: as by default
 )
 
 #: One row: what tells the store of logs that the records belong to from every other.

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.messages import DrawnSolid, KeepoutStroke, Point, Values
+from server.stream.message_parts import DrawnSolid, KeepoutStroke, Point, Values
 
 Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]

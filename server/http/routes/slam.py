@@ -13,7 +13,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
-from server.library.slam_job import PartialPoses, check_one_sensor
+from server.library.slam_job import PartialPoses
 from server.library.slam_jobs import parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
@@ -39,6 +39,11 @@ class NewSlam(BaseModel):
     )
     parameters: dict[str, Any] = Field(
         default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
+    )
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
     )
 
 
@@ -75,7 +80,7 @@ async def parameters(_visitor: Visitor) -> dict[str, Any]:
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters)
+    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters, wanted.cut)
     _tell_at_end(library, sessions, visitor, log_id)
     return state
 
@@ -101,10 +106,10 @@ async def heal(
     A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
     """
     session, recording = _healed(sessions, session_id)
-    check_one_sensor(recording.log)
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
-    state = await library.slam.begin(owner, log_id, recording.view().topic, parameters=values)
+    view = recording.view()
+    state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut)
     session.enqueue({"type": "follow_slam"})
 
     def told(poses: PartialPoses | None) -> None:

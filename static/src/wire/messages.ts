@@ -1,4 +1,4 @@
-// Written by `python -m server.stream.generate` from server/stream/messages.py and commands.py: change those.
+// Written by `python -m server.stream.generate` from server/stream/messages.py, message_parts.py and commands.py: change those.
 
 import {
   type Check,
