@@ -106,15 +106,36 @@ class StaticLayer:
             raise ConfigError(
                 "costmap.shape", f"The map has {values.shape} values, but the costmap {geometry.shape} cells."
             )
-        self._values, self._config = values, config
+        self._values, self._config = values.copy(), config
         table = static_costs(config, general.track_unknown_space)
         self.costs: UInt8Array = table[values.view(np.uint8)]
-        self._full: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+        self._table = table
+        self._changed: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+
+    def renew(self, values: Int8Array, box: CellBox) -> None:
+        """Take other values of the map, those of the cells of ``box``, as for a map that is still being made.
+
+        Raises :class:`ConfigError` for another shape than that of the box.
+        """
+        part = self._values[part_of(box)]
+        if values.shape != part.shape:
+            message = f"The box has {part.shape} cells, but there are {values.shape} values."
+            raise ConfigError("costmap.shape", message)
+        differs = values != part
+        if not differs.any():
+            return
+        rows, cols = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
+        near = CellBox(
+            box.row0 + int(rows[0]), box.row0 + int(rows[-1]) + 1, box.col0 + int(cols[0]), box.col0 + int(cols[-1]) + 1
+        )
+        self._values[part_of(box)] = values
+        self.costs[part_of(box)] = self._table[values.view(np.uint8)]
+        self._changed = near if self._changed is None else self._changed | near
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return the whole map once."""
+        """Return the whole map at first, then what was renewed."""
         del now, robot
-        box, self._full = self._full, None
+        box, self._changed = self._changed, None
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:

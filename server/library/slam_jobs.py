@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
@@ -33,7 +34,6 @@ from server.library.slam_job import (
     PartialPoses,
     SlamJob,
     SlamOutcome,
-    check_one_sensor,
     read_progress,
 )
 from server.library.slam_record import SlamRecord, load_slam_records, put_slam_record
@@ -258,7 +258,6 @@ class SlamJobs:
         """Run SLAM in the worker process, add the trajectory, and return what is shown of the result."""
         owner, log_id = record.owner, record.log_id
         log = await self._logs.load(owner, log_id, record.topic)
-        check_one_sensor(log)
         if record.trajectory is not None:
             log.trajectory(record.trajectory)
         folder = self._folder / secrets.token_hex(10)
@@ -355,7 +354,7 @@ def _emptied(folder: Path) -> None:
 def packed(log: ScanLog, path: Path) -> None:
     """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
-        write_pack(RobotLog.of_one(log), path)
+        write_pack(RobotLog({one.topic: one for one in sensors_of(log)}), path)
     except OSError:
         raise StorageError(
             "log.storage", "The log could not be stored for SLAM; the server's disk may be full."

@@ -153,6 +153,14 @@ class GridLayer(Layer):
         picture.set(values, missing, None if is_new else box)
         return is_new
 
+    def set_bytes(self, geometry: GridGeometry, values: NDArray[np.uint8]) -> bool:
+        """Set ``values`` (rows, cols) from 0 to 254, 255 for none; as :meth:`set`, without rounding (worker thread)."""
+        if values.shape != geometry.shape or values.dtype != np.uint8:
+            raise ValueError(f"values of shape {values.shape} {values.dtype} do not fit a grid {geometry.shape}")
+        picture, is_new = self._picture_of(geometry, 0.0, 254.0)
+        picture.set_cells((values - np.uint8(127)).view(np.int8))  # 255 becomes -128, which is no value
+        return is_new
+
     def _picture_of(self, geometry: GridGeometry, low: float, high: float) -> tuple[TilePicture, bool]:
         """Return the picture of this geometry and range to write, and whether it is a new one."""
         before = self._written

@@ -75,16 +75,25 @@ class TilePicture:
 
         Cells that are ``missing`` or NaN have no value.
         """
-        picture = self.cells
         first_row = first_col = 0
         if box is not None:  # whole tiles
             first_row, first_col = box.row0 // TILE, box.col0 // TILE
             part = np.s_[first_row * TILE : -(-box.row1 // TILE) * TILE, first_col * TILE : -(-box.col1 // TILE) * TILE]
-            values, picture = values[part], picture[part]
+            values = values[part]
             missing = None if missing is None else missing[part]
         scaled = (values.astype(np.float32) - self.low) * np.float32(254.0 / (self.high - self.low)) - np.float32(127.0)
         none = np.isnan(scaled) if missing is None else np.isnan(scaled) | missing
         cells = np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8)
+        self._set_part(cells, first_row, first_col)
+
+    def set_cells(self, cells: NDArray[np.int8]) -> None:
+        """Set the picture's ``cells`` (rows, cols) themselves (worker thread)."""
+        self._set_part(cells, 0, 0)
+
+    def _set_part(self, cells: NDArray[np.int8], first_row: int, first_col: int) -> None:
+        """Set the cells from a tile on; ``cells`` ends at the end of a tile or of the picture."""
+        top, left = first_row * TILE, first_col * TILE
+        picture = self.cells[top : top + cells.shape[0], left : left + cells.shape[1]]
         rows, cols = -(-cells.shape[0] // TILE), -(-cells.shape[1] // TILE)
         differs = np.zeros((rows * TILE, cols * TILE), dtype=np.bool_)
         np.not_equal(cells, picture, out=differs[: cells.shape[0], : cells.shape[1]])

@@ -2,8 +2,10 @@
 
 import json
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +17,13 @@ from mapper.editing.files import apply_edits, edits_text, parse_edits, save_edit
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 
-STROKE = {"op": "paint", "state": "occupied", "width": 0.35, "points": [[0.5, 0.5], [2.0, 1.1], [2.0, 2.0]]}
-AREA = {"op": "fill", "state": "unknown", "polygon": [[1.0, 0.2], [3.1, 0.4], [1.4, 2.2]]}
+STROKE: dict[str, Any] = {
+    "op": "paint",
+    "state": "occupied",
+    "width": 0.35,
+    "points": [[0.5, 0.5], [2.0, 1.1], [2.0, 2.0]],
+}
+AREA: dict[str, Any] = {"op": "fill", "state": "unknown", "polygon": [[1.0, 0.2], [3.1, 0.4], [1.4, 2.2]]}
 ZONE = {"op": "keepout", "polygon": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], "value": 80}
 TURN = {"op": "rotate", "angle": 0.3}
 CUT = {"op": "crop", "corners": [[0.32, 0.4], [2.0, 1.99]]}
@@ -29,7 +36,7 @@ def made(yaw: float = 0.0) -> EditedMap:
     return EditedMap(geometry, values)
 
 
-def after(edited: EditedMap, *given: dict[str, object]) -> EditedMap:
+def after(edited: EditedMap, *given: Mapping[str, object]) -> EditedMap:
     for one in given:
         edited.apply(parse_operation(one))
     return edited
@@ -57,7 +64,7 @@ def test_a_stroke_covers_the_cells_near_its_line(yaw: float) -> None:
 def test_an_area_and_a_zone_cover_the_cells_inside() -> None:
     """The triangle by the signs of its edges; the square of 10 × 10 cells by its corners."""
     before, edited = made(), after(made(), AREA, ZONE)
-    a, b, c = (np.array(p) for p in AREA["polygon"])  # type: ignore[attr-defined]
+    a, b, c = (np.array(p) for p in AREA["polygon"])
     for row, col in np.ndindex(*edited.geometry.shape):
         p = edited.geometry.cell_to_world((row, col))
         turns = [float(np.cross(np.append(e - s, 0), np.append(p - s, 0))[2]) for s, e in ((a, b), (b, c), (c, a))]
@@ -183,7 +190,7 @@ def test_a_map_of_three_states_is_saved_as_map_saver_does(tmp_path: Path) -> Non
         ({"op": "crop", "corners": [[50, 50], [51, 51]]}, "nothing would be left"),
     ],
 )
-def test_an_impossible_edit_is_refused_and_nothing_changes(given: dict[str, object], said: str) -> None:
+def test_an_impossible_edit_is_refused_and_nothing_changes(given: Mapping[str, object], said: str) -> None:
     edited = made()
     with pytest.raises(ConfigError, match=said):
         edited.apply(parse_operation(given))
