@@ -20,8 +20,8 @@ import structlog
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.sensors.scan import ScanLog
 from server.library.merge_job import ENDINGS, NAME, MergeJob, MergeOutcome
+from server.library.pose_jobs import JobLimits, Logs, packed
 from server.library.slam_job import check_one_sensor
-from server.library.slam_jobs import Logs, SlamLimits, packed
 from server.library.storage import private_folder
 from server.library.trajectories import NewTrajectory
 from server.library.workers import GRACE_S, Worker
@@ -52,7 +52,7 @@ class MergeJobs:
     def __init__(self, logs: Logs, worker: Callable[[], Worker], folder: Path) -> None:
         self._logs, self._make_worker, self._folder = logs, worker, folder
         self._worker: Worker | None = None
-        self._limits = SlamLimits()
+        self._limits = JobLimits()
         self._merges: dict[tuple[str, str], _Merge] = {}  #: by owner and first log
         self._turns = FairLock()
 

@@ -154,11 +154,11 @@ def lower_priority() -> None:
             os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))
 
 
-def check_one_sensor(log: ScanLog) -> None:
+def check_one_sensor(log: ScanLog, title: str = "SLAM") -> None:
     """Raise :class:`ConfigError` for several sensors in one log."""
     if isinstance(log, JointLog):
         raise ConfigError(
-            "slam.sensors",
-            "Poses are healed by the scans of one sensor: open one of them by itself and heal it there; all sensors of "
-            "the log can then be mapped with the healed poses.",
+            f"{title.lower()}.sensors",
+            f"{title} uses the scans of one sensor: open one of them by itself and begin there; all sensors of the log "
+            "can then be mapped with the poses that it gives.",
         )
