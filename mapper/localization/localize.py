@@ -51,7 +51,9 @@ class Localized:
 
 
 def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
-    """Return the trajectory that is the odometry: ``trajectory``, or the first in a frame ``odom``, or the log's first.
+    """Return the trajectory that is the odometry: ``trajectory``, or one that tells so, or the log's first.
+
+    A frame that ends in ``odom`` tells it, or else a name that contains that.
 
     Raises :class:`ConfigError` for a log without odometry.
     """
@@ -60,7 +62,7 @@ def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
     else:
         named = [name for name, one in log.trajectories.items() if not one.is_placeholder]
         raw = [name for name in named if (log.trajectories[name].frame_id or "").strip("/").endswith("odom")]
-        moving = raw or named
+        moving = raw or [name for name in named if "odom" in name.lower()] or named
     if not moving:
         raise ConfigError(
             "localization.no_odometry",

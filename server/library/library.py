@@ -40,6 +40,7 @@ from server.settings import Settings
 
 if TYPE_CHECKING:
     from server.library.added import Added
+    from server.library.given_map import GivenMap
 
 
 class LogNotFoundError(MapperError):
@@ -375,6 +376,13 @@ class Library:
         async with self._slots.take(owner, address) as slot:
             text = await text_of(slot.read(chunks))
         return await self.trajectories.put(owner, self.get(owner, log_id), log, NewTrajectory(name, text))
+
+    async def choose_map(
+        self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
+    ) -> GivenMap:
+        """Choose the map in uploaded files to localize a log in. Raises as :meth:`GivenMaps.of_files`."""
+        async with self._slots.take(owner, address) as slot:
+            return await self.maps.of_files(owner, log_id, title, slot.read(chunks))
 
     async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""

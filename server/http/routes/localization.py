@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fastapi import APIRouter, Body, Query, Request
 from fastapi.responses import PlainTextResponse
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import LimitError, MapperError
 from server.http.following import follow, tell_at_end
 from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions
 from server.http.session_access import session_of_log, writable_session
 from server.library.localize_jobs import NAME, parameter_table
@@ -115,7 +117,12 @@ async def map_of_files(
     """
     of_log = writable_session(sessions, session_id)
     _check_idle(library.localization.state(of_log.owner, of_log.log_id))
-    made = await library.maps.of_files(of_log.owner, of_log.log_id, name, request.stream())
+    try:
+        made = await library.choose_map(
+            of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
+        )
+    except ClientDisconnect:
+        return {"map": None}  # nobody is there to read it
     return _show(of_log.session, made)
 
 

@@ -6,10 +6,9 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import type { LocalizationMessage } from "../../wire/protocol";
 import { ErrorChart } from "./ErrorChart";
-import { grown, type Point, SETTINGS, valuesOf } from "./model";
+import { grown, PARTICLES, type Point, SETTINGS, valuesOf } from "./model";
 import "./localization.css";
 
-const PARTICLES = "particles";
 const FIELD = "likelihood_field";
 
 export function Localization({ store }: { readonly store: Store }) {
