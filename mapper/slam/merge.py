@@ -20,6 +20,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import bounds_of_log, grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.matching.maps import place_map
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
@@ -31,7 +32,7 @@ from mapper.slam.odometry import carry
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import SlamProgress, SlamResult
-from mapper.slam.scan_store import ScanStore, sensors_of
+from mapper.slam.scan_store import ScanStore
 from mapper.slam.slam import slam_log, stored_scans
 
 Float64Array = NDArray[np.float64]

@@ -7,15 +7,11 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
 
 from mapper.core.errors import LimitError, ReadError
 from server.library import job as jobs
 from server.library.given_map import GivenMap
-from server.library.log_pack import StalePackError, read_pack
-
-if TYPE_CHECKING:
-    from mapper.sensors.scan import ScanLog
+from server.library.slam_job import log_in
 
 DOING = "Making this map"  #: in errors
 MOST_FILES = 8  #: in an archive
@@ -72,10 +68,7 @@ def _of_log(job: GivenMapJob, trajectory: str) -> GivenMap:
     from mapper.mapping.parameters import BY_NAME, MappingConfig  # noqa: PLC0415
     from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415
 
-    try:
-        log: ScanLog = read_pack(Path(job.source))
-    except StalePackError:
-        raise ReadError("log.gone", "What was read of this log is no longer there.") from None
+    log = log_in(job.source)
     row = BY_NAME["range_max"]
     reach = min(max(min(log.range_max, row.initial), row.low), row.high)
     config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": reach}))

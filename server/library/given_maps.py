@@ -13,7 +13,6 @@ from server.library.given_map import GivenMap, read_given_map
 from server.library.given_map_job import MOST_BYTES, GivenMapJob
 from server.library.log_reader import outcome_of
 from server.library.pose_jobs import JobLimits, Logs, packed
-from server.library.slam_job import check_one_sensor
 from server.library.storage import private_folder
 from server.library.workers import Worker
 from server.work.fair_lock import FairLock
@@ -53,7 +52,6 @@ class GivenMaps:
         """
         self._logs.get(owner, log_id)
         log = await self._logs.load(owner, other, topic)
-        check_one_sensor(log, "Localization")
         name = trajectory or log.default_trajectory
         log.trajectory(name)
         title = f"{self._logs.get(owner, other).name}, {name}"

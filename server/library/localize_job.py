@@ -17,15 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import LimitError, ReadError
+from mapper.core.errors import ConfigError, LimitError
+from mapper.sensors.joint_log import JointLog
 from server.library import job as jobs
 from server.library.course_file import Course, course_bytes, thinned
 from server.library.given_map import read_given_map
-from server.library.log_pack import StalePackError, read_pack
-from server.library.slam_job import lower_priority
+from server.library.slam_job import log_in, lower_priority
 
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
+    from mapper.sensors.scan import ScanLog
 
 DOING = "Localizing this log"  #: in errors
 EVERY_S = 0.4  #: seconds between two reports
@@ -100,6 +101,16 @@ class LocalizeProgress:
     particles: NDArray[np.float32]
 
 
+def check_one_sensor(log: ScanLog) -> None:
+    """Raise :class:`ConfigError` for several sensors in one log."""
+    if isinstance(log, JointLog):
+        raise ConfigError(
+            "localization.sensors",
+            "Localization uses the scans of one sensor: open one of them by itself and begin there; all sensors of the "
+            "log can then be mapped with the poses that it gives.",
+        )
+
+
 def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used, and limits."""
     lower_priority()
@@ -113,10 +124,7 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     from mapper.localization.localize import LOCALIZED  # noqa: PLC0415
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
 
-    try:
-        log = read_pack(Path(job.pack))
-    except StalePackError:
-        raise ReadError("log.gone", "What was read of this log is no longer there.") from None
+    log = log_in(job.pack)
     given = read_given_map(Path(job.given))
     grid = grid_of_values(given.geometry, given.values)
     watch = _Watch(job.out, log.n_scans)

@@ -6,11 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mapper.core.errors import LimitError, ReadError
-from mapper.sensors.scan import ScanLog
+from mapper.core.errors import LimitError
 from server.library import job as jobs
-from server.library.log_pack import StalePackError, read_pack
-from server.library.slam_job import lower_priority
+from server.library.slam_job import log_in, lower_priority
 
 DOING = "Merging these logs"  #: in errors
 NAME = "merged"  #: of the trajectories
@@ -63,17 +61,10 @@ def _merge(job: MergeJob) -> MergeOutcome:
         jobs.note_progress(progress.fraction)
         return True
 
-    logs = _read(job.first), _read(job.second)
+    logs = log_in(job.first), log_in(job.second)
     found = merge_logs(*logs, progress=report)
     for log, poses, ending in zip(logs, found.poses, ENDINGS, strict=True):
         one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
         Path(job.out + ending).write_text(tum_text(one, NAME), encoding="ascii")
     jobs.note_progress(1.0)
     return MergeOutcome(len(found.loops), found.n_tried, found.score, found.cpu_seconds)
-
-
-def _read(pack: str) -> ScanLog:
-    try:
-        return read_pack(Path(pack))
-    except StalePackError:
-        raise ReadError("log.gone", "What was read of this log is no longer there.") from None

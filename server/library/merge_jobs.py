@@ -21,7 +21,6 @@ from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.sensors.scan import ScanLog
 from server.library.merge_job import ENDINGS, NAME, MergeJob, MergeOutcome
 from server.library.pose_jobs import JobLimits, Logs, packed
-from server.library.slam_job import check_one_sensor
 from server.library.storage import private_folder
 from server.library.trajectories import NewTrajectory
 from server.library.workers import GRACE_S, Worker
@@ -137,7 +136,6 @@ class MergeJobs:
         logs: list[ScanLog] = []
         for log_id, topic in (first, second):
             logs.append(await self._logs.load(owner, log_id, topic))
-            check_one_sensor(logs[-1])
         folder = self._folder / secrets.token_hex(10)
         await asyncio.to_thread(private_folder, folder)
         try:

@@ -21,6 +21,7 @@ import structlog
 from sqlalchemy import Table
 
 from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
@@ -28,7 +29,6 @@ from server.library.job import WorkerJob
 from server.library.log_pack import write_pack
 from server.library.pose_job_record import PoseJobRecord, load_job_records, put_job_record
 from server.library.records import Failure, Record
-from server.library.slam_job import check_one_sensor
 from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory, Trajectories
 from server.library.workers import GRACE_S, Worker
@@ -88,6 +88,9 @@ class JobKind(Protocol[P, T]):
 
     def checked(self, parameters: dict[str, Any]) -> dict[str, Any]:
         """Return the parameters that are kept of a job (worker thread). Raises :class:`ConfigError`."""
+
+    def check(self, log: ScanLog) -> None:
+        """Raise :class:`ConfigError` for a log that it cannot use."""
 
     async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> WorkerJob[T]:
         """Return the job on the log in ``pack``; ``out`` is the path of its files without their endings."""
@@ -289,7 +292,7 @@ class PoseJobs(Generic[P, T]):
         """Do the job in the worker process, add the trajectory, and return what is shown of the result."""
         owner, log_id, kind = record.owner, record.log_id, self._kind
         log = await self._logs.load(owner, log_id, record.topic)
-        check_one_sensor(log, self._kind.title)
+        kind.check(log)
         if record.trajectory is not None:
             log.trajectory(record.trajectory)
         added = {one.name for one in self._logs.trajectories.of(owner, log_id)}
@@ -349,7 +352,7 @@ def _emptied(folder: Path) -> None:
 def packed(log: ScanLog, path: Path) -> None:
     """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
-        write_pack(RobotLog.of_one(log), path)
+        write_pack(RobotLog({one.topic: one for one in sensors_of(log)}), path)
     except OSError:
         raise StorageError(
             "log.storage", "The log could not be stored for this job; the server's disk may be full."

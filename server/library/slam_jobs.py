@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from mapper.sensors.scan import ScanLog
 from server.library.pose_job_record import PoseJobRecord
 from server.library.pose_jobs import JobLimits
 from server.library.slam_job import GRAPH, NAME, TUM, PartialPoses, SlamJob, SlamOutcome, read_progress
@@ -26,6 +27,9 @@ class SlamKind:
     def checked(self, parameters: dict[str, Any]) -> dict[str, Any]:
         """Return the parameters that differ from the first values."""
         return changed_parameters(parameters)
+
+    def check(self, log: ScanLog) -> None:
+        """SLAM takes the scans of several sensors too."""
 
     async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> SlamJob:
         """Return the job on the log in ``pack``."""

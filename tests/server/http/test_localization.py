@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import tarfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
 from server.library import given_map_job, localize_job
 from server.library.course_file import read_course
+from server.sessions.parts import Recording
 from tests.mapper.localization.rooms import office
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library import slam_stand_ins as stand_ins
@@ -76,6 +78,12 @@ def choose(service: Service, session: str, body: bytes, name: str = "office.yaml
     return service.http.put(f"/api/sessions/{session}/localization/map-files", params={"name": name}, content=body)
 
 
+def recording_of(service: Service, session: str) -> Recording:
+    recording = service.state.sessions.get(session).model.recording
+    assert recording is not None
+    return recording
+
+
 def layers(service: Service, session: str) -> list[str]:
     return [layer.name for layer in service.state.sessions.get(session).model.layers]
 
@@ -105,7 +113,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
     assert result["trajectory"] == "localized"
     assert result["is_converged"]
 
-    recording = service.state.sessions.get(session).model.recording
+    recording = recording_of(service, session)
     until(lambda: recording.trajectory == "localized" and recording.view().index == drive.n_scans)
     text = http.get(f"/api/sessions/{session}/trajectories/localized").text
     (files / "found.tum").write_text(text)
@@ -127,7 +135,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
         ("localized", True),
     ):
         service.state.sessions.get(session).enqueue({"type": "trajectory", "name": name})
-        until(lambda name=name: recording.trajectory == name)
+        until(partial(lambda name: recording.trajectory == name, name))
         assert model.localization.message()["is_on"] is is_on
 
 
@@ -135,14 +143,14 @@ def test_the_course_has_the_particles_of_each_scan_that_was_used(
     service: Service, session: str, drive: ScanLog
 ) -> None:
     library, of = service.state.library, service.state.sessions.get(session)
-    log_id = of.model.recording.log_id
+    log_id = recording_of(service, session).log_id
     added = next(one for one in library.trajectories.of(of.owner, log_id) if one.name == "localized")
     assert (added.source, added.has_graph) == ("localized", False)
     path = next(service.state.settings.data_dir.rglob(f"{added.id}.course"))
     course = read_course(path.read_bytes())
     assert len(course.offsets) == course.is_updated.sum() + 1
     assert course.is_updated[0]
-    cloud, poses = course.cloud(drive.n_scans - 1), of.model.recording.log.trajectory("localized").poses
+    cloud, poses = course.cloud(drive.n_scans - 1), recording_of(service, session).log.trajectory("localized").poses
     assert np.hypot(*(cloud[:, :2] - poses[-1, :2]).T).mean() < 0.5
     assert len(course.cloud(0)) > 100
     assert np.ptp(course.cloud(0)[:, 0]) > 5.0, "everywhere at first"
@@ -150,7 +158,7 @@ def test_the_course_has_the_particles_of_each_scan_that_was_used(
 
 def test_it_starts_at_a_pose_in_another_log_s_map(service: Service, session: str, drive: ScanLog) -> None:
     http, address = service.http, f"/api/sessions/{session}/localization"
-    own = service.state.sessions.get(session).model.recording.log_id
+    own = recording_of(service, session).log_id
     made = http.put(f"{address}/map", json={"log": own, "trajectory": "localized"})
     assert made.json()["map"]["title"] == "office.log, localized"
     wrong = http.put(f"{address}/map", json={"log": own, "trajectory": "gps"})

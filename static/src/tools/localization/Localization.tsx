@@ -49,18 +49,6 @@ export function Localization({ store }: { readonly store: Store }) {
           </Button>
         )}
       </div>
-      {isOn && message && (
-        <>
-          <Outcome message={message} />
-          <ErrorChart points={points.value} />
-          <p class="localization-key">
-            <span class="key error" aria-hidden="true" /> error <span class="key entropy" aria-hidden="true" /> entropy
-          </p>
-          <p class="localization-note">
-            <b>Kidnap the robot:</b> click somewhere else in the world. The filter is not told.
-          </p>
-        </>
-      )}
       <fieldset class="localization-row">
         <legend>What goes wrong</legend>
         {SETTINGS.map(({ name, label, look }) => (
@@ -77,6 +65,18 @@ export function Localization({ store }: { readonly store: Store }) {
           </button>
         ))}
       </fieldset>
+      {isOn && message && (
+        <>
+          <Outcome message={message} />
+          <ErrorChart points={points.value} />
+          <p class="localization-key">
+            <span class="key error" aria-hidden="true" /> error <span class="key entropy" aria-hidden="true" /> entropy
+          </p>
+          <p class="localization-note">
+            <b>Kidnap the robot:</b> click somewhere else in the world. The filter is not told.
+          </p>
+        </>
+      )}
       {isOn && (
         <button
           type="button"
