@@ -7,7 +7,6 @@ pictures stay in place and are not covered is looked at in every group at every 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
@@ -26,9 +25,9 @@ _CONTROLS = ", ".join(
 # Keeps what the map is now.
 _KEEP = """() => {
   const { geometry, cells } = gridbloom.connection.store.map.peek();
-  const bytes = [];
-  for (let row = 0; row < geometry.rows; row++)
-    for (let col = 0; col < geometry.cols; col++) bytes.push(cells.at(row, col));
+  const bytes = new Uint8Array(geometry.rows * geometry.cols);
+  for (let row = 0, i = 0; row < geometry.rows; row++)
+    for (let col = 0; col < geometry.cols; col++) bytes[i++] = cells.at(row, col);
   window.kept = { ...geometry, bytes };
 }"""
 
@@ -54,15 +53,15 @@ _CHANGED = """(picture) => {
   return [changed, seen];
 }"""
 
-# The places of a picture at which something else lies on top.
-_COVERED = """(picture) => {
+# The places of the pictures at which something else lies on top.
+_COVERED = """(pictures) => pictures.flatMap((picture) => {
   const box = picture.getBoundingClientRect();
   const places = [0.03, 0.5, 0.97].flatMap((x) => [0.03, 0.5, 0.97].map((y) => [x, y]));
   return places.filter(([x, y]) => {
     const top = document.elementFromPoint(box.left + x * box.width, box.top + y * box.height);
     return !top || !(picture.parentElement.contains(top));
   });
-}"""
+})"""
 
 # Whether the middle of a control is what one sees at its place.
 _AT_HAND = """(control) => {
@@ -74,7 +73,12 @@ _AT_HAND = """(control) => {
   return isInside && isOnTop ? null : { box: box.toJSON(), top: top?.outerHTML.slice(0, 200) };
 }"""  # noqa: E501
 
-_NAME = "(control) => control.getAttribute('aria-label') ?? control.labels?.[0]?.textContent ?? control.textContent"
+# Name of a control, its kind, and of a list the number of the next choice.
+_ABOUT = """(c) => [
+  c.getAttribute("aria-label") ?? c.labels?.[0]?.textContent ?? c.textContent,
+  c.tagName === "SELECT" ? "select" : c.type === "range" || c.getAttribute("role") === "slider" ? "slider" : c.type,
+  c.tagName === "SELECT" ? (c.selectedIndex + 1) % c.options.length : null,
+]"""
 _SCROLLED = "() => [scrollX, scrollY, document.documentElement.scrollWidth > innerWidth]"
 
 
@@ -89,8 +93,8 @@ class Screen:
         carried_out(page)  # a picture takes its new size with the next frames
         self.places = self._places()
 
-    def _places(self) -> list[Any]:
-        return [one.bounding_box() for one in self.pictures.all()]
+    def _places(self) -> list[dict[str, float]]:
+        return list(self.pictures.evaluate_all("(all) => all.map((one) => one.getBoundingClientRect().toJSON())"))
 
     def stands(self, where: str) -> None:
         """The pictures are in the viewport, where they were, and nothing lies on them."""
@@ -101,24 +105,21 @@ class Screen:
             assert one["y"] >= 0, (self.size, where)
             assert one["x"] + one["width"] <= width, (self.size, where)
             assert one["y"] + one["height"] <= height, (self.size, where)
-        for one in self.pictures.all():
-            assert one.evaluate(_COVERED) == [], (self.size, where)
+        assert self.pictures.evaluate_all(_COVERED) == [], (self.size, where)
         assert self.page.evaluate(_SCROLLED) == [0, 0, False], (self.size, where)
 
     def use(self, control: Locator) -> bool:
         """Use a control; return whether the map has changed. Both have to be in the viewport."""
-        name = str(
-            control.evaluate("(c) => c.getAttribute('aria-label') ?? c.labels?.[0]?.textContent ?? c.textContent")
-        )
+        name, kind, following = control.evaluate(_ABOUT)
         self.page.evaluate(_KEEP)
         control.scroll_into_view_if_needed()  # in its group: the page does not scroll
-        if control.evaluate("(c) => c.tagName === 'SELECT'"):
-            control.select_option(index=int(control.evaluate("(c) => (c.selectedIndex + 1) % c.options.length")))
-        elif control.evaluate("(c) => c.type === 'range' || c.getAttribute('role') === 'slider'"):
+        if kind == "select":
+            control.select_option(index=int(following))
+        elif kind == "slider":
             control.focus()
             for key in ("ArrowLeft", "ArrowLeft", "ArrowDown"):
                 self.page.keyboard.press(key)
-        elif control.evaluate("(c) => c.type === 'checkbox' || c.type === 'radio'"):
+        elif kind in ("checkbox", "radio"):
             control.press("Space")  # its own box is not what one sees
         else:
             control.click()
@@ -140,7 +141,7 @@ def every_fourth(controls: Locator, turn: int) -> Iterator[Locator]:
 
 def test_of_the_lab(page: Page, open_lab: Callable[..., Page]) -> None:
     page.emulate_media(reduced_motion="reduce")
-    open_lab(scans=15)
+    open_lab("room", scans=15)
     reset = page.get_by_role("button", name="Reset to defaults")
     changes = 0
     for turn, size in enumerate(SIZES):
