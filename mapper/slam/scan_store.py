@@ -11,18 +11,13 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.matching.beams import Beams, scan_rows
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import sensor_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
 
 Float64Array = NDArray[np.float64]
 Kind = TypeVar("Kind", bound=np.generic)
-
-
-def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
-    """Return the logs of a log's sensors: its parts, or itself."""
-    return log.parts if isinstance(log, JointLog) else (log,)
 
 
 class ScanStore:
@@ -139,6 +134,18 @@ class ScanStore:
         """Return the distance of a scan's farthest point from the base, metres; 0 for a scan without points."""
         points = self._rows.points[scan][self._rows.kind[scan] != NO_POINT]
         return float(np.sqrt((points.astype(np.float64) ** 2).sum(axis=-1).max())) if len(points) else 0.0
+
+
+def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
+    """Return the points and normals of some scans of a log, of whichever of its sensors, in the order of ``scans``.
+
+    Raises as :class:`ScanStore`.
+    """
+    store = ScanStore(sensors_of(log), np.inf, log.n_beams)
+    sensor = sensor_of_scan(log)
+    for scan in scans:
+        store.append(log.ranges[scan], int(sensor[scan]))
+    return scan_rows(store.arrays, 0, len(scans))
 
 
 def _doubled(old: NDArray[Kind]) -> NDArray[Kind]:

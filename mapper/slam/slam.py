@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, compose_one, inverse, wrap_angle
+from mapper.sensors.joint_log import sensor_of_scan, sensors_of
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
@@ -25,14 +26,13 @@ from mapper.slam.odometry import (
     motions,
     next_scan,
     odometry_name,
-    sensor_of_scan,
     sweep_velocities,
     velocities_along,
 )
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
-from mapper.slam.scan_store import ScanStore, sensors_of
+from mapper.slam.scan_store import ScanStore
 
 Float64Array = NDArray[np.float64]
 

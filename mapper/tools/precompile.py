@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mapper
-from mapper.costmap import DecayConfig, DecayLayer, Footprint, InflationConfig, Observation, ObstacleConfig
+from mapper.costmap import DecayConfig, InflationConfig, Observation, ObstacleConfig, VoxelConfig
 from mapper.costmap.build import DEFAULT, build_costmap
 from mapper.costmap.inflation import inflate, squared_distances
-from mapper.costmap.layers import Robot
 from mapper.costmap.nav2_parameters import NamedLayer
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
@@ -108,18 +107,21 @@ def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
 
 def _plan(geometry: GridGeometry) -> None:
     """Lay the layers of a costmap over an empty map with one observation, and plan by each algorithm."""
-    layers = (*DEFAULT.layers[:1], NamedLayer("obstacle_layer", ObstacleConfig()), *DEFAULT.layers[1:])
+    seen_by = (
+        NamedLayer("obstacle_layer", ObstacleConfig()),
+        NamedLayer("voxel_layer", VoxelConfig()),
+        NamedLayer("dynamic_layer", DecayConfig()),
+    )
+    layers = (*DEFAULT.layers[:1], *seen_by, *DEFAULT.layers[1:])
     values = np.zeros(geometry.shape, dtype=np.int8)
     built = build_costmap(geometry, values, replace(DEFAULT, layers=layers))
     middle = geometry.cell_to_world((geometry.rows // 2, geometry.cols // 2))
     seen = Observation(np.array([*middle, 0.3]), np.array([[*middle + 1.0, 0.3]]))
-    fading = DecayLayer(geometry, DecayConfig(), DEFAULT.general)
-    built.obstacles[0].observe(seen)
-    fading.observe(seen)
+    for layer in built.obstacles:
+        layer.observe(seen)
     corners = middle + np.array([[0.5, 0.0], [1.0, 0.0], [1.0, 0.5]])
     built.keepout.paint(corners, 100)
     built.costmap.update(0.0, (float(middle[0]), float(middle[1]), 0.0))
-    fading.changed(0.0, Robot((float(middle[0]), float(middle[1]), 0.0), Footprint.circle(0.2)))
     far = InflationConfig(inflation_radius=200 * geometry.resolution)  # distances of 32 bits
     inflate(built.costmap.costs, far, geometry.resolution, 0.1, np.empty_like(built.costmap.costs))
     squared_distances(built.costmap.costs, 1)

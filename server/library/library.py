@@ -24,7 +24,6 @@ from server.library.jobs import Jobs
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
 from server.library.log_reader import Reader
-from server.library.merge_jobs import MergeJobs
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.records import Failure, Record
 from server.library.relation_scores import RelationScores
@@ -79,6 +78,7 @@ class Library:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.links import Links  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.slam_jobs import SlamJobs  # noqa: PLC0415
         from server.library.tags import Tags  # noqa: PLC0415
@@ -115,7 +115,9 @@ class Library:
         places = Places(self._limits, max_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
         self.slam = SlamJobs(self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam")
-        self.merges = MergeJobs(self, lambda: worker_at(settings.executor, memory, scratch), scratch)
+        self.merges = MergeJobs(
+            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "merges"
+        )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,
@@ -152,6 +154,7 @@ class Library:
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
         await self.slam.start()
+        await self.merges.start()
         self._folder.begin_survey()
 
     async def close(self) -> None:
@@ -176,6 +179,7 @@ class Library:
     async def _forgotten(self, log_id: str) -> None:
         """Remove what was added to a log that was deleted."""
         await self.slam.forget_log(log_id)
+        await self.merges.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
 

@@ -13,18 +13,19 @@ import secrets
 import shutil
 import time
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 import structlog
 
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import LimitError, MapperError
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
+from server.library.following import followed
 from server.library.log_pack import write_pack
 from server.library.records import Failure, Record
 from server.library.slam_job import (
@@ -33,20 +34,17 @@ from server.library.slam_job import (
     TUM,
     PartialPoses,
     SlamJob,
-    SlamOutcome,
-    check_one_sensor,
     read_progress,
 )
 from server.library.slam_record import SlamRecord, load_slam_records, put_slam_record
 from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory, Trajectories
-from server.library.workers import GRACE_S, Worker
+from server.library.workers import Worker
 from server.work.fair_lock import FairLock
 
 MOST_OF_OWNER = 3  #: unfinished jobs of one visitor
 MOST = 50  #: of all visitors
 MOST_ATTEMPTS = 2  #: runs of one job that the end of the service may interrupt
-LOOK_S = 0.2  #: how often a running job is looked at
 
 _log = structlog.get_logger(__name__)
 
@@ -116,7 +114,7 @@ class SlamJobs:
 
         Raises :class:`StorageError`.
         """
-        await asyncio.to_thread(_emptied, self._folder)
+        await asyncio.to_thread(emptied, self._folder)
         for record in await self._database.run(load_slam_records):
             self._records[record.owner, record.log_id] = record
             if not record.is_unfinished:
@@ -263,7 +261,6 @@ class SlamJobs:
         """Run SLAM in the worker process, add the trajectory, and return what is shown of the result."""
         owner, log_id = record.owner, record.log_id
         log = await self._logs.load(owner, log_id, record.topic, PlanarCut.of(record.cut or {}))
-        check_one_sensor(log)
         if record.trajectory is not None:
             log.trajectory(record.trajectory)
         folder = self._folder / secrets.token_hex(10)
@@ -276,7 +273,16 @@ class SlamJobs:
                 str(pack), str(out), record.trajectory, record.parameters, limits.timeout_s, limits.cpu_s,
                 limits.memory_bytes,
             )  # fmt: skip
-            outcome = await self._followed(job, out, running)
+            worker = self._worker = self._worker or self._make_worker()
+
+            async def look() -> None:
+                newest = await asyncio.to_thread(read_progress, out)
+                if newest is not None and (running.poses is None or newest.fraction != running.poses.fraction):
+                    running.poses = newest
+                    for listener in [*running.listeners]:
+                        listener(newest)
+
+            outcome = await followed(worker, job, look, "slam.died")
             text, graph = await asyncio.to_thread(
                 lambda: (out.with_name(out.name + TUM).read_bytes(), out.with_name(out.name + GRAPH).read_bytes())
             )
@@ -299,31 +305,6 @@ class SlamJobs:
             "sharpness": [round(value, 4) if math.isfinite(value) else None for value in outcome.sharpness],
             "notes": list(outcome.notes),
         }
-
-    async def _followed(self, job: SlamJob, out: Path, running: _Running) -> SlamOutcome:
-        """Wait for the job in its process, and tell the listeners how far it is."""
-        worker = self._worker = self._worker or self._make_worker()
-        try:
-            done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
-            deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
-            while not done.done():
-                await asyncio.wait([done], timeout=LOOK_S)
-                newest = await asyncio.to_thread(read_progress, out)
-                if newest is not None and (running.poses is None or newest.fraction != running.poses.fraction):
-                    running.poses = newest
-                    for listener in [*running.listeners]:
-                        listener(newest)
-                if time.monotonic() > deadline:
-                    worker.end()
-                    raise job.time_error()
-            return done.result()
-        except BrokenExecutor:
-            worker.end()
-            message = "The process of this job was ended, most likely because the log needs too much memory."
-            raise ReadError("slam.died", message) from None
-        except asyncio.CancelledError:
-            worker.end()
-            raise
 
     def _save(self, record: SlamRecord) -> None:
         """Store a changed record; if it cannot be written, it is valid until the next start."""
@@ -352,7 +333,8 @@ def parameter_table() -> list[dict[str, Any]]:
     return [asdict(row) for row in SLAM_PARAMETERS]
 
 
-def _emptied(folder: Path) -> None:
+def emptied(folder: Path) -> None:
+    """Make a private folder anew. Raises :class:`StorageError`."""
     shutil.rmtree(folder, ignore_errors=True)
     private_folder(folder)
 
@@ -360,7 +342,7 @@ def _emptied(folder: Path) -> None:
 def packed(log: ScanLog, path: Path) -> None:
     """Write a log for a worker process. Raises :class:`StorageError`."""
     try:
-        write_pack(RobotLog.of_one(log), path)
+        write_pack(RobotLog({one.topic: one for one in sensors_of(log)}), path)
     except OSError:
         raise StorageError(
             "log.storage", "The log could not be stored for SLAM; the server's disk may be full."

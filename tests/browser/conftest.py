@@ -97,7 +97,8 @@ class WatchedPage:
 
     def _console(self, message: ConsoleMessage) -> None:
         if message.type == "error":
-            self.problems.append(f"console: {message.text}")
+            where = message.location  # of a request that failed: its address
+            self.problems.append(f"console: {message.text} ({where['url']}:{where['lineNumber']}, on {self.page.url})")
 
     def _request(self, url: str) -> None:
         if not url.startswith((self._server, self._server.replace("http", "ws", 1), "data:", "blob:", "about:")):

@@ -16,7 +16,9 @@ from tests.mapper.io.clouds import test_depth_folder, test_formats, test_graph, 
 
 LIMITS = Limits(max_points=10_000, max_cloud_bytes=1 << 20, max_unpacked_bytes=1 << 20)
 KINDS: dict[str, Callable[[], bytes]] = {
-    **{f"pcd {kind}": (lambda kind=kind: test_pcd.written(kind)) for kind in ("ascii", "binary", "binary_compressed")},
+    "pcd ascii": lambda: test_pcd.written("ascii"),
+    "pcd binary": lambda: test_pcd.written("binary"),
+    "pcd compressed": lambda: test_pcd.written("binary_compressed"),
     "ply ascii": lambda: test_formats.ply("ascii"),
     "ply binary": lambda: test_formats.ply("binary_big_endian"),
     "vtk ascii": lambda: test_formats.vtk("ASCII"),

@@ -13,7 +13,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
-from server.library.slam_job import PartialPoses, check_one_sensor
+from server.library.slam_job import PartialPoses
 from server.library.slam_jobs import parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
@@ -106,7 +106,6 @@ async def heal(
     A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
     """
     session, recording = _healed(sessions, session_id)
-    check_one_sensor(recording.log)
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
     view = recording.view()

@@ -158,7 +158,6 @@ class LogRecording:
         """
         self._examinations.pop(trajectory, None)
         if trajectory == self.trajectory and self.replay.adopt(log):
-            self._sensor_poses = log.sensor_poses(trajectory)
             return False
         self._replay_with(log, trajectory)
         return True

@@ -6,7 +6,7 @@ import { Panel } from "../../ui/Panel";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
 import type { Making } from "../making";
-import { confidenceLabel, type Examination, examine, type Finding, findingsLabel } from "./doctor";
+import { confidenceLabel, type Examination, examine, type Finding, findingsLabel, isLongEnough } from "./doctor";
 import "./doctor.css";
 import { trajectoryLabel } from "./describeLog";
 
@@ -33,7 +33,7 @@ export interface DoctorState {
   readonly cancel: () => void;
 }
 
-/** The examination starts when the page is idle, a guest's with the button. */
+/** The examination starts when the page is idle; a guest's, and that of a very short log, with the button. */
 export function useDoctor(store: Store, session: string, isGuest: boolean): DoctorState {
   const state = useSignal<State>({ kind: "idle" });
   const progress = useSignal<Making | null>(null);
@@ -49,7 +49,9 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
   });
   useSignalEffect(() => {
     const isToDo = state.value.kind === "idle" && store.trajectory.value !== null && !isGuest;
-    return isToDo ? whenIdle(IDLE_MS, () => void run(false)) : undefined;
+    return isToDo && isLongEnough(store.hello.peek()?.log ?? null)
+      ? whenIdle(IDLE_MS, () => void run(false))
+      : undefined;
   });
   const ending = useRef<AbortController | null>(null);
   const run = async (isShown: boolean): Promise<void> => {

@@ -1,7 +1,9 @@
 /** The server's examination of a log. */
 
-import type { Value } from "../../wire/protocol";
+import { DOCTOR_LEAST_SCANS } from "../../wire/constants";
+import type { LogInfo, Value } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
+import { SENSOR_SEPARATOR } from "./describeLog";
 
 export interface Finding {
   readonly check: string;
@@ -22,6 +24,14 @@ export interface Finding {
 export interface Examination {
   readonly trajectory: string;
   readonly findings: readonly Finding[];
+}
+
+/**
+ * Whether the server certainly examines a log: it refuses one in which no sensor has enough scans. The numbers of the
+ * single sensors are not known here, but the greatest is at least their mean.
+ */
+export function isLongEnough(log: Pick<LogInfo, "n_scans" | "topic"> | null): boolean {
+  return log !== null && log.n_scans >= DOCTOR_LEAST_SCANS * log.topic.split(SENSOR_SEPARATOR).length;
 }
 
 /**

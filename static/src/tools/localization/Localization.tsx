@@ -4,6 +4,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { SwitchChip } from "../../ui/SwitchChip";
 import type { LocalizationMessage } from "../../wire/protocol";
 import { ErrorChart } from "./ErrorChart";
 import { grown, type Point, SETTINGS, valuesOf } from "./model";
@@ -50,6 +51,18 @@ export function Localization({ store }: { readonly store: Store }) {
           </Button>
         )}
       </div>
+      <fieldset class="localization-row">
+        <legend>What goes wrong</legend>
+        {SETTINGS.map(({ name, label, look }) => (
+          <SwitchChip
+            key={name}
+            label={label}
+            title={look}
+            checked={on.value.includes(name)}
+            onChange={() => turn(name)}
+          />
+        ))}
+      </fieldset>
       {isOn && message && (
         <>
           <Outcome message={message} />
@@ -62,34 +75,14 @@ export function Localization({ store }: { readonly store: Store }) {
           </p>
         </>
       )}
-      <fieldset class="localization-row">
-        <legend>What goes wrong</legend>
-        {SETTINGS.map(({ name, label, look }) => (
-          <button
-            key={name}
-            type="button"
-            role="switch"
-            class="localization-chip"
-            aria-checked={on.value.includes(name)}
-            title={look}
-            onClick={() => turn(name)}
-          >
-            {label}
-          </button>
-        ))}
-      </fieldset>
       {isOn && (
-        <button
-          type="button"
-          role="switch"
-          class="localization-chip"
-          aria-checked={showsField}
-          onClick={() => {
-            store.underlay.value = showsField ? null : FIELD;
+        <SwitchChip
+          label="Likelihood field under the particles"
+          checked={showsField}
+          onChange={(wanted) => {
+            store.underlay.value = wanted ? FIELD : null;
           }}
-        >
-          Likelihood field under the particles
-        </button>
+        />
       )}
       <div class="localization-note" role="status">
         {SETTINGS.filter(({ name }) => on.value.includes(name)).map(({ name, look }) => (

@@ -23,6 +23,7 @@ import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
 import { paintLocalization } from "../localization/paint";
+import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
@@ -64,7 +65,10 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
           store,
           canvas,
           invalidate,
-          () => underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }],
+          () => {
+            const below = underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }];
+            return [...below, ...costsOver(store)];
+          },
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
@@ -88,6 +92,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.inspected.value;
             void store.scanPair.value;
             void store.localization.value;
+            watchNavigation(store);
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;
             void pictureColours.value;
@@ -129,6 +134,7 @@ function paintOverlay(
   const moves = paintScan(store, brush, fade, now);
   ctx.restore();
   paintLocalization(store, brush);
+  paintNavigation(store, brush);
   paintScanPair(store, brush);
   paintWhy(store, brush);
   const cell = store.cell.peek();
