@@ -149,12 +149,14 @@ export class SessionState implements Receiver {
   mapAt: ((point: Point) => string) | null = null;
   /** How far the maps have forgotten a removed object; null while this is not measured. */
   readonly forgetting = signal<Forgetting | null>(null);
-  /** How the simulated robot is localized; null before the first message. */
+  /** How the robot is localized; null before the first message. */
   readonly localization = signal<LocalizationMessage | null>(null);
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
+  /** Where a visitor says that the robot is in a map that it is to be localized in. */
+  readonly givenPose = signal<Pose | null>(null);
 
   /** The scan that is stepped through cell by cell; null for none. */
   readonly stepping = signal<Stepping | null>(null);
@@ -225,6 +227,8 @@ export class SessionState implements Receiver {
       const world = this.world.value;
       const map = this.map.value;
       if (world || !map) return world?.bounds ?? null;
+      const under = this.underlay.value === null ? null : this.layers.grid(this.underlay.value).map.value;
+      if (under) return extent(under.geometry);
       const own = extent(map.geometry);
       const second = this.second.value?.map.value;
       return second ? around(own, extent(second.geometry)) : own;

@@ -205,6 +205,33 @@ async def test_scans_of_clouds_are_those_of_the_session_s_cut(
         await again.slam.begin("ann", record.id, cut={"angle_increment": 0.0})
 
 
+async def test_a_merge_survives_a_restart(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", stand_ins.endless_merge)
+    first = make_library()
+    await first.start()
+    one, other = await uploaded(first), await uploaded(first, start=stand_ins.SECOND_START)
+    await first.merges.begin("ann", (one, None), (other, None))
+    await eventually(lambda: first.merges.state("ann", one)["stage"] == "loops")
+    await first.close()
+    monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", stand_ins.quick_merge)
+    second = make_library()
+    await second.start()
+    await eventually(lambda: second.merges.state("ann", one)["state"] == "done")
+    await second.close()
+    third = make_library()
+    await third.start()
+    state = third.merges.state("ann", one)
+    assert (state["other"], state["result"]["loops"], state["result"]["topic"]) == (other, 7, None)
+    assert third.get("ann", state["result"]["log"]).name == "run and run, merged.mcap"
+    assert "merged" in (await third.load("ann", other)).trajectories
+    await third.delete("ann", one)
+    assert third.merges.state("ann", other)["state"] == "none"
+    await third.close()
+
+
 async def test_it_ends_with_its_log(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     do(monkeypatch, stand_ins.endless)
     log_id = await uploaded(library)

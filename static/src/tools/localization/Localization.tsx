@@ -7,10 +7,9 @@ import { Button } from "../../ui/Button";
 import { SwitchChip } from "../../ui/SwitchChip";
 import type { LocalizationMessage } from "../../wire/protocol";
 import { ErrorChart } from "./ErrorChart";
-import { grown, type Point, SETTINGS, valuesOf } from "./model";
+import { grown, PARTICLES, type Point, SETTINGS, valuesOf } from "./model";
 import "./localization.css";
 
-const PARTICLES = "particles";
 const FIELD = "likelihood_field";
 
 export function Localization({ store }: { readonly store: Store }) {

@@ -22,7 +22,8 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
-import { paintLocalization } from "../localization/paint";
+import { GIVEN_MAP } from "../localization/model";
+import { paintGivenPose, paintLocalization } from "../localization/paint";
 import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
@@ -93,6 +94,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.scanPair.value;
             void store.localization.value;
             watchNavigation(store);
+            void store.givenPose.value;
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;
             void pictureColours.value;
@@ -135,6 +137,7 @@ function paintOverlay(
   ctx.restore();
   paintLocalization(store, brush);
   paintNavigation(store, brush);
+  paintGivenPose(store, brush);
   paintScanPair(store, brush);
   paintWhy(store, brush);
   const cell = store.cell.peek();
@@ -152,6 +155,8 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
   const from = store.beliefPose.peek();
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();
+  // A map to localize in has another frame than poses that do not come from a localization.
+  if (store.underlay.peek() === GIVEN_MAP && !store.localization.peek()?.is_on) return false;
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
   if (store.stepping.peek()) paintSteps(store, brush, true);

@@ -1,4 +1,4 @@
-"""The record of a SLAM job, and its row in the database."""
+"""The record of a job that gives a log another trajectory, and its row in the database."""
 
 from __future__ import annotations
 
@@ -7,31 +7,30 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from sqlalchemy import Connection, delete, insert, select
+from sqlalchemy import Connection, Table, delete, insert, select
 
 from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
-from server.library.tables import slam_jobs
 
 _TEXTS = ("result", "parameters", "cut")  # columns of JSON
 
-SlamState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
+JobState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
 
 @dataclass(frozen=True, slots=True)
-class SlamRecord:
-    """A job of ``owner`` that corrects the poses of a log, beginning with those of ``trajectory``.
+class PoseJobRecord:
+    """A job of ``owner`` that makes poses of a log from those of ``trajectory``.
 
     ``attempts`` counts the runs that the end of the service interrupted; ``result`` is what the HTTP interface shows of
-    a job that is done. ``parameters`` are those of SLAM that differ from the first values, ``cut`` how
-    the scans are cut out of clouds and depth images (None: as by default).
+    a job that is done. ``parameters`` are the kind's own, as its ``checked`` returns them, ``cut`` how the scans are
+    cut out of clouds and depth images (None: as by default).
     """
 
     log_id: str
     owner: str
     topic: str | None
     trajectory: str | None
-    state: SlamState
+    state: JobState
     created_s: float
     attempts: int = 0
     error: Failure | None = None
@@ -58,25 +57,25 @@ class SlamRecord:
         }
 
 
-def load_slam_records(connection: Connection) -> Sequence[SlamRecord]:
-    """Return all rows, oldest first."""
+def load_job_records(connection: Connection, table: Table) -> Sequence[PoseJobRecord]:
+    """Return all rows of a kind's table, oldest first."""
     found = []
-    for row in connection.execute(select(slam_jobs).order_by(slam_jobs.c.created_s)):
+    for row in connection.execute(select(table).order_by(table.c.created_s)):
         values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
         code, message = values.pop("error_code"), values.pop("error_message")
         error = None if code is None else Failure(code, message or "")
         result, parameters, cut = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
-        found.append(SlamRecord(**values, error=error, result=result, parameters=parameters or {}, cut=cut))
+        found.append(PoseJobRecord(**values, error=error, result=result, parameters=parameters or {}, cut=cut))
     return found
 
 
-def put_slam_record(connection: Connection, log: Record, record: SlamRecord) -> None:
+def put_job_record(connection: Connection, table: Table, log: Record, record: PoseJobRecord) -> None:
     """Write the row of a job on ``log`` in the place of the owner's older one."""
     ensure_log(connection, log)
-    of_it = (slam_jobs.c.owner == record.owner, slam_jobs.c.log_id == record.log_id)
-    connection.execute(delete(slam_jobs).where(*of_it))
+    of_it = (table.c.owner == record.owner, table.c.log_id == record.log_id)
+    connection.execute(delete(table).where(*of_it))
     connection.execute(
-        insert(slam_jobs).values(
+        insert(table).values(
             log_id=record.log_id,
             owner=record.owner,
             topic=record.topic,
