@@ -192,12 +192,12 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
 
 
 class LocalizationMessage(Struct, tag_field="type", tag="localization"):
-    """Simulations: where the particle filter takes the robot to be, and how far off that is."""
+    """Where the particle filter takes the robot to be; in a simulation, how far off that is."""
 
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
     pose: Annotated[Pose | None, Meta(description="the best estimate")]
-    at: Annotated[Pose | None, Meta(description="the true pose that it is an estimate of")]
+    at: Annotated[Pose | None, Meta(description="the pose, in a simulation the true one, that it is an estimate of")]
     covariance: Annotated[
         tuple[float, float, float, float] | None,
         Meta(

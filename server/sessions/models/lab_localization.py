@@ -17,12 +17,12 @@ from mapper.simulation.odometry import Odometer
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
+from server.sessions.models.localization_message import COLUMNS
 from server.stream.layers import GridLayer, Layer, TableLayer
 
 MOST_SHOWN = 10_000  #: particles that are sent
 MOST_PARTICLES = 100_000  #: that one session may have
 SEED = 16
-COLUMNS = ("x", "y", "yaw", "value")
 
 
 class LabLocalization:
@@ -119,11 +119,3 @@ class LabLocalization:
             "error_m": round(math.hypot(*off), 4),
             "error_rad": round(abs(turned), 4),
         }
-
-
-OFF: dict[str, Any] = {
-    "type": "localization", "is_on": False, "values": {}, "pose": None, "at": None, "covariance": None,
-    "is_converged": False, "share": 0.0, "fit": 0.0,
-    "entropy": 0.0, "n_particles": 0, "n_updates": 0, "error_m": None, "error_rad": None,
-}  # fmt: skip
-"""The message ``localization`` of a session without a filter."""

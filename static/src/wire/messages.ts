@@ -428,7 +428,7 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
-/** Simulations: where the particle filter takes the robot to be, and how far off that is. */
+/** Where the particle filter takes the robot to be; in a simulation, how far off that is. */
 export interface LocalizationMessage {
   readonly type: "localization";
   /** whether the robot is localized */
@@ -437,7 +437,7 @@ export interface LocalizationMessage {
   readonly values: Values;
   /** the best estimate */
   readonly pose: Pose | null;
-  /** the true pose that it is an estimate of */
+  /** the pose, in a simulation the true one, that it is an estimate of */
   readonly at: Pose | null;
   /** variances of the estimate: xx, xy, yy in m², yaw in rad² */
   readonly covariance: readonly [number, number, number, number] | null;

@@ -2,6 +2,10 @@
 
 import type { LocalizationMessage, Values } from "../../wire/protocol";
 
+/** The layers of a localization: the map that a log is localized in, and the particles. */
+export const GIVEN_MAP = "given_map";
+export const PARTICLES = "particles";
+
 /** A setting of the filter that goes wrong or that shows something. */
 export interface Setting {
   readonly name: string;
