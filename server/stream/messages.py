@@ -36,7 +36,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
-    kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
+    kind: Annotated[
+        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+    ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
     speeds: Annotated[

@@ -237,7 +237,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
