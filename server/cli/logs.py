@@ -42,7 +42,11 @@ def info(
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Print the contents of a log."""
+    """Print the contents of a log, or of an octree of OctoMap."""
+    from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
+
+    if describe_octree(log, as_json=as_json):
+        return
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     robot, topics = _read(log, topic, with_contents=contents)
