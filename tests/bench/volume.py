@@ -6,7 +6,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -32,7 +32,7 @@ def room_scan(n: int = N_POINTS) -> tuple[np.ndarray, np.ndarray]:
     return points.astype(np.float32), np.full(3, 0.013, dtype=np.float32)
 
 
-def cpu_ms(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+def cpu_ms(works: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
     """Return the least processor time of each, over all threads, in ms; they take turns."""
     best = dict.fromkeys(works, math.inf)
     for _ in range(rounds):
