@@ -16,10 +16,10 @@ from playwright.sync_api import Page, Route, expect
 
 from tests.browser.looking import await_map, settled_digest
 from tests.browser.one_screen import SIZES, Screen, Turns, open_tab
-from tests.marks import also_long
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
+from tests.marks import also_long
 
 SCHEMES = ("light", "dark", "light", "dark")  #: of the sizes
 Looks = list[tuple[tuple[int, int], str]]
