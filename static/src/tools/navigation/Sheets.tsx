@@ -14,7 +14,16 @@ import { zoomOf } from "../../ui/zoom";
 import type { Geometry, Point } from "../../wire/protocol";
 import { COSTS, costOfByte } from "./palettes";
 import { Sheet } from "./sheetImage";
-import { cellOn, draggedGaps, LEAST_GAP, placeOn, type SheetPlan, sheetPlan, transformOf, type Window } from "./sheetPlan";
+import {
+  cellOn,
+  draggedGaps,
+  LEAST_GAP,
+  placeOn,
+  type SheetPlan,
+  sheetPlan,
+  transformOf,
+  type Window,
+} from "./sheetPlan";
 import { LAYER_NAMES } from "./WhyCost";
 
 /** The sheets from the bottom up: the layers, and the costs of all of them. */
