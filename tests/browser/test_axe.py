@@ -149,6 +149,14 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     open_group(page, "World")
     page.get_by_role("button", name="Draw furniture").click()
     nothing_wrong(page, ".lab")
+    open_group(page, "Path")
+    page.get_by_role("radio", name="Keepout").check()
+    nothing_wrong(page, ".lab")
+    open_group(page, "Costmap")
+    expect(page.locator(".cost-curve")).to_be_visible()
+    told_sliders(page)
+    nothing_wrong(page, ".lab")
+    page.get_by_role("button", name="End the costmap").click()
     page.evaluate("""() => {
       const { store } = gridbloom.connection;
       store.send({ type: "world", name: "room" });

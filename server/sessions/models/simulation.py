@@ -195,12 +195,12 @@ class SimulationModel(SessionModel):
         }
 
     def messages(self) -> list[dict[str, Any]]:
-        """Return the parameters, the world, how the robot is localized, its costmap and its path."""
+        """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
         return [
             self._parameters_message(),
             self._world_message(),
-            OFF if self._localization is None else self._localization.message(),
             *self._navigation.messages(),
+            OFF if self._localization is None else self._localization.message(),
         ]
 
     def _parameters_message(self) -> dict[str, Any]:
