@@ -28,6 +28,7 @@ from mapper.slam.config import SlamConfig
 from mapper.slam.loop_closure import SIGHT, TURN_WINDOW, WINDOW
 from mapper.slam.loop_test import Loop, Place, try_loop
 from mapper.slam.matching_rules import pair_rule
+from mapper.slam.merged_log import MERGED
 from mapper.slam.odometry import carry
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
@@ -38,7 +39,6 @@ from mapper.slam.slam import slam_log, stored_scans
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
-MERGED = "merged"  #: name of the trajectories
 FEWEST = 3  #: loops between the logs, without which they are not taken to show one place
 LEAST_SHARE = 0.3  #: of the loops that were tried near scans of the first log
 SHARES = (0.35, 0.35, 0.1, 0.1, 0.1)  #: of the work: SLAM of each log, maps, loops, refinement

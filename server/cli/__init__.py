@@ -42,6 +42,9 @@ from server.cli import slam as correcting  # noqa: F401
 from server.cli import localize as localizing  # noqa: F401
 
 # isort: split
+from server.cli import edit as editing  # noqa: F401
+
+# isort: split
 from server.cli import costmap as costing  # noqa: F401
 
 # isort: split

@@ -24,7 +24,6 @@ from server.library.jobs import Jobs
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
 from server.library.log_reader import Reader
-from server.library.merge_jobs import MergeJobs
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.records import Failure, Record
 from server.library.relation_scores import RelationScores
@@ -82,6 +81,7 @@ class Library:
         from server.library.links import Links  # noqa: PLC0415
         from server.library.localize_jobs import LocalizationKind  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.pose_jobs import PoseJobs  # noqa: PLC0415
         from server.library.slam_jobs import SlamKind  # noqa: PLC0415
@@ -126,7 +126,9 @@ class Library:
             self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "localization",
             LocalizationKind(self.maps),
         )  # fmt: skip
-        self.merges = MergeJobs(self, lambda: worker_at(settings.executor, memory, scratch), scratch)
+        self.merges = MergeJobs(
+            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "merges"
+        )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,
@@ -163,6 +165,7 @@ class Library:
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
         await self.slam.start()
+        await self.merges.start()
         await self.localization.start()
         self._folder.begin_survey()
 
@@ -190,6 +193,7 @@ class Library:
     async def _forgotten(self, log_id: str) -> None:
         """Remove what was added to a log that was deleted."""
         await self.slam.forget_log(log_id)
+        await self.merges.forget_log(log_id)
         await self.localization.forget_log(log_id)
         self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
@@ -362,6 +366,13 @@ class Library:
         """
         record = self.get(owner, log_id)
         return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
+
+    def stop_inspecting(self, owner: str, log_id: str, visitor: str) -> None:
+        """End what :meth:`contents` has begun for ``visitor`` of a log of ``owner``.
+
+        Raises :class:`LogNotFoundError`.
+        """
+        self._inspections.cancel(self.get(owner, log_id).id, visitor)
 
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""

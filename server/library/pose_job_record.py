@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Table, delete, insert, select
 from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
 
-_TEXTS = ("result", "parameters")  # columns of JSON
+_TEXTS = ("result", "parameters", "cut")  # columns of JSON
 
 JobState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
@@ -22,7 +22,8 @@ class PoseJobRecord:
     """A job of ``owner`` that makes poses of a log from those of ``trajectory``.
 
     ``attempts`` counts the runs that the end of the service interrupted; ``result`` is what the HTTP interface shows of
-    a job that is done. ``parameters`` are the kind's own, as its ``checked`` returns them.
+    a job that is done. ``parameters`` are the kind's own, as its ``checked`` returns them, ``cut`` how the scans are
+    cut out of clouds and depth images (None: as by default).
     """
 
     log_id: str
@@ -35,6 +36,7 @@ class PoseJobRecord:
     error: Failure | None = None
     result: dict[str, Any] | None = None
     parameters: dict[str, Any] = field(default_factory=dict)
+    cut: dict[str, float] | None = None
 
     @property
     def is_unfinished(self) -> bool:
@@ -62,8 +64,8 @@ def load_job_records(connection: Connection, table: Table) -> Sequence[PoseJobRe
         values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
         code, message = values.pop("error_code"), values.pop("error_message")
         error = None if code is None else Failure(code, message or "")
-        result, parameters = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
-        found.append(PoseJobRecord(**values, error=error, result=result, parameters=parameters or {}))
+        result, parameters, cut = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
+        found.append(PoseJobRecord(**values, error=error, result=result, parameters=parameters or {}, cut=cut))
     return found
 
 
@@ -85,5 +87,6 @@ def put_job_record(connection: Connection, table: Table, log: Record, record: Po
             error_message=None if record.error is None else record.error.message,
             result=None if record.result is None else json.dumps(record.result),
             parameters=json.dumps(record.parameters),
+            cut=None if record.cut is None else json.dumps(record.cut),
         )
     )

@@ -12,7 +12,6 @@ import secrets
 import shutil
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
@@ -20,24 +19,25 @@ from typing import Any, Generic, Protocol, TypeVar
 import structlog
 from sqlalchemy import Table
 
-from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.errors import LimitError, MapperError
 from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
+from server.library.following import followed
 from server.library.job import WorkerJob
 from server.library.log_pack import write_pack
 from server.library.pose_job_record import PoseJobRecord, load_job_records, put_job_record
 from server.library.records import Failure, Record
 from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory, Trajectories
-from server.library.workers import GRACE_S, Worker
+from server.library.workers import Worker
 from server.work.fair_lock import FairLock
 
 MOST_OF_OWNER = 3  #: unfinished jobs of one visitor
 MOST = 50  #: of all visitors
 MOST_ATTEMPTS = 2  #: runs of one job that the end of the service may interrupt
-LOOK_S = 0.2  #: how often a running job is looked at
 
 _log = structlog.get_logger(__name__)
 
@@ -48,7 +48,7 @@ class Logs(Protocol):
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log."""
 
-    async def load(self, owner: str, log_id: str, topic: str | None = None) -> ScanLog:
+    async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
         """Return a log."""
 
     @property
@@ -147,7 +147,7 @@ class PoseJobs(Generic[P, T]):
 
         Raises :class:`StorageError`.
         """
-        await asyncio.to_thread(_emptied, self._folder)
+        await asyncio.to_thread(emptied, self._folder)
         for record in await self._database.run(lambda connection: load_job_records(connection, self._kind.table)):
             self._records[record.owner, record.log_id] = record
             if not record.is_unfinished:
@@ -176,14 +176,18 @@ class PoseJobs(Generic[P, T]):
         topic: str | None = None,
         trajectory: str | None = None,
         parameters: dict[str, Any] | None = None,
+        cut: dict[str, float] | None = None,
     ) -> dict[str, Any]:
         """Queue a job on a log, and return its state; one that is queued or running goes on.
 
+        ``cut`` says how its scans are cut out of clouds and depth images, None as by default.
+
         Raises :class:`LimitError` for one job too many, :class:`mapper.core.errors.ConfigError` for a parameter that
-        is refused, and as the library for a log that the owner may not open.
+        is refused and for a cut that is none, and as the library for a log that the owner may not open.
         """
         kind = self._kind
         checked = await asyncio.to_thread(kind.checked, parameters or {})
+        PlanarCut.of(cut or {})
         log_record = self._logs.get(owner, log_id)
         key = (owner, log_id)
         if key not in self._running:
@@ -194,7 +198,7 @@ class PoseJobs(Generic[P, T]):
                 raise LimitError(f"{kind.name}.too_many", message)
             if len(self._running) >= MOST:
                 raise LimitError(f"{kind.name}.busy", f"Too many {kind.title} jobs are under way; try again later.")
-            record = PoseJobRecord(log_id, owner, topic, trajectory, "queued", time.time(), parameters=checked)
+            record = PoseJobRecord(log_id, owner, topic, trajectory, "queued", time.time(), parameters=checked, cut=cut)
             self._queue(record)
             try:
                 await self._database.run(lambda connection: put_job_record(connection, kind.table, log_record, record))
@@ -291,7 +295,7 @@ class PoseJobs(Generic[P, T]):
     async def _made(self, record: PoseJobRecord, running: _Running[P]) -> dict[str, Any]:
         """Do the job in the worker process, add the trajectory, and return what is shown of the result."""
         owner, log_id, kind = record.owner, record.log_id, self._kind
-        log = await self._logs.load(owner, log_id, record.topic)
+        log = await self._logs.load(owner, log_id, record.topic, PlanarCut.of(record.cut or {}))
         kind.check(log)
         if record.trajectory is not None:
             log.trajectory(record.trajectory)
@@ -313,27 +317,15 @@ class PoseJobs(Generic[P, T]):
     async def _followed(self, job: WorkerJob[T], out: Path, running: _Running[P]) -> T:
         """Wait for the job in its process, and tell the listeners how far it is."""
         worker = self._worker = self._worker or self._make_worker()
-        try:
-            done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
-            deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
-            while not done.done():
-                await asyncio.wait([done], timeout=LOOK_S)
-                newest = await asyncio.to_thread(self._kind.read_progress, out)
-                if newest is not None and (running.newest is None or newest.fraction != running.newest.fraction):
-                    running.newest = newest
-                    for listener in [*running.listeners]:
-                        listener(newest)
-                if time.monotonic() > deadline:
-                    worker.end()
-                    raise job.time_error()
-            return done.result()
-        except BrokenExecutor:
-            worker.end()
-            message = "The process of this job was ended, most likely because the log needs too much memory."
-            raise ReadError(f"{self._kind.name}.died", message) from None
-        except asyncio.CancelledError:
-            worker.end()
-            raise
+
+        async def look() -> None:
+            newest = await asyncio.to_thread(self._kind.read_progress, out)
+            if newest is not None and (running.newest is None or newest.fraction != running.newest.fraction):
+                running.newest = newest
+                for listener in [*running.listeners]:
+                    listener(newest)
+
+        return await followed(worker, job, look, f"{self._kind.name}.died")
 
     def _save(self, record: PoseJobRecord) -> None:
         """Store a changed record; if it cannot be written, it is valid until the next start."""
@@ -344,7 +336,8 @@ class PoseJobs(Generic[P, T]):
             written.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
 
 
-def _emptied(folder: Path) -> None:
+def emptied(folder: Path) -> None:
+    """Make a private folder with nothing in it. Raises :class:`StorageError`."""
     shutil.rmtree(folder, ignore_errors=True)
     private_folder(folder)
 

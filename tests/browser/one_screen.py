@@ -195,14 +195,20 @@ class Turns:
 
     def use_all(self, screen: Screen, where: Locator) -> None:
         """Use the controls of a part of the page that have their turn; at the last size also those that appear."""
-        fresh = [one for one in where.locator(CONTROLS).element_handles() if one.evaluate(_NAME) not in self.used]
-        share = -(-len(fresh) // self.sizes_left)
-        while fresh and share > 0:
-            control = fresh[0]
-            self.used.add(str(control.evaluate(_NAME)))
-            screen.use(control)
+        controls = where.locator(CONTROLS)
+        share = None
+        while fresh := self._fresh(controls):
+            share = -(-len(fresh) // self.sizes_left) if share is None else share
+            if share == 0:
+                return
+            first, name = fresh[0]
+            self.used.add(name)
+            screen.use(controls.nth(first).element_handle())
             share -= self.sizes_left > 1
-            fresh = [one for one in where.locator(CONTROLS).element_handles() if one.evaluate(_NAME) not in self.used]
+
+    def _fresh(self, controls: Locator) -> list[tuple[int, str]]:
+        names: list[str] = controls.evaluate_all(f"(all) => all.map({_NAME})")
+        return [(i, name) for i, name in enumerate(names) if name not in self.used]
 
 
 def open_tab(page: Page, tab: Locator) -> str:

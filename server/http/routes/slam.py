@@ -38,6 +38,11 @@ class NewSlam(BaseModel):
     parameters: dict[str, Any] = Field(
         default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
     )
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
+    )
 
 
 class Healing(BaseModel):
@@ -73,7 +78,7 @@ async def parameters(_visitor: Visitor) -> dict[str, Any]:
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters)
+    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters, wanted.cut)
     tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
 
@@ -101,7 +106,8 @@ async def heal(
     session, recording = _healed(sessions, session_id)
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
-    state = await library.slam.begin(owner, log_id, recording.view().topic, parameters=values)
+    view = recording.view()
+    state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut)
     follow(session, library.slam, log_id, NAME)
     tell_at_end(library, sessions, library.slam, owner, log_id)
     return state

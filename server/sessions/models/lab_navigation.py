@@ -112,8 +112,9 @@ class LabNavigation:
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
         match command["type"]:
             case "goal":
+                drives = command.get("drives")
                 place = (number(command, "x"), number(command, "y")) if command.get("x") is not None else None
-                self._path.head_for(place, drives=bool(command.get("drives", self._path.drives)))
+                self._path.head_for(place, drives=self._path.drives if drives is None else drives)
                 self._is_stale = True
             case "cost":
                 x, y = number(command, "x"), number(command, "y")

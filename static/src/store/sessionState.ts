@@ -31,6 +31,7 @@ import type {
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import type { Stepping } from "./stepping";
@@ -150,6 +151,8 @@ export class SessionState implements Receiver {
   readonly forgetting = signal<Forgetting | null>(null);
   /** How the robot is localized; null before the first message. */
   readonly localization = signal<LocalizationMessage | null>(null);
+  /** The costmap and the path of the simulated robot. */
+  readonly navigation = new Navigation();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -342,6 +345,18 @@ export class SessionState implements Receiver {
       case "localization":
         this.localization.value = message;
         return;
+      case "costmap":
+        this.navigation.take(message);
+        return;
+      case "path":
+        this.navigation.path.value = message;
+        return;
+      case "cost":
+        this.navigation.cost.value = message;
+        return;
+      case "nav2":
+        this.navigation.nav2.value = message.text;
+        return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;
         else this.inspected.value = message;
@@ -366,7 +381,7 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -151,6 +151,7 @@ def test_the_limits_of_a_real_mask(data_file: Callable[[str], Path], name: str) 
 def test_given_costs() -> None:
     layer = GivenLayer(GEOMETRY, "terrain_layer", lambda row, col: f"Slope of ({row}, {col}).")
     costmap = LayeredCostmap(GEOMETRY, GENERAL, Footprint.circle(0.2), [layer])
+    costmap.update()
     layer.set(np.full((2, 3), 100, np.uint8), 5, 6)
     box = costmap.update()
     assert box is not None

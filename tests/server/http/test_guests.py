@@ -28,6 +28,7 @@ LINKED_SESSION = {
     ("SOCKET", "/api/sessions/{session_id}/stream"),
     ("GET", "/api/sessions/{session_id}/doctor"),
     ("GET", "/api/sessions/{session_id}/contents"),
+    ("DELETE", "/api/sessions/{session_id}/contents"),
     ("GET", "/api/sessions/{session_id}/contents/series"),
     ("GET", "/api/sessions/{session_id}/contents/frames"),
     ("GET", "/api/sessions/{session_id}/contents/picture"),

@@ -4,6 +4,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { SwitchChip } from "../../ui/SwitchChip";
 import type { LocalizationMessage, Values } from "../../wire/protocol";
 import { AmclYaml } from "./AmclYaml";
 import { ErrorChart } from "./ErrorChart";
@@ -60,17 +61,13 @@ export function Localization({ store }: { readonly store: Store }) {
       <fieldset class="localization-row">
         <legend>What goes wrong</legend>
         {SETTINGS.map(({ name, label, look }) => (
-          <button
+          <SwitchChip
             key={name}
-            type="button"
-            role="switch"
-            class="localization-chip"
-            aria-checked={on.value.includes(name)}
+            label={label}
             title={look}
-            onClick={() => turn(name)}
-          >
-            {label}
-          </button>
+            checked={on.value.includes(name)}
+            onChange={() => turn(name)}
+          />
         ))}
       </fieldset>
       {isOn && message && (
@@ -86,17 +83,13 @@ export function Localization({ store }: { readonly store: Store }) {
         </>
       )}
       {isOn && (
-        <button
-          type="button"
-          role="switch"
-          class="localization-chip"
-          aria-checked={showsField}
-          onClick={() => {
-            store.underlay.value = showsField ? null : FIELD;
+        <SwitchChip
+          label="Likelihood field under the particles"
+          checked={showsField}
+          onChange={(wanted) => {
+            store.underlay.value = wanted ? FIELD : null;
           }}
-        >
-          Likelihood field under the particles
-        </button>
+        />
       )}
       <AmclYaml
         values={allValues}

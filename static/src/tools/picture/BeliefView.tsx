@@ -24,6 +24,7 @@ import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
 import { GIVEN_MAP } from "../localization/model";
 import { paintGivenPose, paintLocalization } from "../localization/paint";
+import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
@@ -65,7 +66,10 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
           store,
           canvas,
           invalidate,
-          () => underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }],
+          () => {
+            const below = underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }];
+            return [...below, ...costsOver(store)];
+          },
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
@@ -89,6 +93,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.inspected.value;
             void store.scanPair.value;
             void store.localization.value;
+            watchNavigation(store);
             void store.givenPose.value;
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;
@@ -131,6 +136,7 @@ function paintOverlay(
   const moves = paintScan(store, brush, fade, now);
   ctx.restore();
   paintLocalization(store, brush);
+  paintNavigation(store, brush);
   paintGivenPose(store, brush);
   paintScanPair(store, brush);
   paintWhy(store, brush);
