@@ -195,6 +195,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     """Where the particle filter takes the robot to be; in a simulation, how far off that is."""
 
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
+    map: Annotated[str, Meta(description="of a simulation: plan, moved or other, as the command localize has it")]
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
     pose: Annotated[Pose | None, Meta(description="the best estimate")]
     at: Annotated[Pose | None, Meta(description="the pose, in a simulation the true one, that it is an estimate of")]
