@@ -122,6 +122,11 @@ class JointLog(ScanLog):
         part = self.parts[int(self.part_of_scan[index])]
         return part.scan(int(self.scan_of_part[index]))
 
+    def mount_of(self, index: int) -> NDArray[np.float64]:
+        """Return ``T_base_laser`` (3,) of the sensor that took scan ``index``, at that scan."""
+        part = self.parts[int(self.part_of_scan[index])]
+        return part.mount_of(int(self.scan_of_part[index]))
+
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
         """Return ``T_map_laser`` of every scan (n_scans, 3), each of its own sensor."""
         poses = np.empty((self.n_scans, 3))

@@ -48,6 +48,7 @@ class ScanStore:
             np.empty((FIRST_ROWS, 2)),
         )
         self._sensor = np.zeros(FIRST_ROWS, dtype=np.int64)
+        self._mounts = np.zeros((FIRST_ROWS, 3))
         # Ranges are kept where points are to be moved later.
         self._ranges = np.empty((FIRST_ROWS if self.can_deskew else 0, self.n_beams), dtype=np.float32)
 
@@ -69,15 +70,23 @@ class ScanStore:
         """The least angle between the beams of a sensor, radians."""
         return min(one.step for one in self._beams)
 
-    def append(self, ranges: NDArray[np.float32], sensor: int = 0, velocity: Float64Array | None = None) -> int:
+    def append(
+        self,
+        ranges: NDArray[np.float32],
+        sensor: int = 0,
+        velocity: Float64Array | None = None,
+        mount: Float64Array | None = None,
+    ) -> int:
         """Add a scan of the ranges (n_beams,) of a log, whose number is ``sensor``; return the scan's number here.
 
-        ``velocity`` (3,) is the base's, in its own frame, during the scan, metres and radians a second.
+        ``velocity`` (3,) is the base's, in its own frame, during the scan, metres and radians a second. ``mount`` (3,),
+        ``T_base_laser``, is where a sensor that moves on the robot was; None: as in its log.
         """
         if self._n == len(self._sensor):
             self._grow()
         n, beams = self._n, self._beams[sensor]
-        self._sensor[n] = sensor
+        beams = beams if mount is None else beams.at(mount)
+        self._sensor[n], self._mounts[n] = sensor, beams.mount
         self._rows.n_beams[n], self._rows.first[n], self._rows.step[n] = len(beams), beams.first, beams.step
         self._rows.wraps[n], self._rows.sensor[n] = beams.wraps, beams.sensor
         self._rows.kind[n] = NO_POINT
@@ -104,7 +113,7 @@ class ScanStore:
     def _write(self, n: int, ranges: NDArray[np.float32], velocity: Float64Array | None) -> None:
         one = scan_rows(self._rows, n, n + 1)
         velocities = None if velocity is None else velocity[np.newaxis]
-        self._beams[self._sensor[n]].write(ranges[np.newaxis], one, velocities)
+        self._beams[self._sensor[n]].at(self._mounts[n]).write(ranges[np.newaxis], one, velocities)
 
     def _grow(self) -> None:
         rows = self._rows
@@ -119,6 +128,7 @@ class ScanStore:
             _doubled(rows.sensor),
         )
         self._sensor, self._ranges = _doubled(self._sensor), _doubled(self._ranges)
+        self._mounts = _doubled(self._mounts)
 
     def count(self, scan: int) -> int:
         """Return the number of points of a scan."""
@@ -138,7 +148,7 @@ def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
     store = ScanStore(sensors_of(log), np.inf, log.n_beams)
     sensor = sensor_of_scan(log)
     for scan in scans:
-        store.append(log.ranges[scan], int(sensor[scan]))
+        store.append(log.ranges[scan], int(sensor[scan]), mount=log.mount_of(scan))
     return scan_rows(store.arrays, 0, len(scans))
 
 

@@ -88,6 +88,7 @@ class Slam:
         seconds: float | None = None,
         velocity: Float64Array | None = None,
         may_drop: bool = False,
+        mount: Float64Array | None = None,
     ) -> bool:
         """Add a scan (n_beams,) of a sensor of the log; return whether a loop closed and moved earlier poses.
 
@@ -95,14 +96,17 @@ class Slam:
         then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
         while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
         log states the time between beams. With ``may_drop`` a scan from almost where the one before of its sensor was
-        taken gets no node; ``front_end.last`` is its pose all the same.
+        taken gets no node; ``front_end.last`` is its pose all the same. ``mount`` (3,) is ``T_base_laser`` of a sensor
+        that moves on it.
         """
         n = len(self)
         if n == len(self._poses):
             for name in ("_poses", "_way", "_relative", "_information"):
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
-        step = self.front_end.add(ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity, may_drop=may_drop)
+        step = self.front_end.add(
+            ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity, may_drop=may_drop, mount=mount
+        )
         self.n_unaligned += not step.is_aligned
         if not step.is_kept:
             return False
@@ -187,7 +191,7 @@ def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_senso
     if result.odometry is not None and store.can_deskew:
         velocities = sweep_velocities(log, result.odometry)[nodes]
     for scan, velocity in zip(nodes.tolist(), velocities, strict=True):
-        store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity)
+        store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity, log.mount_of(scan))
 
 
 def slam_log(
@@ -250,7 +254,7 @@ def slam_log(
         matched.append(scan)
         moved_poses = slam.add_scan(
             log.ranges[scan], motion, start, sensor=int(sensor[scan]), seconds=passed if is_known else None,
-            velocity=velocity, may_drop=odometry is None and k + 1 < len(wanted),
+            velocity=velocity, may_drop=odometry is None and k + 1 < len(wanted), mount=log.mount_of(scan),
         )  # fmt: skip
         track.append(slam.front_end.last)
         if len(slam) > len(node_of):

@@ -24,8 +24,8 @@ from server.library.database import Database
 from server.library.following import followed
 from server.library.merge_job import ENDINGS, LOG, NAME, STAGE, MergeJob
 from server.library.merge_record import MergeRecord, load_merge_records, put_merge_record
+from server.library.pose_jobs import MOST_ATTEMPTS, JobLimits, Logs, emptied, packed
 from server.library.records import Failure, Record
-from server.library.slam_jobs import MOST_ATTEMPTS, Logs, SlamLimits, emptied, packed
 from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory
 from server.library.workers import Worker
@@ -61,7 +61,7 @@ class MergeJobs:
     def __init__(self, database: Database, logs: Uploads, worker: Callable[[], Worker], folder: Path) -> None:
         self._database, self._logs, self._make_worker, self._folder = database, logs, worker, folder
         self._worker: Worker | None = None
-        self._limits = SlamLimits()
+        self._limits = JobLimits()
         self._records: dict[tuple[str, str], MergeRecord] = {}  #: by owner and first log
         self._running: dict[tuple[str, str], _Running] = {}
         self._turns = FairLock()

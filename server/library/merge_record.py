@@ -10,8 +10,8 @@ from typing import Any
 from sqlalchemy import Connection, delete, insert, select
 
 from server.library.log_rows import ensure_log
+from server.library.pose_job_record import JobState
 from server.library.records import Failure, Record
-from server.library.slam_record import SlamState
 from server.library.tables import merge_jobs
 
 
@@ -28,7 +28,7 @@ class MergeRecord:
     topic: str | None
     other: str
     other_topic: str | None
-    state: SlamState
+    state: JobState
     created_s: float
     attempts: int = 0
     error: Failure | None = None

@@ -15,8 +15,8 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation.lidar import SensorConfig
 from server.library.graph_file import read_graph
+from server.library.pose_jobs import packed
 from server.library.slam_job import SlamJob, SlamOutcome, _slam, read_progress
-from server.library.slam_jobs import packed
 from server.sessions.models.loop_hill import hill_of
 from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange

@@ -1,0 +1,47 @@
+/** The parameters that a visitor has set for the next job on a log: SLAM, or localization. */
+
+import { signal } from "@preact/signals";
+import type { Parameter, Value, Values } from "../../wire/protocol";
+
+export class JobParameters {
+  readonly #ask: () => Promise<readonly Parameter[]>;
+
+  /** `ask` asks the server for the table. */
+  constructor(ask: () => Promise<readonly Parameter[]>) {
+    this.#ask = ask;
+  }
+
+  /** The table; empty until it was asked for. */
+  readonly table = signal<readonly Parameter[]>([]);
+  /** Those that were set, by name. */
+  readonly values = signal<Values>({});
+
+  /** Ask for the table, once. */
+  async load(): Promise<void> {
+    if (this.table.peek().length > 0) return;
+    try {
+      this.table.value = await this.#ask();
+    } catch {
+      // The server does not answer: when it is opened again.
+    }
+  }
+
+  readonly set = (name: string, value: Value): void => {
+    this.values.value = { ...this.values.peek(), [name]: value };
+  };
+
+  /** Go on with the parameters of an older job. */
+  adopt(values: Values): void {
+    if (Object.keys(this.values.peek()).length === 0) this.values.value = values;
+  }
+
+  readonly reset = (): void => {
+    this.values.value = {};
+  };
+
+  /** Those that differ from the first values. */
+  changed(): Values {
+    const first = new Map(this.table.peek().map((row) => [row.name, row.initial]));
+    return Object.fromEntries(Object.entries(this.values.peek()).filter(([name, value]) => first.get(name) !== value));
+  }
+}
