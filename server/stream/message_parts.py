@@ -113,6 +113,23 @@ class Compared(Part):
     title: Annotated[str | UnsetType, Meta(description="log sessions: title of its log")] = UNSET
 
 
+class KeepoutStroke(Part):
+    """A stroke of the brush that paints keepout zones."""
+
+    width: Annotated[float, Meta(gt=0, le=5, description="width of the brush, m")]
+    erases: Annotated[bool, Meta(description="whether it erases")]
+    points: Annotated[list[Point], Meta(description="places of the brush's middle, at least one")]
+
+
+class LayerCost(Part):
+    """What one layer of a costmap says of a cell."""
+
+    layer: Annotated[str, Meta(description="name of the layer")]
+    cost: Annotated[int, Meta(description="its own cost there, 255: none")]
+    master: Annotated[int, Meta(description="cost of the costmap after it")]
+    sentence: Annotated[str, Meta(description="why, one sentence")]
+
+
 class Numbers(Part):
     """Comparison of two maps on one lattice, A being the second map and B the first; see `mapper.grid.compare`."""
 

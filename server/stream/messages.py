@@ -16,9 +16,12 @@ from server.stream.message_parts import (
     Compared,
     Contribution,
     Edits,
+    KeepoutStroke,
+    LayerCost,
     LayerInfo,
     LogInfo,
     Numbers,
+    Parameter,
     Point,
     Pose,
     Segment,
@@ -33,7 +36,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
-    kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
+    kind: Annotated[
+        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+    ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
     speeds: Annotated[
@@ -47,6 +52,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
     seed: Annotated[
         int | UnsetType,
         Meta(description="simulations: seed; the same seed and commands give the same scans"),
+    ] = UNSET
+    navigation: Annotated[
+        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the costmap and the path")
     ] = UNSET
 
 
@@ -184,12 +192,13 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
 
 
 class LocalizationMessage(Struct, tag_field="type", tag="localization"):
-    """Simulations: where the particle filter takes the robot to be, and how far off that is."""
+    """Where the particle filter takes the robot to be; in a simulation, how far off that is."""
 
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
+    map: Annotated[str, Meta(description="of a simulation: plan, moved or other, as the command localize has it")]
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
     pose: Annotated[Pose | None, Meta(description="the best estimate")]
-    at: Annotated[Pose | None, Meta(description="the true pose that it is an estimate of")]
+    at: Annotated[Pose | None, Meta(description="the pose, in a simulation the true one, that it is an estimate of")]
     covariance: Annotated[
         tuple[float, float, float, float] | None,
         Meta(
@@ -205,6 +214,44 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     n_updates: Annotated[int, Meta(description="scans that were used")]
     error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
+
+
+class CostmapMessage(Struct, tag_field="type", tag="costmap"):
+    """Simulations: the costmap over the robot's map."""
+
+    is_on: Annotated[bool, Meta(description="whether there is one")]
+    values: Annotated[Values, Meta(description="navigation parameters")]
+    footprint: Annotated[list[Point], Meta(description="corners of the robot's outline, in its frame, without padding")]
+    inscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
+    circumscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
+    keepout: Annotated[list[KeepoutStroke], Meta(description="all that is painted")]
+
+
+class PathMessage(Struct, tag_field="type", tag="path"):
+    """Simulations with a costmap: the path to the goal; its points are in the layer `plan`."""
+
+    goal: Annotated[Point | None, Meta(description="the goal; null: there is none")]
+    drives: Annotated[bool, Meta(description="whether the robot drives along it")]
+    length: Annotated[float | None, Meta(description="length, m; null: there is no path")]
+    cost: Annotated[float | None, Meta(description="sum of the costs of its steps; null: there is no path")]
+    reaches_goal: Annotated[bool, Meta(description="whether it ends at the goal")]
+    reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
+    carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
+    plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
+
+
+class CostMessage(Struct, tag_field="type", tag="cost"):
+    """Answer to `cost`: what each layer says of a cell, bottom first."""
+
+    x: Annotated[float, Meta(description="the place that was asked for, m")]
+    y: Annotated[float, Meta(description="the place that was asked for, m")]
+    layers: Annotated[list[LayerCost], Meta(description="one for each layer that is on")]
+
+
+class Nav2Message(Struct, tag_field="type", tag="nav2"):
+    """Answer to `nav2`."""
+
+    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]
 
 
 class WorkingMessage(Struct, tag_field="type", tag="working"):
@@ -287,6 +334,10 @@ ServerMessage = (
     | WorldMessage
     | Forgetting
     | LocalizationMessage
+    | CostmapMessage
+    | PathMessage
+    | CostMessage
+    | Nav2Message
     | WorkingMessage
     | NoticeMessage
     | ErrorMessage

@@ -29,6 +29,9 @@ from tests.agreement.costmap import (
     laid_by_textbook,
     observed_by_kernel,
     observed_by_textbook,
+    voxel_cases,
+    voxels_by_kernel,
+    voxels_by_textbook,
 )
 from tests.agreement.grids import (
     merged_by_core,
@@ -136,6 +139,17 @@ from tests.agreement.slam import (
     solved_by_textbook,
     ways_by_kernel,
     ways_by_textbook,
+)
+from tests.agreement.volume import (
+    asked_by_kernel,
+    asked_by_textbook,
+    cast_by_kernel,
+    cast_by_textbook,
+    inserted_by_kernel,
+    inserted_by_textbook,
+    tree_by_kernel,
+    tree_by_textbook,
+    volume_cases,
 )
 
 
@@ -248,7 +262,12 @@ TABLE = (
     Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
     Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
     Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
+    Row("columns of voxels", voxels_by_kernel, voxels_by_textbook, voxel_cases()),
     Row("cost to come by Dijkstra", spread_by_kernel, spread_by_textbook, planning_cases()),
     Row("cost to come by A*", searched_cells_by_kernel, searched_cells_by_textbook, planning_cases()),
     Row("path back", path_by_kernel, path_by_textbook, planning_cases()),
+    Row("volume", inserted_by_kernel, inserted_by_textbook, volume_cases()),
+    Row("casts in a volume", cast_by_kernel, cast_by_textbook, volume_cases()),
+    Row("octree", tree_by_kernel, tree_by_textbook, volume_cases()),
+    Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
 )

@@ -107,6 +107,7 @@ def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, 
     """Return the laps of the handles of five figures of the lecture, move by move and dragged."""
     page = new_page(browser)
     page.goto(f"{server}/lecture.html")
+    page.locator("#model").get_by_label("Model", exact=True).select_option("fixed_increments")
     grips = {
         "profile": ("#model", "figure.profile", "Hit increment", ".handle-mark", 0.0, -24.0),
         "rays": ("#rays", "figure.rays", "Last cell of the line", ".drag-handle-dot", 60.0, -60.0),

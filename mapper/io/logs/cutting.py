@@ -19,8 +19,9 @@ from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.ros_messages import Beams
 from mapper.io.logs.stream import Stream
 from mapper.io.logs.transforms import FrameTree
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
-from mapper.sensors.planar.depth import Intrinsics, cut_depth
+from mapper.sensors.planar.depth import cut_depth
 from mapper.sensors.planar.options import PlanarCut
 
 CLOUD, IMAGE, CAMERA = "sensor_msgs/PointCloud2", "sensor_msgs/Image", "sensor_msgs/CameraInfo"

@@ -59,8 +59,24 @@ export function wallsAt(index: number, conditions: Conditions): readonly Wall[] 
   ];
 }
 
+const SCANS_KEPT = 500;
+/** The newest scans by their arguments: a map that is made anew with another model needs the same scans. */
+const scans = new Map<string, LaserScan>();
+
 /** Scan number `index`, taken at a true pose. Equal arguments give equal scans. */
 export function scanAt(pose: Pose, index: number, conditions: Conditions): LaserScan {
+  const key = JSON.stringify([pose, index, conditions]);
+  const scan = scans.get(key) ?? measured(pose, index, conditions);
+  scans.delete(key); // so that it becomes the newest
+  scans.set(key, scan);
+  for (const oldest of scans.keys()) {
+    if (scans.size <= SCANS_KEPT) break;
+    scans.delete(oldest);
+  }
+  return scan;
+}
+
+function measured(pose: Pose, index: number, conditions: Conditions): LaserScan {
   const walls = wallsAt(index, conditions);
   const lidar = {
     ...allRound(conditions.beams, conditions.reach),

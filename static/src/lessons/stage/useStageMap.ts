@@ -42,12 +42,22 @@ export function useStageMap(scene: ReadonlySignal<Scene>, still: boolean): Reado
   useEffect(() => {
     if (atOnce) return;
     let frame = 0;
+    let task: ReturnType<typeof setTimeout>;
     const run = (): void => {
       const end = performance.now() + SLICE_MS;
-      if (!step(() => performance.now() > end, true)) frame = requestAnimationFrame(run);
+      if (!step(() => performance.now() > end, true)) next();
     };
-    frame = requestAnimationFrame(run);
-    return () => cancelAnimationFrame(frame);
+    // After the paint, so that the handle that changed the scene is painted first.
+    const next = (): void => {
+      frame = requestAnimationFrame(() => {
+        task = setTimeout(run);
+      });
+    };
+    next();
+    return () => {
+      cancelAnimationFrame(frame);
+      clearTimeout(task);
+    };
   }, [wanted, atOnce]);
   return useMemo(() => computed(() => shownOf(now.value.history, now.value.count, scene.value)), [now, scene]);
 }

@@ -21,6 +21,7 @@ import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
 import { useHealing } from "./heal/healing";
+import { useLocalizing } from "./localize/localizing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { useSensor } from "./sensor/useSensor";
@@ -55,6 +56,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
+  const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
@@ -121,7 +123,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           <BeliefView
             store={store}
             comparison={comparison}
-            takesTap={(point) => healing.takesTap.peek()?.(point) ?? false}
+            takesTap={(point) => localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false)}
             onPicture={(made) => {
               picture.current = made;
             }}
@@ -160,6 +162,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           comparison,
           doctor,
           healing,
+          localizing,
           sensor,
           notes,
           trajectoryErrors,

@@ -34,11 +34,21 @@ export function isLongEnough(log: Pick<LogInfo, "n_scans" | "topic"> | null): bo
   return log !== null && log.n_scans >= DOCTOR_LEAST_SCANS * log.topic.split(SENSOR_SEPARATOR).length;
 }
 
-/** Examine the log of a session; `show` is called with how far that is. Throws an error with the server's message if it is refused. */
-export async function examine(session: string, show: (making: Making | null) => void): Promise<Examination> {
+/**
+ * Examine the log of a session; `show` is called with how far that is, and `signal` ends it.
+ *
+ * Throws an error with the server's message if it is refused.
+ */
+export async function examine(
+  session: string,
+  show: (making: Making | null) => void,
+  signal: AbortSignal,
+): Promise<Examination> {
   const name = newName();
   const stop = followMaking(name, show);
-  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor?name=${name}`).finally(stop);
+  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor?name=${name}`, { signal }).finally(
+    stop,
+  );
   const body: unknown = await answer.json();
   if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The log could not be examined.");
   return body as Examination;

@@ -17,6 +17,8 @@ import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
+import { Localize } from "./localize/Localize";
+import type { Localizing } from "./localize/localizing";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
@@ -36,6 +38,7 @@ export interface LogView {
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
   readonly healing: Healing;
+  readonly localizing: Localizing;
   readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
@@ -90,6 +93,13 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session, healing, comparison, isGuest }) => (
       <Heal store={store} session={session} healing={healing} comparison={comparison} isGuest={isGuest} />
     ),
+  },
+  {
+    id: "localize",
+    title: "Localize",
+    isThere: ({ log }) => log !== null,
+    badge: ({ localizing }) => localizing.badge.value,
+    content: ({ store, localizing, isGuest }) => <Localize store={store} localizing={localizing} isGuest={isGuest} />,
   },
   {
     id: "compare",
