@@ -126,7 +126,7 @@ def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2") -> str:
     """Return the parameters as the yaml of an AMCL; rows that AMCL lacks are remarks at its end."""
     names = {own: name for name, own in (_NAV2_NAMES if layout == "nav2" else _ROS1_NAMES).items()}
     names["laser_likelihood_max_dist"] = "laser_likelihood_max_dist"
-    own_rows = ("global_particles", "least_effective", "reset_below") + (
+    own_rows = ("annealing_stages", "global_particles", "least_effective", "reset_below") + (
         ("selective_resampling",) if layout == "nav2" else ()
     )
     lines: list[str] = []

@@ -75,16 +75,17 @@ class OccupancyVolume:
         """How far the lattice goes from 0 along each axis, metres."""
         return CENTRE * self.config.resolution
 
-    def insert_scan(self, points: ArrayLike, origin: ArrayLike) -> Inserted:
+    def insert_scan(self, points: ArrayLike, origin: ArrayLike | None) -> Inserted:
         """Update the map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres in the map's frame.
 
-        Points that are not finite or lie outside the lattice are left out. Raises :class:`ConfigError` for other shapes
-        and for an origin outside the lattice, :class:`LimitError` for a scan that needs more memory than the limits
-        allow; the map may then hold a part of it.
+        Where it is not known where the sensor was, None, the points' voxels are occupied and none is free. Points that
+        are not finite or lie outside the lattice are left out. Raises :class:`ConfigError` for other shapes and for an
+        origin outside the lattice, :class:`LimitError` for a scan that needs more memory than the limits allow; the map
+        may then hold a part of it.
         """
         config, limits = self.config, self.blocks.limits
         ends = np.ascontiguousarray(points, dtype=np.float32)
-        start = np.ascontiguousarray(origin, dtype=np.float32)
+        start = np.zeros(3, np.float32) if origin is None else np.ascontiguousarray(origin, dtype=np.float32)
         if ends.ndim != 2 or ends.shape[1] != 3 or start.shape != (3,):
             raise ConfigError(
                 "volume.shape", f"A scan is points (n, 3) and an origin (3,), not {ends.shape} and {start.shape}."
@@ -96,6 +97,10 @@ class OccupancyVolume:
                 f"The sensor's place {start.tolist()} must be finite and within {self.reach:g} m of 0 along each axis.",
             )
         rays, keys, hits, left_out = self._rays(ends, start)
+        if origin is None:
+            rays, keys, first = rays[:0], keys[:0], hits[:1]
+        if not len(first):
+            return Inserted(0, left_out, np.empty(0, dtype=np.int32))
         low, high = _bounds(np.concatenate([first, keys, hits]))
         if math.prod((high - low).tolist()) > limits.max_scan_box:
             size = " × ".join(f"{side * config.resolution:.0f}" for side in (high - low).tolist())

@@ -54,8 +54,12 @@ def info(
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Print the contents of a log, a recording, a point cloud, a scan graph or a folder of depth images."""
+    """Print the contents of a log, a recording, a point cloud, a scan graph, a folder of depth images or an octree."""
     from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
+    from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
+
+    if describe_octree(log, as_json=as_json):
+        return
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
     if _print_cloud(log, as_json=as_json):

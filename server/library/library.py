@@ -38,6 +38,7 @@ from server.library.workers import worker_at
 from server.settings import Settings
 
 if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream
     from server.library.added import Added
     from server.library.given_map import GivenMap
 
@@ -353,6 +354,10 @@ class Library:
         """
         log = await self._loading.load(owner, log_id, topic, cut)
         return await self.trajectories.joined(owner, log_id, log)
+
+    async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
+        """Return the costmaps of a recording that has no scans, by topic; None for any other log. As :meth:`load`."""
+        return await self._loading.costmaps(owner, log_id)
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""

@@ -104,10 +104,14 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it."""
+    """Simulations: begin to localize the robot in a map, from anywhere, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
+    map: Annotated[
+        str,
+        Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
+    ] = "plan"
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):

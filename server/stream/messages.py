@@ -36,7 +36,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
-    kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
+    kind: Annotated[
+        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+    ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
     speeds: Annotated[
@@ -193,6 +195,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     """Where the particle filter takes the robot to be; in a simulation, how far off that is."""
 
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
+    map: Annotated[str, Meta(description="of a simulation: plan, moved or other, as the command localize has it")]
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
     pose: Annotated[Pose | None, Meta(description="the best estimate")]
     at: Annotated[Pose | None, Meta(description="the pose, in a simulation the true one, that it is an estimate of")]

@@ -288,7 +288,7 @@ class SimulationModel(SessionModel):
             result.slot(one.message())
 
     def _begin_localizing(self, command: dict[str, Any], result: TickResult) -> None:
-        """Begin to localize the robot in the plan of the present world, or end it."""
+        """Begin to localize the robot in a plan of the present world, or end it."""
         simulation = self._mapper.simulation
         self._localization = (
             LabLocalization(
@@ -297,6 +297,7 @@ class SimulationModel(SessionModel):
                 simulation.mount,
                 self._mapper.newest_pose,
                 values({"values": {}} | command),
+                text({"map": "plan"} | command, "map"),
             )
             if flag(command, "value")
             else None

@@ -237,7 +237,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -433,6 +433,8 @@ export interface LocalizationMessage {
   readonly type: "localization";
   /** whether the robot is localized */
   readonly is_on: boolean;
+  /** of a simulation: plan, moved or other, as the command localize has it */
+  readonly map: string;
   /** localization parameters that differ from the first ones */
   readonly values: Values;
   /** the best estimate */
@@ -720,13 +722,15 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it. */
+/** Simulations: begin to localize the robot in a map, from anywhere, or end it. */
 export interface LocalizeCommand {
   readonly type: "localize";
   /** whether it is localized */
   readonly value?: boolean;
   /** localization parameters that differ from the first ones */
   readonly values?: Values;
+  /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
+  readonly map?: string;
 }
 
 /** Simulations: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
@@ -1098,6 +1102,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   localization: {
     is_on: isFlag,
+    map: isText,
     values: isValues,
     pose: oneOf(isPose, isNull),
     at: oneOf(isPose, isNull),

@@ -23,7 +23,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
-    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}},
+    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved"},
     {
         "type": "costmap",
         "value": True,
@@ -182,6 +182,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     messages.Forgetting(40, 12, 9, None, 0.95, 0.25),
     messages.LocalizationMessage(
         True,
+        "moved",
         {"sigma_hit": 0.05},
         (1.0, 2.0, -0.5),
         (1.0, 2.05, -0.5),
@@ -195,7 +196,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.05,
         0.01,
     ),
-    messages.LocalizationMessage(False, {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
+    messages.LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
     messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},

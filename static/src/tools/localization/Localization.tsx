@@ -5,9 +5,10 @@ import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { SwitchChip } from "../../ui/SwitchChip";
-import type { LocalizationMessage } from "../../wire/protocol";
+import type { LocalizationMessage, Values } from "../../wire/protocol";
+import { AmclYaml } from "./AmclYaml";
 import { ErrorChart } from "./ErrorChart";
-import { grown, PARTICLES, type Point, SETTINGS, valuesOf } from "./model";
+import { grown, mapOf, PARTICLES, type Point, SETTINGS, turned, valuesOf } from "./model";
 import "./localization.css";
 
 const FIELD = "likelihood_field";
@@ -27,13 +28,20 @@ export function Localization({ store }: { readonly store: Store }) {
     if (!isOn && store.underlay.peek() === FIELD) store.underlay.value = null;
     return isOn && showsField ? store.layers.subscribe(FIELD) : undefined;
   }, [store, isOn, showsField]);
+  // Parameters of an AMCL's yaml; the settings come on top of them.
+  const given = useSignal<Values>({});
+  const allValues = (): Values => ({ ...given.peek(), ...valuesOf(on.peek()) });
   const begin = (names: readonly string[]): void => {
     on.value = names;
     points.value = [];
-    store.send({ type: "localize", value: true, values: valuesOf(names) });
+    store.send({ type: "localize", value: true, values: allValues(), map: mapOf(names) });
   };
-  const turn = (name: string): void =>
-    begin(on.peek().includes(name) ? on.peek().filter((one) => one !== name) : [...on.peek(), name]);
+  const turn = (name: string): void => {
+    const world = SETTINGS.find((one) => one.name === name)?.world;
+    const isTurnedOn = !on.peek().includes(name);
+    if (isTurnedOn && world !== undefined && store.world.peek()?.name !== world) store.chooseWorld(world);
+    begin(turned(on.peek(), name));
+  };
   return (
     <div class="localization">
       <p class="localization-note">
@@ -83,6 +91,13 @@ export function Localization({ store }: { readonly store: Store }) {
           }}
         />
       )}
+      <AmclYaml
+        values={allValues}
+        onOpen={(values) => {
+          given.value = values;
+          begin(on.peek());
+        }}
+      />
       <div class="localization-note" role="status">
         {SETTINGS.filter(({ name }) => on.value.includes(name)).map(({ name, look }) => (
           <p key={name}>

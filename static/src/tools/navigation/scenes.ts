@@ -49,6 +49,10 @@ function set(store: Store, { values, goal, footprint, added = [], clamp }: Setti
   store.send({ type: "costmap", values, footprint: footprint ?? OUTLINES[0]?.corners ?? null });
   store.send({ type: "goal", x: goal[0], y: goal[1], drives: false });
   store.send({ type: "play" });
+  const { navigation } = store;
+  navigation.over.value = "costmap";
+  navigation.lastTool.value = navigation.tool.value = "goal";
+  navigation.asked.value = null;
   store.viewHeld.value = false;
 }
 

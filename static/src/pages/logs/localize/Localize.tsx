@@ -3,6 +3,7 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
+import { AmclYaml } from "../../../tools/localization/AmclYaml";
 import { GIVEN_MAP } from "../../../tools/localization/model";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
@@ -11,7 +12,6 @@ import { Toggle } from "../../../ui/Toggle";
 import { trajectoryLabel } from "../describeLog";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { ParameterDetails } from "../ParameterDetails";
-import { AmclYaml } from "./AmclYaml";
 import { CourseOf } from "./Course";
 import { InitialPose } from "./InitialPose";
 import type { Localizing, MapSource } from "./localizing";
@@ -114,7 +114,12 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
               />
             )}
             <ParameterDetails parameters={localizing.parameters} name="the filter" titles={TITLES}>
-              <AmclYaml parameters={localizing.parameters} />
+              <AmclYaml
+                values={() => localizing.parameters.changed()}
+                onOpen={(values) => {
+                  localizing.parameters.values.value = values;
+                }}
+              />
             </ParameterDetails>
           </>
         )}

@@ -87,18 +87,6 @@ export async function chooseFiles(session: string, files: readonly File[]): Prom
 export const parameterTable = async (): Promise<readonly Parameter[]> =>
   (await request<{ table: readonly Parameter[] }>("/api/localization/parameters")).table;
 
-/** What the yaml of an AMCL says, as far as it differs from the first values, and names that it has in vain. */
-export const readAmclYaml = (file: File): Promise<{ readonly values: Values; readonly ignored: readonly string[] }> =>
-  sent("/api/localization/parameters", file);
-
-/** Parameters as the yaml of an AMCL. */
-export async function amclYaml(values: Values): Promise<Blob> {
-  const headers = { "Content-Type": "application/json" };
-  const answer = await fetch("/api/localization/amcl.yaml", { method: "POST", headers, body: JSON.stringify(values) });
-  if (!answer.ok) throw new Error(await sentence(answer));
-  return answer.blob();
-}
-
 async function sent<T>(address: string, body: BodyInit | undefined): Promise<T> {
   let answer: Response;
   try {

@@ -1,11 +1,18 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import { Button } from "../../../ui/Button";
-import type { JobParameters } from "../jobParameters";
-import { amclYaml, readAmclYaml } from "./api";
+import { Button } from "../../ui/Button";
+import type { Values } from "../../wire/protocol";
+import { amclYaml, readAmclYaml } from "./amclFiles";
+import "./localization.css";
 
-/** The parameters from the yaml of an AMCL, and as one. */
-export function AmclYaml({ parameters }: { readonly parameters: JobParameters }) {
+interface AmclYamlProps {
+  /** Those that are saved. */
+  readonly values: () => Values;
+  readonly onOpen: (values: Values) => void;
+}
+
+/** The parameters of localization from the yaml of an AMCL, and as one. */
+export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   const input = useRef<HTMLInputElement>(null);
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
   const doing = async (what: () => Promise<string | null>): Promise<void> => {
@@ -19,23 +26,23 @@ export function AmclYaml({ parameters }: { readonly parameters: JobParameters })
   };
   const open = (file: File): Promise<void> =>
     doing(async () => {
-      const { values, ignored } = await readAmclYaml(file);
-      parameters.values.value = values;
-      const count = Object.keys(values).length;
+      const { values: found, ignored } = await readAmclYaml(file);
+      onOpen(found);
+      const count = Object.keys(found).length;
       const set = `${count} ${count === 1 ? "parameter differs" : "parameters differ"} from the first values.`;
       return ignored.length > 0 ? `${set} Of no use here: ${ignored.join(", ")}.` : set;
     });
   const save = (): Promise<void> =>
     doing(async () => {
       const link = document.createElement("a");
-      link.href = URL.createObjectURL(await amclYaml(parameters.changed()));
+      link.href = URL.createObjectURL(await amclYaml(values()));
       link.download = "amcl.yaml";
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
       return null;
     });
   return (
-    <div class="localize-yaml">
+    <div class="localization-row">
       <input
         ref={input}
         type="file"
