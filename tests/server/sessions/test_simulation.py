@@ -74,9 +74,11 @@ def test_many_sensors_do_not_pile_up() -> None:
 
 
 def test_a_change_of_the_sensor_that_is_cancelled_has_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mapper.simulation.live_map.MAX_SEGMENTS", 1)
+    monkeypatch.setattr("mapper.simulation.live_map.MAX_SEGMENTS", 2)
     mapper = LiveMap(WORLDS["room"], seed=1)
     mapper.advance(1.0)
+    mapper.set_sensor(SensorConfig(n_beams=60))
+    mapper.advance(0.5)
     sensor, grid, recordings = mapper.simulation.sensor, mapper.grid, [*mapper.recordings]
     mapper.wanted = lambda: False
     with pytest.raises(WorkCancelledError):
@@ -84,7 +86,7 @@ def test_a_change_of_the_sensor_that_is_cancelled_has_no_effect(monkeypatch: pyt
     assert (mapper.simulation.sensor, mapper.grid is grid, mapper.recordings) == (sensor, True, recordings)
     mapper.wanted = lambda: True
     mapper.advance(1.0)
-    assert [log.n_beams for log in mapper.logs()] == [360]
+    assert [log.n_beams for log in mapper.logs()] == [360, 60]
 
 
 def test_a_map_that_would_be_too_large_is_refused_and_the_old_one_stays() -> None:
