@@ -28,6 +28,13 @@ class Limits:
     max_readings: int = 300_000_000  #: scans × beams of one log
     max_cells: int = 1 << 28  #: cells of one grid (16,384²)
     max_side: int = 1 << 15  #: rows or columns of one grid; tile indices are int16
+    max_blocks: int = 1 << 19  #: blocks of 8³ voxels of one volume: 1 GiB of log-odds
+    max_scan_box: int = 1 << 36  #: voxels of the box around one scan: 300 × 300 × 100 m at 5 cm
+    max_points: int = 50_000_000  #: points of one cloud: 1.2 GB
+    max_cloud_bytes: int = 1 << 31  #: bytes of one cloud's file, unpacked
+    max_coordinate: float = 1e8  #: metres: a point farther out than 2.5 times round the Earth is a defect
+    max_depth_frames: int = 100_000  #: depth images of one folder
+    max_depth_pixels: int = 1 << 26  #: of one depth image
     max_image_bytes: int = 1 << 30  #: bytes of a map image
     max_yaml_bytes: int = 1 << 16  #: bytes of a map's yaml
     max_added_solids: int = 100  #: walls and boxes drawn into one world

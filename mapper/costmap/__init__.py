@@ -5,17 +5,23 @@ information). Source: the Nav2 documentation, Costmap 2D; nav2_costmap_2d.
 """
 
 from mapper.costmap.costs import FREE, INSCRIBED, LETHAL, NO_INFORMATION, cost_of_distance
+from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.footprint import Footprint
+from mapper.costmap.given_layer import GivenLayer
+from mapper.costmap.keepout_layer import KeepoutLayer
 from mapper.costmap.layered import CellReason, LayeredCostmap
-from mapper.costmap.layers import (
-    DecayLayer,
-    InflationLayer,
-    KeepoutLayer,
-    Observation,
-    ObstacleLayer,
-    StaticLayer,
+from mapper.costmap.layers import InflationLayer, Observation, ObstacleLayer, StaticLayer
+from mapper.costmap.masks import Mask
+from mapper.costmap.parameters import (
+    CostmapConfig,
+    DecayConfig,
+    InflationConfig,
+    ObstacleConfig,
+    StaticConfig,
+    VoxelConfig,
 )
-from mapper.costmap.parameters import CostmapConfig, DecayConfig, InflationConfig, ObstacleConfig, StaticConfig
+from mapper.costmap.speed_filter import SpeedFilter, SpeedLimit
+from mapper.costmap.voxel_layer import VoxelLayer
 
 __all__ = [
     "FREE",
@@ -27,14 +33,20 @@ __all__ = [
     "DecayConfig",
     "DecayLayer",
     "Footprint",
+    "GivenLayer",
     "InflationConfig",
     "InflationLayer",
     "KeepoutLayer",
     "LayeredCostmap",
+    "Mask",
     "Observation",
     "ObstacleConfig",
     "ObstacleLayer",
+    "SpeedFilter",
+    "SpeedLimit",
     "StaticConfig",
     "StaticLayer",
+    "VoxelConfig",
+    "VoxelLayer",
     "cost_of_distance",
 ]

@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
+from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.footprint import Footprint
+from mapper.costmap.keepout_layer import KeepoutLayer
 from mapper.costmap.layered import LayeredCostmap
-from mapper.costmap.layers import InflationLayer, KeepoutLayer, Layer, ObstacleLayer, StaticLayer
+from mapper.costmap.layers import InflationLayer, Layer, ObstacleLayer, StaticLayer
+from mapper.costmap.masks import Mask
+from mapper.costmap.nav2_filters import NamedFilter
 from mapper.costmap.nav2_parameters import NamedLayer, Nav2Costmap
-from mapper.costmap.parameters import CostmapConfig, InflationConfig, ObstacleConfig, StaticConfig
+from mapper.costmap.parameters import (
+    CostmapConfig,
+    DecayConfig,
+    InflationConfig,
+    ObstacleConfig,
+    StaticConfig,
+    VoxelConfig,
+)
+from mapper.costmap.speed_filter import SpeedFilter
+from mapper.costmap.voxel_layer import VoxelLayer
 from mapper.grid.occupancy_grid import GridGeometry
+from mapper.io.maps import load_map
 
 DEFAULT = Nav2Costmap(
     "global_costmap",
@@ -21,43 +37,98 @@ DEFAULT = Nav2Costmap(
 )  #: what Nav2 makes of a map without a parameter file
 
 
+ObservedLayer = ObstacleLayer | VoxelLayer | DecayLayer
+
+
 @dataclass(frozen=True, slots=True)
 class BuiltCostmap:
-    """A costmap with those of its layers that are given observations, painted or asked."""
+    """A costmap with those of its layers that are given observations, painted or asked.
+
+    ``unmasked`` are the names of filters without a mask, which have no effect.
+    """
 
     costmap: LayeredCostmap
-    obstacles: tuple[ObstacleLayer, ...]
+    obstacles: tuple[ObservedLayer, ...]
     keepout: KeepoutLayer
+    speed: tuple[SpeedFilter, ...] = ()
+    unmasked: tuple[str, ...] = field(default=())
+
+
+def load_masks(parameters: Nav2Costmap, folder: Path) -> dict[str, Mask]:
+    """Return the masks of the parameters' filters by the names of the filters; file names are relative to ``folder``.
+
+    Raises :class:`mapper.core.errors.ReadError` for a mask that cannot be read.
+    """
+    masks = {}
+    for one in parameters.filters:
+        if one.mask is not None and one.kind != "binary":
+            loaded = load_map(folder / one.mask)
+            masks[one.name] = Mask(loaded.grid.geometry, loaded.values)
+    return masks
 
 
 def build_costmap(
-    geometry: GridGeometry, values: Int8Array, parameters: Nav2Costmap = DEFAULT, footprint: Footprint | None = None
+    geometry: GridGeometry,
+    values: Int8Array,
+    parameters: Nav2Costmap = DEFAULT,
+    footprint: Footprint | None = None,
+    masks: Mapping[str, Mask] | None = None,
 ) -> BuiltCostmap:
-    """Return the costmap of a map with the layers of ``parameters``, and a keepout layer below the inflation.
+    """Return the costmap of a map with the layers and filters of ``parameters``, and a keepout layer to paint on.
 
     ``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid. ``footprint`` replaces the parameters' padded
-    outline. The voxel layer is used as an obstacle layer: observations are those of planar sensors. Raises
-    :class:`ConfigError` for two inflation layers and for a map without a cell that the robot can be in.
+    outline. ``masks`` are those of the filters, by their names. The painted keepout layer lies below the inflation;
+    filters lie where the parameters have them, which in Nav2's list of filters is above all layers. Raises
+    :class:`ConfigError` for two inflation layers.
     """
     outline = footprint or parameters.outline
     below: list[Layer] = []
     above: list[Layer] = []
-    obstacles: list[ObstacleLayer] = []
+    obstacles: list[ObservedLayer] = []
     inflation: InflationLayer | None = None
-    keepout = KeepoutLayer(geometry)
-    for named in parameters.layers:
+    keepout = KeepoutLayer(geometry, name="painted_keepout" if _keepouts(parameters) else "keepout_filter")
+    masks = masks or {}
+
+    def add_keepouts(place: list[Layer], n_below: int | None) -> None:
+        used = [one for one in _keepouts(parameters) if one.below == n_below and one.enabled and one.name in masks]
+        place.extend(KeepoutLayer(geometry, masks[one.name], one.name) for one in used)
+
+    for k, named in enumerate(parameters.layers):
         place = below if inflation is None else above
-        if isinstance(named.config, InflationConfig):
+        config, general = named.config, parameters.general
+        add_keepouts(place, k)
+        if isinstance(config, InflationConfig):
             if inflation is not None:
                 raise ConfigError("costmap.inflation", "A costmap can have one inflation layer only.")
             below.append(keepout)
-            inflation = InflationLayer(geometry, named.config, outline.inscribed_radius)
-        elif isinstance(named.config, StaticConfig):
-            place.append(StaticLayer(geometry, values, named.config, parameters.general))
-        elif isinstance(named.config, ObstacleConfig):
-            obstacles.append(ObstacleLayer(geometry, named.config, parameters.general))
+            inflation = InflationLayer(geometry, config, outline.inscribed_radius)
+        elif isinstance(config, StaticConfig):
+            place.append(StaticLayer(geometry, values, config, general))
+        elif isinstance(config, ObstacleConfig):
+            obstacles.append(_observed(geometry, config, general))
             place.append(obstacles[-1])
     if inflation is None:
         below.append(keepout)
+    place = below if inflation is None else above
+    add_keepouts(place, len(parameters.layers))
+    add_keepouts(place, None)
+    speed = tuple(
+        SpeedFilter(masks[one.name], one.type, one.base, one.multiplier)
+        for one in parameters.filters
+        if one.kind == "speed" and one.enabled and one.name in masks
+    )
+    unmasked = tuple(one.name for one in parameters.filters if one.name not in masks)
     built = LayeredCostmap(geometry, parameters.general, outline, below, inflation, above)
-    return BuiltCostmap(built, tuple(obstacles), keepout)
+    return BuiltCostmap(built, tuple(obstacles), keepout, speed, unmasked)
+
+
+def _keepouts(parameters: Nav2Costmap) -> list[NamedFilter]:
+    return [one for one in parameters.filters if one.kind == "keepout"]
+
+
+def _observed(geometry: GridGeometry, config: ObstacleConfig, general: CostmapConfig) -> ObservedLayer:
+    if isinstance(config, VoxelConfig):
+        return VoxelLayer(geometry, config, general)
+    if isinstance(config, DecayConfig):
+        return DecayLayer(geometry, config, general)
+    return ObstacleLayer(geometry, config, general)

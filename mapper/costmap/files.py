@@ -1,4 +1,4 @@
-"""Write a costmap as map files: its raw costs."""
+"""Write a costmap as map files, its raw costs, and as ROS 2 messages."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from mapper.core.array_types import UInt8Array
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.grid.occupancy_grid import GridGeometry
+from mapper.io.costmaps import RecordedCostmap, write_costmaps
 from mapper.io.maps import yaml_text
 
 
@@ -36,3 +37,25 @@ def save_costmap(
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ConfigError("map.unwritable", f"The costmap {base.name!r} cannot be written: {reason}.") from error
     return yaml_path, image_path
+
+
+def save_costmap_mcap(
+    costs: UInt8Array,
+    geometry: GridGeometry,
+    path: str | os.PathLike[str],
+    frame: str | None = None,
+    stamp_ns: int = 0,
+) -> None:
+    """Write an MCAP file with the costs on ``/costmap_raw`` (nav2_msgs/Costmap) and ``/costmap`` (OccupancyGrid).
+
+    The file appears whole or not at all. Raises :class:`ConfigError` where it cannot be written.
+    """
+    one = RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", geometry, costs)
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(target) as file:
+            write_costmaps(file, [one])
+    except OSError as error:
+        message = f"The file {target.name!r} cannot be written: {error.strerror}."
+        raise ConfigError("costmap.unwritable", message) from error

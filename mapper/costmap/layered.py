@@ -57,15 +57,19 @@ class LayeredCostmap:
         self._first = NO_INFORMATION if general.track_unknown_space else FREE
         self._under: UInt8Array = np.full(geometry.shape, self._first, dtype=np.uint8)
         self.costs: UInt8Array = self._under.copy()
+        self._is_new = True
 
     def update(self, now: float = 0.0, pose: tuple[float, float, float] | None = None) -> CellBox | None:
         """Bring the costs up to date; return the box of cells that may have changed, or None.
 
+        The first update goes through the whole map, also where the layers have been used before.
         ``now`` is in seconds, on the clock of the observations. ``pose`` (x, y, yaw) is the robot's in the map; without
         it no footprint is cleared.
         """
         robot = None if pose is None else Robot(pose, self.footprint)
         boxes = [box for layer in (*self.below, *self.above) if (box := layer.changed(now, robot)) is not None]
+        if self._is_new:
+            boxes, self._is_new = [CellBox(0, self.geometry.rows, 0, self.geometry.cols)], False
         if not boxes:
             return None
         box = boxes[0]

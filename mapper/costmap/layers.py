@@ -16,7 +16,6 @@ from mapper.costmap.kernels.observation import Marking, clear_lines, fill_polygo
 from mapper.costmap.parameters import (
     COMBINATIONS,
     CostmapConfig,
-    DecayConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
@@ -80,16 +79,19 @@ class Layer(Protocol):
         """Return why the layer has its cost in a cell: one sentence."""
 
 
-def _part(box: CellBox) -> tuple[slice, slice]:
+def part_of(box: CellBox) -> tuple[slice, slice]:
+    """Return the rows and columns of a box, for an index."""
     return slice(box.row0, box.row1), slice(box.col0, box.col1)
 
 
-def _box_of(bounds: Int64Array) -> CellBox | None:
+def box_of(bounds: Int64Array) -> CellBox | None:
+    """Return the box of the bounds (row0, row1, col0, col1) that a kernel enlarged, or None where it wrote nothing."""
     row0, row1, col0, col1 = (int(bound) for bound in bounds)
     return CellBox(row0, row1, col0, col1) if row0 < row1 and col0 < col1 else None
 
 
-def _no_bounds() -> Int64Array:
+def no_bounds() -> Int64Array:
+    """Return bounds (row0, row1, col0, col1) that hold no cell."""
     most = np.iinfo(np.int64).max
     return np.array([most, 0, most, 0], dtype=np.int64)
 
@@ -104,22 +106,43 @@ class StaticLayer:
             raise ConfigError(
                 "costmap.shape", f"The map has {values.shape} values, but the costmap {geometry.shape} cells."
             )
-        self._values, self._config = values, config
+        self._values, self._config = values.copy(), config
         table = static_costs(config, general.track_unknown_space)
         self.costs: UInt8Array = table[values.view(np.uint8)]
-        self._full: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+        self._table = table
+        self._changed: CellBox | None = CellBox(0, geometry.rows, 0, geometry.cols)
+
+    def renew(self, values: Int8Array, box: CellBox) -> None:
+        """Take other values of the map, those of the cells of ``box``, as for a map that is still being made.
+
+        Raises :class:`ConfigError` for another shape than that of the box.
+        """
+        part = self._values[part_of(box)]
+        if values.shape != part.shape:
+            message = f"The box has {part.shape} cells, but there are {values.shape} values."
+            raise ConfigError("costmap.shape", message)
+        differs = values != part
+        if not differs.any():
+            return
+        rows, cols = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
+        near = CellBox(
+            box.row0 + int(rows[0]), box.row0 + int(rows[-1]) + 1, box.col0 + int(cols[0]), box.col0 + int(cols[-1]) + 1
+        )
+        self._values[part_of(box)] = values
+        self.costs[part_of(box)] = self._table[values.view(np.uint8)]
+        self._changed = near if self._changed is None else self._changed | near
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return the whole map once."""
+        """Return the whole map at first, then what was renewed."""
         del now, robot
-        box, self._full = self._full, None
+        box, self._changed = self._changed, None
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
         """Lay the map over the master: everywhere, or with ``use_maximum`` where it is greater."""
         if self._config.enabled:
             method = COMBINATIONS.index("max") if self._config.use_maximum else _OVERWRITE_ALL
-            lay_over(self.costs[_part(box)], method, master[_part(box)])
+            lay_over(self.costs[part_of(box)], method, master[part_of(box)])
 
     def why(self, row: int, col: int) -> str:
         """Say which value of the map the cost is from."""
@@ -150,7 +173,11 @@ class ObstacleLayer:
         self._geometry, self._config = geometry, config
         first = NO_INFORMATION if general.track_unknown_space else FREE
         self.costs: UInt8Array = np.full(geometry.shape, first, dtype=np.uint8)
-        self._bounds = _no_bounds()
+        self._bounds = no_bounds()
+
+    def configure(self, config: ObstacleConfig) -> None:
+        """Take other parameters; what was marked stays."""
+        self._config = config
 
     def observe(self, observation: Observation) -> None:
         """Clear what the beams of an observation passed, then mark its end points."""
@@ -162,13 +189,15 @@ class ObstacleLayer:
         del now
         if robot is not None and self._config.footprint_clearing_enabled:
             clear_footprint(self._geometry, robot, FREE, self.costs, self._bounds)
-        box, self._bounds = _box_of(self._bounds), _no_bounds()
+        box, self._bounds = box_of(self._bounds), no_bounds()
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
         """Lay the obstacles over the master as ``combination_method`` says."""
         if self._config.enabled:
-            lay_over(self.costs[_part(box)], COMBINATIONS.index(self._config.combination_method), master[_part(box)])
+            lay_over(
+                self.costs[part_of(box)], COMBINATIONS.index(self._config.combination_method), master[part_of(box)]
+            )
 
     def why(self, row: int, col: int) -> str:
         """Say whether a reading marked or cleared the cell."""
@@ -178,103 +207,6 @@ class ObstacleLayer:
             NO_INFORMATION: "No beam has been here: no information.",
         }
         return sentences[int(self.costs[row, col])]
-
-
-class DecayLayer:
-    """Obstacles with a lifetime: what is not seen again within ``lifetime`` seconds is forgotten.
-
-    Nav2 has no such layer of its own; its documentation refers to the spatio-temporal voxel layer, whose voxels
-    decay in time.
-    """
-
-    name = "dynamic_layer"
-
-    def __init__(self, geometry: GridGeometry, config: DecayConfig, general: CostmapConfig) -> None:
-        del general
-        self._geometry, self._config = geometry, config
-        self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
-        self._marked: Float64Array = np.full(geometry.shape, -np.inf)  #: when, s
-        self._now = -np.inf
-        self._bounds = _no_bounds()
-
-    def observe(self, observation: Observation) -> None:
-        """Clear what the beams of an observation passed, then mark its end points with its stamp."""
-        clear(self._geometry, self._config, observation, -np.inf, self._marked, self._bounds)
-        mark(self._geometry, self._config, observation, observation.stamp, self._marked, self._bounds)
-
-    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Forget what is older than the lifetime at ``now``, in seconds; return the box of what changed."""
-        if robot is not None and self._config.footprint_clearing_enabled:
-            clear_footprint(self._geometry, robot, -np.inf, self._marked, self._bounds)
-        self._now, self._bounds = now, _no_bounds()
-        alive = self._marked >= now - self._config.lifetime
-        before = self.costs == LETHAL
-        rows, cols = np.nonzero(alive != before)
-        self.costs[...] = np.where(alive, np.uint8(LETHAL), np.uint8(NO_INFORMATION))
-        if len(rows) == 0:
-            return None
-        return CellBox(int(rows.min()), int(rows.max()) + 1, int(cols.min()), int(cols.max()) + 1)
-
-    def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the obstacles that are still remembered over the master."""
-        if self._config.enabled:
-            lay_over(self.costs[_part(box)], COMBINATIONS.index(self._config.combination_method), master[_part(box)])
-
-    def why(self, row: int, col: int) -> str:
-        """Say when the cell was marked last."""
-        marked = float(self._marked[row, col])
-        if marked == -np.inf:
-            return "No obstacle was seen here, or a beam passed through since."
-        age = self._now - marked
-        kept = "kept" if self.costs[row, col] == LETHAL else "forgotten"
-        return f"Marked {age:.1f} s ago and {kept}: the lifetime is {self._config.lifetime:g} s."
-
-
-class KeepoutLayer:
-    """Cells that were painted as forbidden, or as costly (KeepoutFilter): a mask of values 0 … 100, −1 for none.
-
-    Source: nav2_costmap_2d, keepout_filter.cpp: the mask's value is interpreted as a cost, and the greater one holds.
-    """
-
-    name = "keepout_filter"
-
-    def __init__(self, geometry: GridGeometry) -> None:
-        self.mask: Int8Array = np.full(geometry.shape, -1, dtype=np.int8)
-        self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
-        self._geometry = geometry
-        self._bounds = _no_bounds()
-
-    def paint(self, polygon_xy: Float64Array, value: int) -> None:
-        """Set the mask's value of the cells in a polygon (n, 2), map metres; −1 erases.
-
-        Raises :class:`ConfigError` for a value outside −1 … 100 or a polygon of fewer than three points.
-        """
-        vertices = np.asarray(polygon_xy, dtype=np.float64)
-        if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 2 or not np.isfinite(vertices).all():
-            raise ConfigError("costmap.polygon", "A painted area must be a polygon of at least three finite points.")
-        if not -1 <= value <= 100:
-            raise ConfigError("costmap.mask_value", f"A mask's value must be −1 … 100, not {value}.")
-        cost = NO_INFORMATION if value < 0 else int(value / 100 * LETHAL)
-        lattice = self._geometry.to_lattice(vertices)
-        fill_polygon(lattice, np.int8(value), self.mask, self._bounds)
-        fill_polygon(lattice, np.uint8(cost), self.costs, self._bounds)
-
-    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return what was painted since the last call."""
-        del now, robot
-        box, self._bounds = _box_of(self._bounds), _no_bounds()
-        return box
-
-    def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Keep the greater of both costs."""
-        lay_over(self.costs[_part(box)], COMBINATIONS.index("max"), master[_part(box)])
-
-    def why(self, row: int, col: int) -> str:
-        """Say what was painted here."""
-        value = int(self.mask[row, col])
-        if value < 0:
-            return "Nothing is painted here."
-        return f"Painted with {value} of 100: {name_of_cost(int(self.costs[row, col]))}."
 
 
 class InflationLayer:
@@ -352,11 +284,15 @@ def mark(
 ) -> None:
     """Write ``value`` into the cells of the end points that mark."""
     if config.marking:
-        marking = Marking(
-            config.obstacle_min_range, config.obstacle_max_range, config.min_obstacle_height, config.max_obstacle_height
-        )
-        as_stored = out.dtype.type(value)
+        marking, as_stored = marking_of(config), out.dtype.type(value)
         mark_cells(observation.points, observation.sensor, geometry.frame, marking, as_stored, out, bounds)
+
+
+def marking_of(config: ObstacleConfig) -> Marking:
+    """Return which points mark, for the kernels."""
+    return Marking(
+        config.obstacle_min_range, config.obstacle_max_range, config.min_obstacle_height, config.max_obstacle_height
+    )
 
 
 def clear_footprint(geometry: GridGeometry, robot: Robot, value: float, out: np.ndarray, bounds: Int64Array) -> None:

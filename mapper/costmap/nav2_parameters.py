@@ -14,14 +14,17 @@ import yaml
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.parameter import Parameter
 from mapper.costmap.footprint import Footprint
+from mapper.costmap.nav2_filters import NamedFilter, filter_nodes, is_filter, named_filter
 from mapper.costmap.parameters import (
     COMBINATIONS,
     COSTMAP_PARAMETERS,
+    DECAY_PARAMETERS,
     INFLATION_PARAMETERS,
     OBSTACLE_PARAMETERS,
     STATIC_PARAMETERS,
     VOXEL_PARAMETERS,
     CostmapConfig,
+    DecayConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
@@ -31,15 +34,16 @@ from mapper.io.ros_parameters import find_node, parse_ros_parameters
 
 NODES = ("global_costmap", "local_costmap")
 
-LayerConfig: TypeAlias = StaticConfig | ObstacleConfig | VoxelConfig | InflationConfig
+LayerConfig: TypeAlias = StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | InflationConfig
 
 _PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
     "StaticLayer": (StaticConfig, STATIC_PARAMETERS),
     "ObstacleLayer": (ObstacleConfig, OBSTACLE_PARAMETERS),
     "VoxelLayer": (VoxelConfig, VOXEL_PARAMETERS),
     "InflationLayer": (InflationConfig, INFLATION_PARAMETERS),
+    "DecayLayer": (DecayConfig, DECAY_PARAMETERS),
 }
-_FILTERS = ("KeepoutFilter", "SpeedFilter", "BinaryFilter")
+_OWN = frozenset(("DecayLayer",))  #: layers that Nav2 does not have
 #: Parameters of the whole costmap that Nav2's static layer reads.
 _OF_STATIC = ("trinary_costmap", "lethal_cost_threshold", "unknown_cost_value", "use_maximum")
 #: Names that Nav2 has and that do not change costs: topics, rates, frames, sizes.
@@ -68,14 +72,14 @@ class Nav2Costmap:
     """A costmap of a Nav2 parameter file.
 
     ``layers`` are in the order of its plugins, bottom first. ``footprint`` is None for a robot given by its radius.
-    ``unused`` are the names of parameters that change no cost here, and ``filters`` the names of its filters.
+    ``unused`` are the names of parameters that change no cost here. ``filters`` are its costmap filters.
     """
 
     node: str
     general: CostmapConfig
     footprint: Footprint | None
     layers: tuple[NamedLayer, ...]
-    filters: tuple[str, ...] = ()
+    filters: tuple[NamedFilter, ...] = ()
     unused: tuple[str, ...] = ()
 
     @property
@@ -92,7 +96,8 @@ def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
     and :class:`ConfigError`, which names the parameter with its path, for an unknown name or plugin or an impossible
     value.
     """
-    found = find_node(parse_ros_parameters(data), (node,) if node else NODES)
+    root = parse_ros_parameters(data)
+    found = find_node(root, (node,) if node else NODES)
     if found is None:
         wanted = node or " or ".join(NODES)
         raise ReadError("nav2.no_costmap", f"The parameter file has no costmap: no {wanted} with ros__parameters.")
@@ -101,19 +106,22 @@ def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
     unused: list[str] = []
     own = {**given}
     blocks = {key: own.pop(key) for key in names if key in own}
-    filters = _names(given, "filters", name)
-    for key in [key for key, value in own.items() if key in filters or (isinstance(value, dict) and "plugin" in value)]:
+    filters = [named_filter(root, key, own.get(key), f"{name}.{key}", None) for key in _names(given, "filters", name)]
+    for key in [key for key, value in own.items() if isinstance(value, dict) and "plugin" in value]:
         del own[key]  # a layer that is described, but not in the list of those in use
     footprint = _footprint(own.pop("footprint", None), name)
     of_static = {key: own.pop(key) for key in _OF_STATIC if key in own}
     general = _config(CostmapConfig(), COSTMAP_PARAMETERS, own, name, unused)
-    layers = []
+    layers: list[NamedLayer] = []
     for key in names:
         block = blocks.get(key)
         if not isinstance(block, dict) or not isinstance(block.get("plugin"), str):
             raise ConfigError("nav2.plugin", f"{name}.{key}: The layer has no 'plugin' that says what it is.")
+        if is_filter(block):
+            filters.append(named_filter(root, key, block, f"{name}.{key}", len(layers)))
+            continue
         layers.append(NamedLayer(key, _layer(block, of_static, f"{name}.{key}", unused)))
-    return Nav2Costmap(name, general, footprint, tuple(layers), filters, tuple(unused))
+    return Nav2Costmap(name, general, footprint, tuple(layers), tuple(filters), tuple(unused))
 
 
 def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
@@ -131,7 +139,8 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
     for layer in costmap.layers:
         values = {field.name: getattr(layer.config, field.name) for field in fields(layer.config)}
         kind = next(name for name, (config, _) in _PLUGINS.items() if config is type(layer.config))
-        block: dict[str, Any] = {"plugin": f"nav2_costmap_2d::{kind}"}
+        package = "gridbloom" if kind in _OWN else "nav2_costmap_2d"
+        block: dict[str, Any] = {"plugin": f"{package}::{kind}"}
         if isinstance(layer.config, StaticConfig):
             for key in _OF_STATIC:
                 value = values.pop(key)
@@ -141,8 +150,17 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
             source = {key: values.pop(key) for key in _OF_SOURCE}
             block |= {"observation_sources": "scan", "scan": {"topic": "/scan", "data_type": "LaserScan", **source}}
         blocks[layer.name] = block | {key: int(value) if key in _WHOLE else value for key, value in values.items()}
-    parameters = general | {"plugins": [layer.name for layer in costmap.layers]} | blocks
-    root = {costmap.node: {costmap.node: {"ros__parameters": parameters}}}
+    plugins, filters = [layer.name for layer in costmap.layers], []
+    servers: dict[str, Any] = {}
+    for one in costmap.filters:
+        blocks[one.name], nodes = filter_nodes(one)
+        servers |= nodes
+        if one.below is None:
+            filters.append(one.name)
+    for one in sorted((one for one in costmap.filters if one.below is not None), key=lambda one: -(one.below or 0)):
+        plugins.insert(one.below or 0, one.name)
+    parameters = general | {"plugins": plugins} | ({"filters": filters} if filters else {}) | blocks
+    root = {costmap.node: {costmap.node: {"ros__parameters": parameters}}} | servers
     return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
 
 

@@ -1,7 +1,7 @@
 """Costmaps step by step in plain NumPy, as Nav2 describes them: what the compiled functions are compared with.
 
 Sources: nav2_costmap_2d: inflation_layer.cpp, obstacle_layer.cpp, static_layer.cpp, costmap_2d.hpp (raytraceLine),
-costmap_layer.cpp (updateWithMax and its kin).
+costmap_layer.cpp (updateWithMax and its kin), voxel_layer.cpp; nav2_voxel_grid: voxel_grid.hpp.
 """
 
 from __future__ import annotations
@@ -159,3 +159,122 @@ def combine(master: UInt8Array, layer: UInt8Array, method: str) -> UInt8Array:
         if takes[method]:
             out[row, col] = new
     return out
+
+
+def _length(vector: Float64Array) -> float:
+    return math.sqrt(sum(float(part) * float(part) for part in vector))
+
+
+def voxel_line(start: Float64Array, end: Float64Array, most: int, least: int) -> Int64Array:
+    """Return the voxels (n, 3), (row, col, level), that are cleared between two points (VoxelGrid::raytraceLine).
+
+    ``start`` and ``end`` are (3,) lattice coordinates (v, u, level); ``least`` and ``most`` are lengths on the lattice.
+    The axis along which the line has most steps goes one step at a time, column before row before level.
+    """
+    length = _length(end - start)
+    if int(length) < least:
+        return np.zeros((0, 3), dtype=np.int64)
+    share = min(1.0, most / length) if length > 0.0 else 1.0
+    skipped = least / length if length > 0.0 else 0.0
+    at = (start + (end - start) * skipped).astype(np.int64)
+    steps = end.astype(np.int64) - at
+    signs, steps = np.where(steps > 0, 1, -1), np.abs(steps)
+    major = max((1, 0, 2), key=lambda axis: int(steps[axis]))
+    errors = np.full(3, steps[major] // 2)
+    cells = [at.copy()]
+    for _ in range(min(int(share * steps[major]), int(steps[major]))):
+        errors += steps
+        for axis in range(3):
+            if axis == major or errors[axis] >= steps[major]:
+                at[axis] += signs[axis]
+                errors[axis] -= steps[major]
+        cells.append(at.copy())
+    return np.array(cells)
+
+
+VOXEL_FREE, VOXEL_UNKNOWN, VOXEL_MARKED = 0, 1, 2
+
+
+def mark_voxels(
+    voxels: UInt8Array,
+    costs: UInt8Array,
+    geometry: GridGeometry,
+    sensor: Float64Array,
+    points: Float64Array,
+    marking: tuple[float, float, float, float],
+    heights: tuple[float, float],
+    mark_threshold: int,
+) -> None:
+    """Mark the voxels (rows, cols, levels) of points, and make columns with more than the threshold lethal.
+
+    ``marking`` is as in :func:`mark_and_clear`, ``heights`` (origin_z, z_resolution). Points below the columns mark
+    the lowest voxel. Source: VoxelLayer::updateBounds.
+    """
+    rows, cols, levels = voxels.shape
+    nearest, farthest, lowest, highest = marking
+    for point in points:
+        squared = float(np.sum((point - sensor) ** 2))
+        if not (lowest <= point[2] <= highest and nearest**2 <= squared < farthest**2):
+            continue
+        row, col = geometry.world_to_cell(point[:2])
+        level = int((max(point[2], heights[0]) - heights[0]) / heights[1])
+        if 0 <= row < rows and 0 <= col < cols and level < levels:
+            voxels[row, col, level] = VOXEL_MARKED
+            if np.sum(voxels[row, col] == VOXEL_MARKED) > mark_threshold:
+                costs[row, col] = LETHAL
+
+
+def clear_voxels(
+    voxels: UInt8Array,
+    costs: UInt8Array,
+    geometry: GridGeometry,
+    sensor: Float64Array,
+    points: Float64Array,
+    clearing: tuple[float, float],
+    heights: tuple[float, float],
+    thresholds: tuple[int, int],
+) -> None:
+    """Clear the voxels (rows, cols, levels) between the sensor and points, and set the costs of their columns.
+
+    ``thresholds`` are (mark_threshold, unknown_threshold): a column with at most so many marked voxels is free, or
+    unknown where it has more unknown voxels than the second one. Source: VoxelLayer::raytraceFreespace,
+    VoxelGrid::ClearVoxelInMap.
+    """
+    rows, cols, levels = voxels.shape
+    sides = np.array([rows, cols, levels], dtype=np.float64)
+
+    def on_lattice(point: Float64Array) -> Float64Array:
+        u, v = geometry.to_lattice(point[:2])
+        return np.array([v, u, (point[2] - heights[0]) / heights[1]])
+
+    def inside(place: Float64Array) -> bool:
+        return bool((place >= 0.0).all() and (place < sides).all())
+
+    start = on_lattice(sensor)
+    if not inside(start):
+        return
+    least, most = (max(0, math.ceil(bound / geometry.resolution - 1e-9)) for bound in clearing)
+    for point in points:
+        distance = _length(point - sensor)
+        if distance == 0.0:
+            continue
+        before = max((distance - 2.0 * geometry.resolution) / distance, 0.0)
+        end = on_lattice(sensor + before * (point - sensor))
+        share = 1.0
+        for axis in (2, 1, 0):
+            top = sides[axis] - (0.01 / heights[1] if axis == 2 else 0.0)
+            if end[axis] > sides[axis]:
+                share = min(share, max(0.0, (top - start[axis]) / (end[axis] - start[axis])))
+            elif end[axis] < 0.0:
+                share = min(share, -start[axis] / (end[axis] - start[axis]))
+        if share > 0.0 and ((end > sides) | (end < 0.0)).any():
+            share -= 1e-5
+        end = start + share * (end - start)
+        if not inside(end):
+            continue
+        for row, col, level in voxel_line(start, end, most, least):
+            voxels[row, col, level] = VOXEL_FREE
+            column = voxels[row, col]
+            if np.sum(column == VOXEL_MARKED) <= thresholds[0]:
+                unknown = int(np.sum(column == VOXEL_UNKNOWN))
+                costs[row, col] = FREE if unknown <= thresholds[1] else NO_INFORMATION

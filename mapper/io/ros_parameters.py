@@ -67,7 +67,7 @@ def find_node(root: dict[str, Any], names: tuple[str, ...]) -> tuple[str, dict[s
     The ``ros__parameters`` may be below namespaces, in any depth. None where no such node is in the file.
     """
     for name in names:
-        found = _below(root, name)
+        found = value_below(root, name)
         while isinstance(found, dict):
             inner = found.get("ros__parameters")
             if isinstance(inner, dict):
@@ -76,12 +76,13 @@ def find_node(root: dict[str, Any], names: tuple[str, ...]) -> tuple[str, dict[s
     return None
 
 
-def _below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what yaml holds
+def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what yaml holds
+    """Return the value of the first ``name`` in a file's mapping, in any depth; None where there is none."""
     if name in root:
         return root[name]
     for value in root.values():
         if isinstance(value, dict):
-            found = _below(value, name)
+            found = value_below(value, name)
             if found is not None:
                 return found
     return None

@@ -6,7 +6,7 @@ from mapper.core.lazy_imports import attributes_from
 from mapper.localization.parameters import PARAMETERS, LocalizationConfig
 
 if TYPE_CHECKING:
-    from mapper.localization.amcl_parameters import amcl_yaml, read_amcl_yaml
+    from mapper.localization.amcl_parameters import amcl_yaml, parse_amcl_yaml, read_amcl_yaml
     from mapper.localization.estimate import Estimate
     from mapper.localization.localize import Localized, localize_log
     from mapper.localization.monte_carlo import MonteCarloLocalizer
@@ -19,6 +19,7 @@ __all__ = [
     "MonteCarloLocalizer",
     "amcl_yaml",
     "localize_log",
+    "parse_amcl_yaml",
     "read_amcl_yaml",
 ]
 
@@ -31,6 +32,7 @@ __getattr__ = attributes_from(
         "MonteCarloLocalizer": "mapper.localization.monte_carlo",
         "amcl_yaml": "mapper.localization.amcl_parameters",
         "localize_log": "mapper.localization.localize",
+        "parse_amcl_yaml": "mapper.localization.amcl_parameters",
         "read_amcl_yaml": "mapper.localization.amcl_parameters",
     },
 )

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from mapper.core.errors import ConfigError, ReadError
-from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file
+from mapper.io.ros_parameters import find_node, parse_ros_parameters, read_parameter_file, value_below
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
 
 Layout = Literal["nav2", "ros1"]
@@ -50,7 +50,6 @@ _OTHER = frozenset(
         "use_sim_time bond_heartbeat_period std_warn_level_enabled qos_overrides",
     )
 )
-MOST_DEPTH = 6  #: of keys inside one another
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,31 +91,20 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
     return AmclParameters(start.with_values(given), layout, tuple(ignored))
 
 
-def _node(root: object, depth: int = 0) -> tuple[dict[str, Any], Layout]:
+def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
     """Return AMCL's parameters: of ``amcl: ros__parameters:`` anywhere, of ``amcl:``, or the file's own keys."""
-    found = _below(root, "amcl", depth)
-    if isinstance(found, dict) and isinstance(found.get("ros__parameters"), dict):
-        return _named(found["ros__parameters"]), "nav2"
-    top = found if isinstance(found, dict) else root
-    if isinstance(top, dict) and isinstance(top.get("ros__parameters"), dict):
+    found = find_node(root, ("amcl",))
+    if found is not None:
+        return _named(found[1]), "nav2"
+    named = value_below(root, "amcl")
+    top = named if isinstance(named, dict) else root
+    if isinstance(top.get("ros__parameters"), dict):
         return _named(top["ros__parameters"]), "nav2"
-    if not isinstance(top, dict) or not top:
+    if not top:
         raise ReadError("amcl.yaml", "The yaml has no parameters of AMCL: no 'amcl' with 'ros__parameters', no names.")
     values = _named(top)
     is_ros1 = any(name in _ROS1_NAMES or name == "laser_max_beams" for name in values)
     return values, "ros1" if is_ros1 else "nav2"
-
-
-def _below(root: object, key: str, depth: int) -> object:
-    if not isinstance(root, dict) or depth > MOST_DEPTH:
-        return None
-    if key in root:
-        return root[key]
-    for value in root.values():
-        found = _below(value, key, depth + 1)
-        if found is not None:
-            return found
-    return None
 
 
 def _named(node: dict[Any, Any]) -> dict[str, Any]:
@@ -138,7 +126,7 @@ def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2") -> str:
     """Return the parameters as the yaml of an AMCL; rows that AMCL lacks are remarks at its end."""
     names = {own: name for name, own in (_NAV2_NAMES if layout == "nav2" else _ROS1_NAMES).items()}
     names["laser_likelihood_max_dist"] = "laser_likelihood_max_dist"
-    own_rows = ("global_particles", "least_effective", "reset_below") + (
+    own_rows = ("annealing_stages", "global_particles", "least_effective", "reset_below") + (
         ("selective_resampling",) if layout == "nav2" else ()
     )
     lines: list[str] = []

@@ -28,7 +28,8 @@ class Localized:
 
     ``poses`` (n, 3) are ``T_map_base``; ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
     filter ``is_converged`` (n,); ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) how well the last
-    scan that was used fits, ``n_particles`` (n,) how many there were. ``odometry`` names the trajectory that was used.
+    scan that was used fits, ``n_particles`` (n,) how many there were, ``entropy`` (n,) that of their histogram, bits,
+    and ``is_updated`` (n,) whether the scan was used. ``odometry`` names the trajectory that was used.
     """
 
     poses: Float64Array
@@ -37,6 +38,8 @@ class Localized:
     share: Float64Array
     fit: Float64Array
     n_particles: NDArray[np.int64]
+    entropy: Float64Array
+    is_updated: NDArray[np.bool_]
     odometry: str
     cpu_seconds: float
 
@@ -48,7 +51,9 @@ class Localized:
 
 
 def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
-    """Return the trajectory that is the odometry: ``trajectory``, or the first in a frame ``odom``, or the log's first.
+    """Return the trajectory that is the odometry: ``trajectory``, or one that tells so, or the log's first.
+
+    A frame that ends in ``odom`` tells it, or else a name that contains that.
 
     Raises :class:`ConfigError` for a log without odometry.
     """
@@ -57,7 +62,7 @@ def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
     else:
         named = [name for name, one in log.trajectories.items() if not one.is_placeholder]
         raw = [name for name in named if (log.trajectories[name].frame_id or "").strip("/").endswith("odom")]
-        moving = raw or named
+        moving = raw or [name for name in named if "odom" in name.lower()] or named
     if not moving:
         raise ConfigError(
             "localization.no_odometry",
@@ -76,12 +81,14 @@ def localize_log(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
     wanted: Callable[[], bool] | None = None,
+    watch: Callable[[int, MonteCarloLocalizer], None] | None = None,
 ) -> Localized:
     """Return where in a map the robot was at each scan of a log, by the odometry ``trajectory`` and the scans.
 
     Without an ``initial_pose`` (3,) the filter starts everywhere. ``progress`` is called with the share that is done,
-    ``wanted`` now and then: False raises :class:`WorkCancelledError`. Raises :class:`ConfigError` for a log without
-    scans or odometry, a map without free or occupied cells, and a pose outside it.
+    ``wanted`` now and then: False raises :class:`WorkCancelledError`; ``watch`` with the number of each scan and the
+    filter after it. Raises :class:`ConfigError` for a log without scans or odometry, a map without free or occupied
+    cells, and a pose outside it.
     """
     began = time.process_time()
     config = config or LocalizationConfig()
@@ -95,20 +102,24 @@ def localize_log(
         seed=seed,
     )  # fmt: skip
     poses, covariance = np.empty((n, 3)), np.empty((n, 3, 3))
-    converged, numbers = np.zeros(n, dtype=np.bool_), np.empty((n, 2))
-    counts = np.empty(n, dtype=np.int64)
+    converged, numbers = np.zeros(n, dtype=np.bool_), np.empty((n, 3))
+    counts, used = np.empty(n, dtype=np.int64), np.zeros(n, dtype=np.bool_)
     for i in range(n):
         if wanted is not None and not wanted():
             raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
         x, y, yaw = log.mounts_at(i).tolist()
         found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config))
         poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
-        numbers[i], counts[i] = (found.share, found.fit), found.n_particles
+        numbers[i] = found.share, found.fit, found.entropy
+        counts[i], used[i] = found.n_particles, found.is_updated
+        if watch is not None:
+            watch(i, robot)
         if progress is not None:
             progress((i + 1) / n)
     return Localized(
-        poses, covariance, converged, numbers[:, 0], numbers[:, 1], counts, name, time.process_time() - began
-    )
+        poses, covariance, converged, numbers[:, 0], numbers[:, 1], counts, numbers[:, 2], used, name,
+        time.process_time() - began,
+    )  # fmt: skip
 
 
 def covariance_lines(log: ScanLog, found: Localized) -> list[str]:

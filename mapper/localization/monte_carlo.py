@@ -22,14 +22,15 @@ from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.recovery import Recovery
 from mapper.localization.resample import drawn, resampled
 from mapper.localization.scan_beams import ScanBeams, limits_of, scan_beams
-from mapper.localization.textbook import effective_number
+from mapper.localization.textbook import bandwidth, effective_number
 from mapper.localization.weighing import log_likelihoods, normalised, scan_sums, tempering
 from mapper.sensors.scan import RangeScan
 
 Float64Array = NDArray[np.float64]
 
 INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
-_MOVE, _START, _DRAW, _RESET, _REPLACE = range(5)  #: purposes of random numbers
+_MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD = range(6)  #: purposes of random numbers
+_STAGE = 16  #: between the purposes of two stages of one scan
 
 
 class MonteCarloLocalizer:
@@ -147,16 +148,11 @@ class MonteCarloLocalizer:
 
     def correct(self, scan: ScanBeams) -> None:
         """Weigh the particles by a scan, set the estimate, and draw the particles anew where it is time."""
-        config = self.config
         self._steps += 1
         self.n_updates += 1
         fit, random_share = 0.0, 0.0
         if len(scan.beams):
-            sums = scan_sums(self.model, scan, self.particles)
-            logs = log_likelihoods(self.model, scan, self.particles, sums, config)
-            power = tempering(self.weights, logs, config.least_effective) if config.least_effective > 0.0 else 1.0
-            with np.errstate(divide="ignore"):
-                self.weights = normalised(np.log(self.weights) + power * logs)
+            sums, logs = self._weigh(scan)
             fit = float(self.weights @ self.model.field.fit(sums, len(scan.points)))
             random_share = self._recovery.random_share(logs, len(scan.beams))
         was_converged = self.estimate.is_converged
@@ -169,6 +165,43 @@ class MonteCarloLocalizer:
             self._scatter(random_share)
         if len(scan.points) and self._recovery.wants_comparison(is_converged=self.estimate.is_converged):
             self._compare(scan, fit)
+
+    def _weigh(self, scan: ScanBeams) -> tuple[NDArray[np.int64], Float64Array]:
+        """Weigh the particles by a scan, in stages where its likelihood is scaled down.
+
+        Return the sums of the scores at the particles, and the log-likelihoods at those from before. Each stage takes
+        as much of the likelihood as :func:`tempering` allows; between two, particles are drawn anew and spread as their
+        heaviest cluster is, times the bandwidth of a kernel density estimate. Sources: Del Moral, Doucet and Jasra
+        2012 (stages), Musso, Oudjane and Le Gland 2001 (the regularised particle filter).
+        """
+        config, left = self.config, 1.0
+        stages = int(config.annealing_stages) if len(self.particles) <= config.max_particles else 1
+        first: Float64Array | None = None
+        for stage in range(stages):
+            sums = scan_sums(self.model, scan, self.particles)
+            logs = log_likelihoods(self.model, scan, self.particles, sums, config)
+            first = logs if first is None else first
+            power = left
+            if config.least_effective > 0.0:
+                power = min(left, tempering(self.weights, logs, config.least_effective))
+            with np.errstate(divide="ignore"):
+                self.weights = normalised(np.log(self.weights) + power * logs)
+            left -= power
+            if left <= 0.0 or stage == stages - 1:
+                break
+            self._spread(stage)
+        assert first is not None  # noqa: S101 - for the type checker: there is a stage
+        return sums, first
+
+    def _spread(self, stage: int) -> None:
+        """Draw as many particles anew, and move each a little."""
+        n = len(self.particles)
+        clusters = find_clusters(self.particles, self.weights)
+        covariance = bandwidth(n) ** 2 * clusters.covariance[int(np.argmax(clusters.weight))]
+        chosen = drawn(self.weights, n, self._uniform(_DRAW + _STAGE * (stage + 1)))
+        offsets = around(np.zeros(3), covariance, n, self._key(_SPREAD + _STAGE * (stage + 1)))
+        self.particles = self.particles[chosen] + offsets
+        self.weights = np.full(n, 1.0 / n)
 
     def _is_time(self) -> bool:
         if self.n_updates % int(self.config.resample_interval):

@@ -105,6 +105,12 @@ PARAMETERS: tuple[Parameter, ...] = (
         "Particles are drawn anew only where the effective number N_eff is below half of theirs.",
     ),
     Parameter(
+        "annealing_stages", "Stages of a scan", "filter", "number", 4,
+        "Where likelihoods are scaled down (least_effective), a converged filter takes the rest of the likelihood in "
+        "further stages, at most so many in all, and spreads the particles a little between; 1: the rest is left out.",
+        "", 1, 20, 1,
+    ),
+    Parameter(
         "recovery_alpha_slow", "α slow", "recovery", "number", 0.0,
         "Rate of the slow average of the weights (augmented MCL); 0: no random particles. AMCL suggests 0.001.",
         "", 0.0, 1.0, 0.001,
@@ -135,6 +141,7 @@ PARAMETERS: tuple[Parameter, ...] = (
 BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 _WHOLE = (
     "laser_max_beams", "min_particles", "max_particles", "resample_interval", "global_particles",
+    "annealing_stages",
 )  # fmt: skip
 
 
@@ -170,6 +177,7 @@ class LocalizationConfig:
     pf_z: float = 0.99
     resample_interval: float = 1
     selective_resampling: bool = False
+    annealing_stages: float = 4
     recovery_alpha_slow: float = 0.0
     recovery_alpha_fast: float = 0.0
     global_particles: float = 50_000

@@ -272,3 +272,12 @@ def clusters(particles: Float64Array, side: float, turn: float) -> Int64Array:
                     waiting.append(int(other))
         count += 1
     return number
+
+
+def bandwidth(n: int, dimensions: int = 3) -> float:
+    """Return the bandwidth of a Gaussian kernel density estimate of n samples, in standard deviations of them.
+
+    It is the one that is best for a normal density. Source: Silverman 1986, Density Estimation, section 4.3.2.
+    """
+    d = dimensions
+    return float((4.0 / (n * (d + 2.0))) ** (1.0 / (d + 4.0)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,11 +25,13 @@ LEAST_RANGE = 0.01  #: m: shorter readings are no walls
 class Beams:
     """The beams of a sensor in the order of their bearing in the base frame, counter-clockwise seen from above.
 
+    They are those of the sensor at ``mount`` (3,), ``T_base_laser``: that of the log's first scan, see :meth:`at`.
     ``indices`` (n,) are their numbers in the log, ``directions`` (n, 2) their directions, which are ``step`` radians
     apart from ``first`` on; ``sensor`` (2,) is where they begin, metres, and ``times`` (n,) when each is measured after
     the first, seconds. Readings from ``range_min`` to ``range_max`` metres are points.
     """
 
+    mount: tuple[float, float, float]
     indices: Int64Array
     directions: Float64Array
     first: float
@@ -55,8 +57,6 @@ class Beams:
             raise ConfigError(
                 "matching.bearings", "Matching needs beams at even angles, and those of this log are not."
             )
-        if log.mounts is not None:
-            raise ConfigError("matching.mount", "Matching needs a sensor that does not move on the robot.")
         angle_min, step = log.sweep
         in_turn = min(log.n_beams, max(round(2.0 * np.pi / abs(step)), FEWEST_BEAMS))
         stride = 1 if most is None else -(-in_turn // max(FEWEST_BEAMS, most))
@@ -67,6 +67,7 @@ class Beams:
         bearings = yaw + angle_min + step * indices
         spacing = abs(step) * stride
         return cls(
+            (x, y, yaw),
             indices,
             np.stack([np.cos(bearings), np.sin(bearings)], axis=-1),
             float(bearings[0]),
@@ -77,6 +78,16 @@ class Beams:
             max(float(log.range_min), LEAST_RANGE),
             float(min(log.range_max, range_max)),
         )
+
+    def at(self, mount: Float64Array) -> Beams:
+        """Return the beams of the sensor at another mount (3,), ``T_base_laser``: it may move on the robot."""
+        x, y, yaw = (float(value) for value in mount)
+        if (x, y, yaw) == self.mount:
+            return self
+        first = self.first + (yaw - self.mount[2])
+        bearings = first + self.step * np.arange(len(self))
+        directions = np.stack([np.cos(bearings), np.sin(bearings)], axis=-1)
+        return replace(self, mount=(x, y, yaw), directions=directions, first=first, sensor=np.array([x, y]))
 
     def __len__(self) -> int:
         return len(self.indices)

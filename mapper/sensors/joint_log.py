@@ -44,16 +44,16 @@ class JointLog(ScanLog):
     def __post_init__(self) -> None:
         # Without arguments super() does not work in a class with slots.
         ScanLog.__post_init__(self)
-        # A trajectory that was added to this log is one of each part as well.
+        # A trajectory that was added to this log, or replaced in it, is one of each part as well.
         parts = []
         for number, part in enumerate(self.parts):
             own = self.part_of_scan == number
-            added = {
+            changed = {
                 name: replace(one, poses=one.poses[own])
                 for name, one in self.trajectories.items()
-                if name not in part.trajectories
+                if name not in part.trajectories or not np.array_equal(part.trajectories[name].poses, one.poses[own])
             }
-            parts.append(replace(part, trajectories={**part.trajectories, **added}) if added else part)
+            parts.append(replace(part, trajectories={**part.trajectories, **changed}) if changed else part)
         object.__setattr__(self, "parts", tuple(parts))
 
     @classmethod
@@ -122,12 +122,27 @@ class JointLog(ScanLog):
         part = self.parts[int(self.part_of_scan[index])]
         return part.scan(int(self.scan_of_part[index]))
 
+    def mount_of(self, index: int) -> NDArray[np.float64]:
+        """Return ``T_base_laser`` (3,) of the sensor that took scan ``index``, at that scan."""
+        part = self.parts[int(self.part_of_scan[index])]
+        return part.mount_of(int(self.scan_of_part[index]))
+
     def sensor_poses(self, trajectory: str | None = None) -> NDArray[np.float64]:
         """Return ``T_map_laser`` of every scan (n_scans, 3), each of its own sensor."""
         poses = np.empty((self.n_scans, 3))
         for number, part in enumerate(self.parts):
             poses[self.part_of_scan == number] = part.sensor_poses(trajectory)
         return poses
+
+
+def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
+    """Return the logs of a log's sensors: its parts, or itself."""
+    return log.parts if isinstance(log, JointLog) else (log,)
+
+
+def sensor_of_scan(log: ScanLog) -> Int64Array:
+    """Return which of the log's sensors each scan (n_scans,) is of."""
+    return log.part_of_scan if isinstance(log, JointLog) else np.zeros(log.n_scans, dtype=np.int64)
 
 
 def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:

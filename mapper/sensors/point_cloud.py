@@ -1,4 +1,4 @@
-"""A point cloud as a sensor reported it."""
+"""Points in space as a sensor or a file states them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 
+ROTATION_TOLERANCE = 1e-3  #: how far R Rᵀ may be from the identity: files have as few as four digits
+
 
 @dataclass(frozen=True, slots=True)
 class PointCloud:
@@ -18,8 +20,11 @@ class PointCloud:
 
     ``shape`` (height, width) is that of an organised cloud, whose points are those of an image row after row, and
     (1, n) of any other. Points of it without a reading are NaN. ``fields`` has all else that was stated of the points,
-    by name: (n,), or (n, k) where a point has k numbers. ``times`` (n,) float64 is when each point was measured,
-    seconds after the stamp; None where that is not stated. Raises :class:`ConfigError` for arrays of other lengths.
+    by name: (n,), or (n, k) where a point has k numbers. Readers of files give these their names, whatever the format
+    calls them: ``intensity`` (n,), ``normals`` (n, 3), ``rgb`` (n, 3) uint8, ``class`` (n,) and ``ring`` (n,) integers.
+    ``times`` (n,) float64 is when each point was measured, seconds after the stamp; None where that is not stated.
+    ``sensor_pose`` (4, 4) is ``T_frame_sensor``, where the sensor was, None where that is not stated. ``notes`` are
+    sentences on what the reader found. Raises :class:`ConfigError` for arrays of other lengths and a pose that is none.
     """
 
     points: NDArray[np.floating[Any]]
@@ -28,6 +33,8 @@ class PointCloud:
     shape: tuple[int, int] | None = None
     fields: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     times: NDArray[np.float64] | None = None
+    sensor_pose: NDArray[np.float64] | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -40,6 +47,8 @@ class PointCloud:
         others = [*self.fields.values(), *(() if self.times is None else (self.times,))]
         if any(len(one) != n for one in others):
             raise ConfigError("cloud.fields", f"Each field of a cloud of {n} points must have {n} rows.")
+        if self.sensor_pose is not None:
+            check_pose(self.sensor_pose, "The sensor's pose")
 
     def __len__(self) -> int:
         return len(self.points)
@@ -48,3 +57,47 @@ class PointCloud:
     def is_organised(self) -> bool:
         """Whether the points are those of an image, with neighbours above and below."""
         return self.shape is not None and self.shape[0] > 1
+
+    @property
+    def finite(self) -> NDArray[np.bool_]:
+        """Which points (n,) are places: the others are NaN, without a reading, or infinite."""
+        return np.asarray(np.isfinite(self.points).all(axis=1))
+
+
+@dataclass(frozen=True, slots=True)
+class PosedCloud:
+    """A cloud in its sensor's frame, and ``pose`` (4, 4), ``T_map_sensor``: where that was when it was measured."""
+
+    cloud: PointCloud
+    pose: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        check_pose(self.pose, "The cloud's pose")
+
+    @property
+    def origin(self) -> NDArray[np.float64]:
+        """Where the rays begin (3,), metres in the map's frame."""
+        return self.pose[:3, 3]
+
+    def points_in_map(self) -> NDArray[np.float64]:
+        """Return the points (n, 3) float64, metres in the map's frame."""
+        return np.asarray(self.cloud.points.astype(np.float64) @ self.pose[:3, :3].T + self.pose[:3, 3])
+
+
+def check_pose(pose: NDArray[np.float64], whose: str) -> None:
+    """Raise :class:`ConfigError` unless ``pose`` (4, 4) is a rigid motion: a rotation, a finite translation.
+
+    ``whose`` begins the sentence that says what is wrong with it.
+    """
+    if pose.shape != (4, 4):
+        raise ConfigError("cloud.pose", f"{whose} must have shape (4, 4), not {pose.shape}.")
+    if not np.isfinite(pose).all():
+        raise ConfigError("cloud.pose", f"{whose} is not finite.")
+    if np.abs(pose[3] - (0.0, 0.0, 0.0, 1.0)).max() > ROTATION_TOLERANCE:
+        raise ConfigError("cloud.pose", f"{whose} is no rigid motion: its last row must be 0 0 0 1.")
+    rotation = pose[:3, :3]
+    off = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if off > ROTATION_TOLERANCE:
+        raise ConfigError("cloud.pose", f"{whose} is no rotation: R Rᵀ is off the identity by {off:.2g}.")
+    if np.linalg.det(rotation) < 0.0:
+        raise ConfigError("cloud.pose", f"{whose} is no rotation but a reflection: its determinant is −1.")

@@ -333,6 +333,10 @@ class ScanLog:
         """Return ``T_base_laser`` at some scans: (n, 3) of a sensor that moves on the robot, else (3,) for all."""
         return np.array(self.mount) if self.mounts is None else self.mounts[scans]
 
+    def mount_of(self, index: int) -> NDArray[np.float64]:
+        """Return ``T_base_laser`` (3,) at scan ``index``."""
+        return np.array(self.mount) if self.mounts is None else self.mounts[index]
+
     def take(self, scans: NDArray[np.bool_] | NDArray[np.int64] | slice) -> ScanLog:
         """Return the log of some of its scans: a mask (n_scans,), their indices, or a slice."""
         return replace(

@@ -1,4 +1,7 @@
-"""The worlds: an office floor, a cluttered room, a corridor loop, a pillared hall and a maze. Metres, map frame."""
+"""The worlds: an office floor, a cluttered room, a corridor loop, a pillared hall, a maze and two equal rooms.
+
+Metres, map frame.
+"""
 
 from __future__ import annotations
 
@@ -162,6 +165,19 @@ def _maze() -> World:
     return World("maze", "Maze", bounds, tuple(solids), (0.5 * cell + edge, 0.5 * cell + edge, 0.0))
 
 
+def _twins() -> World:
+    """Two equal rooms, with the same furniture, on a corridor whose ends differ."""
+    apart = 7.86  # metres from a place in one room to the same place in the other
+    solids = outer_walls(0.0, 0.0, 16.0, 9.0, OUTER)
+    solids += wall((0.2, 2.26), (15.8, 2.26), INNER, [(2.8, 3.75), (2.8 + apart, 3.75 + apart)])
+    solids += wall((8.0, 2.26), (8.0, 8.8), INNER)
+    for x in (0.0, apart):
+        solids += [rect(x + 0.2, 7.0, x + 1.0, 8.8), rect(x + 4.4, 8.2, x + 6.2, 8.8), disc(x + 5.3, 7.8, 0.24, 10)]
+        solids += [box(x + 3.4, 5.4, 1.4, 0.8, 0.2), rect(x + 7.3, 3.4, x + 7.94, 4.6), disc(x + 1.2, 3.4, 0.3, 12)]
+    solids += [rect(14.2, 0.2, 15.8, 0.7), disc(13.0, 1.9, 0.25, 12), rect(0.2, 1.2, 0.5, 2.2)]
+    return World("twins", "Two equal rooms", (0.0, 0.0, 16.0, 9.0), tuple(solids), (5.6, 4.4, 1.0))
+
+
 def _runs(present: list[bool]) -> list[tuple[int, int]]:
     """Return the (first, last + 1) of each unbroken run of true values."""
     edges = np.flatnonzero(np.diff([False, *present, False]))
@@ -169,5 +185,11 @@ def _runs(present: list[bool]) -> list[tuple[int, int]]:
 
 
 WORLDS: Mapping[str, World] = MappingProxyType(
-    {world.name: world for world in (_office(), _room(), _loop(), _hall(), _maze())}
+    {world.name: world for world in (_office(), _room(), _loop(), _hall(), _maze(), _twins())}
 )
+
+
+def another_world(name: str) -> World:
+    """Return the world that follows the one called ``name``; an unknown name is followed by the first."""
+    names = list(WORLDS)
+    return WORLDS[names[(names.index(name) + 1) % len(names) if name in names else 0]]

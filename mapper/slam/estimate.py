@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mapper.sensors.joint_log import sensor_of_scan
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
-from mapper.slam.odometry import matched_scans, odometry_name, sensor_of_scan
+from mapper.slam.odometry import matched_scans, odometry_name
 
 MS_PER_SCAN, MS_PER_BEAM = 1.0, 0.009  #: of processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind

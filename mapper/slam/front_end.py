@@ -118,16 +118,17 @@ class FrontEnd:
         sensor: int = 0,
         seconds: float | None = None,
         velocity: Float64Array | None = None,
+        mount: Float64Array | None = None,
     ) -> Step:
         """Align the next scan; ``motion`` (3,) is the odometry's since the one before, None for no odometry.
 
-        ``seconds`` is the time since the one before, None where it is not known. ``sensor`` and ``velocity`` are as in
-        :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
+        ``seconds`` is the time since the one before, None where it is not known. ``sensor``, ``velocity`` and
+        ``mount`` are as in :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
         """
         expected = self._expected(seconds) if motion is None else motion
         if velocity is None:
             velocity = expected / seconds if motion is not None and seconds else self._velocity
-        i = self._store.append(ranges, sensor, velocity)
+        i = self._store.append(ranges, sensor, velocity, mount)
         if self._n == len(self._poses):
             self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
         if i == 0:

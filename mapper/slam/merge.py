@@ -20,6 +20,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import bounds_of_log, grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.matching.maps import place_map
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
@@ -27,17 +28,17 @@ from mapper.slam.config import SlamConfig
 from mapper.slam.loop_closure import SIGHT, TURN_WINDOW, WINDOW
 from mapper.slam.loop_test import Loop, Place, try_loop
 from mapper.slam.matching_rules import pair_rule
+from mapper.slam.merged_log import MERGED
 from mapper.slam.odometry import carry
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import SlamProgress, SlamResult
-from mapper.slam.scan_store import ScanStore, sensors_of
+from mapper.slam.scan_store import ScanStore
 from mapper.slam.slam import slam_log, stored_scans
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
-MERGED = "merged"  #: name of the trajectories
 FEWEST = 3  #: loops between the logs, without which they are not taken to show one place
 LEAST_SHARE = 0.3  #: of the loops that were tried near scans of the first log
 SHARES = (0.35, 0.35, 0.1, 0.1, 0.1)  #: of the work: SLAM of each log, maps, loops, refinement

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import compose, interpolate, inverse
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import sensor_of_scan, sensors_of
 from mapper.sensors.motion import Motion, can_deskew, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
@@ -36,11 +36,6 @@ def odometry_name(log: ScanLog) -> str | None:
 def motions(poses: Float64Array) -> Float64Array:
     """Return the motion (n − 1, 3) from each pose (n, 3) to the next."""
     return compose(inverse(poses[:-1]), poses[1:])
-
-
-def sensor_of_scan(log: ScanLog) -> NDArray[np.int64]:
-    """Return which of the log's sensors each scan (n_scans,) is of."""
-    return log.part_of_scan if isinstance(log, JointLog) else np.zeros(log.n_scans, dtype=np.int64)
 
 
 def matched_scans(sensor: NDArray[np.int64], poses: Float64Array | None, config: SlamConfig) -> NDArray[np.int64]:
@@ -84,8 +79,7 @@ def sweep_velocities(log: ScanLog, name: str) -> Float64Array:
     Metres and radians a second; 0 for scans of sensors that do not state the times of their beams.
     """
     out = np.zeros((log.n_scans, 3))
-    parts = log.parts if isinstance(log, JointLog) else (log,)
-    for number, part in enumerate(parts):
+    for number, part in enumerate(sensors_of(log)):
         if can_deskew(part, name):
             times, sweep = seconds(part), (part.n_beams - 1) * part.time_increment
             way = Motion.of(part, name)

@@ -11,18 +11,13 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.matching.beams import Beams, scan_rows
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import sensor_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
 
 Float64Array = NDArray[np.float64]
 Kind = TypeVar("Kind", bound=np.generic)
-
-
-def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
-    """Return the logs of a log's sensors: its parts, or itself."""
-    return log.parts if isinstance(log, JointLog) else (log,)
 
 
 class ScanStore:
@@ -53,6 +48,7 @@ class ScanStore:
             np.empty((FIRST_ROWS, 2)),
         )
         self._sensor = np.zeros(FIRST_ROWS, dtype=np.int64)
+        self._mounts = np.zeros((FIRST_ROWS, 3))
         # Ranges are kept where points are to be moved later.
         self._ranges = np.empty((FIRST_ROWS if self.can_deskew else 0, self.n_beams), dtype=np.float32)
 
@@ -74,15 +70,23 @@ class ScanStore:
         """The least angle between the beams of a sensor, radians."""
         return min(one.step for one in self._beams)
 
-    def append(self, ranges: NDArray[np.float32], sensor: int = 0, velocity: Float64Array | None = None) -> int:
+    def append(
+        self,
+        ranges: NDArray[np.float32],
+        sensor: int = 0,
+        velocity: Float64Array | None = None,
+        mount: Float64Array | None = None,
+    ) -> int:
         """Add a scan of the ranges (n_beams,) of a log, whose number is ``sensor``; return the scan's number here.
 
-        ``velocity`` (3,) is the base's, in its own frame, during the scan, metres and radians a second.
+        ``velocity`` (3,) is the base's, in its own frame, during the scan, metres and radians a second. ``mount`` (3,),
+        ``T_base_laser``, is where a sensor that moves on the robot was; None: as in its log.
         """
         if self._n == len(self._sensor):
             self._grow()
         n, beams = self._n, self._beams[sensor]
-        self._sensor[n] = sensor
+        beams = beams if mount is None else beams.at(mount)
+        self._sensor[n], self._mounts[n] = sensor, beams.mount
         self._rows.n_beams[n], self._rows.first[n], self._rows.step[n] = len(beams), beams.first, beams.step
         self._rows.wraps[n], self._rows.sensor[n] = beams.wraps, beams.sensor
         self._rows.kind[n] = NO_POINT
@@ -105,7 +109,7 @@ class ScanStore:
     def _write(self, n: int, ranges: NDArray[np.float32], velocity: Float64Array | None) -> None:
         one = scan_rows(self._rows, n, n + 1)
         velocities = None if velocity is None else velocity[np.newaxis]
-        self._beams[self._sensor[n]].write(ranges[np.newaxis], one, velocities)
+        self._beams[self._sensor[n]].at(self._mounts[n]).write(ranges[np.newaxis], one, velocities)
 
     def _grow(self) -> None:
         rows = self._rows
@@ -120,6 +124,7 @@ class ScanStore:
             _doubled(rows.sensor),
         )
         self._sensor, self._ranges = _doubled(self._sensor), _doubled(self._ranges)
+        self._mounts = _doubled(self._mounts)
 
     def count(self, scan: int) -> int:
         """Return the number of points of a scan."""
@@ -129,6 +134,18 @@ class ScanStore:
         """Return the distance of a scan's farthest point from the base, metres; 0 for a scan without points."""
         points = self._rows.points[scan][self._rows.kind[scan] != NO_POINT]
         return float(np.sqrt((points.astype(np.float64) ** 2).sum(axis=-1).max())) if len(points) else 0.0
+
+
+def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
+    """Return the points and normals of some scans of a log, of whichever of its sensors, in the order of ``scans``.
+
+    Raises as :class:`ScanStore`.
+    """
+    store = ScanStore(sensors_of(log), np.inf, log.n_beams)
+    sensor = sensor_of_scan(log)
+    for scan in scans:
+        store.append(log.ranges[scan], int(sensor[scan]))
+    return scan_rows(store.arrays, 0, len(scans))
 
 
 def _doubled(old: NDArray[Kind]) -> NDArray[Kind]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, compose_one, inverse, wrap_angle
+from mapper.sensors.joint_log import sensor_of_scan, sensors_of
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
@@ -25,14 +26,13 @@ from mapper.slam.odometry import (
     motions,
     next_scan,
     odometry_name,
-    sensor_of_scan,
     sweep_velocities,
     velocities_along,
 )
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
-from mapper.slam.scan_store import ScanStore, sensors_of
+from mapper.slam.scan_store import ScanStore
 
 Float64Array = NDArray[np.float64]
 
@@ -87,20 +87,21 @@ class Slam:
         sensor: int = 0,
         seconds: float | None = None,
         velocity: Float64Array | None = None,
+        mount: Float64Array | None = None,
     ) -> bool:
         """Add a scan (n_beams,) of a sensor of the log; return whether a loop closed and moved earlier poses.
 
         ``motion`` (3,) is the odometry's since the scan before, None without odometry, and ``seconds`` the time since
         then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
         while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
-        log states the time between beams.
+        log states the time between beams. ``mount`` (3,) is ``T_base_laser`` of a sensor that moves on it.
         """
         n = len(self)
         if n == len(self._poses):
             for name in ("_poses", "_way", "_relative", "_information"):
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
-        step = self.front_end.add(ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity)
+        step = self.front_end.add(ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity, mount=mount)
         self.n_unaligned += not step.is_aligned
         if n == 0:
             if start is not None:
@@ -183,7 +184,7 @@ def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_senso
     if result.odometry is not None and store.can_deskew:
         velocities = sweep_velocities(log, result.odometry)[nodes]
     for scan, velocity in zip(nodes.tolist(), velocities, strict=True):
-        store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity)
+        store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity, log.mount_of(scan))
 
 
 def slam_log(
@@ -239,7 +240,7 @@ def slam_log(
         matched.append(scan)
         moved_poses = slam.add_scan(
             log.ranges[scan], motion, start, sensor=int(sensor[scan]), seconds=passed if is_known else None,
-            velocity=velocity,
+            velocity=velocity, mount=log.mount_of(scan),
         )  # fmt: skip
         if progress is not None and (moved_poses or len(matched) % EVERY == 1):
             stage = "loop closure" if moved_poses else "front end"

@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mapper
-from mapper.costmap import DecayConfig, DecayLayer, Footprint, InflationConfig, Observation, ObstacleConfig
+from mapper.costmap import DecayConfig, InflationConfig, Observation, ObstacleConfig, VoxelConfig
 from mapper.costmap.build import DEFAULT, build_costmap
 from mapper.costmap.inflation import inflate, squared_distances
-from mapper.costmap.layers import Robot
 from mapper.costmap.nav2_parameters import NamedLayer
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
@@ -46,6 +45,9 @@ from mapper.simulation.kernels.raycast import arc_clearance
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
+from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, distance_to_obstacle, octree_file, project
+from mapper.volume.kernels.blocks import block_code, slot_of
+from mapper.volume.octree_files import octree_of_bytes
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
@@ -90,6 +92,7 @@ def precompile() -> None:
     _plan(grid.geometry)
     _match(replay.log)
     _close_a_loop(replay.log)
+    _map_in_3d()
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
@@ -108,18 +111,21 @@ def _localize(log: ScanLog, grid: OccupancyGrid) -> None:
 
 def _plan(geometry: GridGeometry) -> None:
     """Lay the layers of a costmap over an empty map with one observation, and plan by each algorithm."""
-    layers = (*DEFAULT.layers[:1], NamedLayer("obstacle_layer", ObstacleConfig()), *DEFAULT.layers[1:])
+    seen_by = (
+        NamedLayer("obstacle_layer", ObstacleConfig()),
+        NamedLayer("voxel_layer", VoxelConfig()),
+        NamedLayer("dynamic_layer", DecayConfig()),
+    )
+    layers = (*DEFAULT.layers[:1], *seen_by, *DEFAULT.layers[1:])
     values = np.zeros(geometry.shape, dtype=np.int8)
     built = build_costmap(geometry, values, replace(DEFAULT, layers=layers))
     middle = geometry.cell_to_world((geometry.rows // 2, geometry.cols // 2))
     seen = Observation(np.array([*middle, 0.3]), np.array([[*middle + 1.0, 0.3]]))
-    fading = DecayLayer(geometry, DecayConfig(), DEFAULT.general)
-    built.obstacles[0].observe(seen)
-    fading.observe(seen)
+    for layer in built.obstacles:
+        layer.observe(seen)
     corners = middle + np.array([[0.5, 0.0], [1.0, 0.0], [1.0, 0.5]])
     built.keepout.paint(corners, 100)
     built.costmap.update(0.0, (float(middle[0]), float(middle[1]), 0.0))
-    fading.changed(0.0, Robot((float(middle[0]), float(middle[1]), 0.0), Footprint.circle(0.2)))
     far = InflationConfig(inflation_radius=200 * geometry.resolution)  # distances of 32 bits
     inflate(built.costmap.costs, far, geometry.resolution, 0.1, np.empty_like(built.costmap.costs))
     squared_distances(built.costmap.costs, 1)
@@ -155,6 +161,19 @@ def _close_a_loop(log: ScanLog) -> None:
     count_common(scans, 0, poses[0], one, poses[:1], 0.1, 1, three[:1])
     ways_from(0, np.arange(2.0), one, one + 1, np.zeros(2))
     least_of_ranges(np.zeros(2), one, one + 1, one.copy())
+
+
+def _map_in_3d() -> None:
+    """Map one beam as voxels, ask the map, and write and read its octree."""
+    volume = OccupancyVolume(VolumeConfig(half_life=10.0))
+    volume.insert_scan(np.ones((1, 3)), np.zeros(3))
+    volume.decay(1.0)
+    cast(volume, np.zeros((1, 3)), np.ones((1, 3)))
+    distance_to_obstacle(volume, np.zeros((1, 3)), 1.0)
+    project(volume)
+    slot_of(volume.blocks.table, block_code(0, 0, 0))
+    for kind in (".bt", ".ot"):
+        octree_of_bytes(octree_file(Octree.of(volume), kind, volume.config).bytes(), kind).tree.volume(volume.config)
 
 
 def kernels() -> dict[str, bool]:

@@ -21,29 +21,39 @@ def costmap(
     node: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which costmap of the file: global_costmap or local_costmap.")
     ] = None,
+    mcap: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.mcap", help="Also write nav2_msgs/Costmap and nav_msgs/OccupancyGrid messages."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Lay Nav2's costmap layers over a map: static layer, inflation, and the robot's footprint."""
     import numpy as np  # noqa: PLC0415 - start-up
 
-    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.build import DEFAULT, build_costmap, load_masks  # noqa: PLC0415 - start-up
     from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
-    from mapper.costmap.files import save_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.files import save_costmap, save_costmap_mcap  # noqa: PLC0415 - start-up
     from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
 
-    parameters = DEFAULT
+    parameters, masks = DEFAULT, {}
     if params is not None:
         with refusing(params):
             parameters = parse_nav2_costmap(read_parameter_file(params), node)
+        with refusing(params):
+            masks = load_masks(parameters, params.parent)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
-        built = build_costmap(loaded.grid.geometry, loaded.values, parameters)
+        built = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks)
         built.costmap.update()
     costs = built.costmap.costs
     with refusing(out):
         yaml_path, image_path = save_costmap(costs, loaded.grid.geometry, out, loaded.description.frame)
+        files = [image_path, yaml_path]
+        if mcap is not None:
+            save_costmap_mcap(costs, loaded.grid.geometry, mcap, loaded.description.frame)
+            files.append(mcap)
     counts = np.bincount(costs.ravel(), minlength=256)
     outline = built.costmap.footprint
     facts: dict[str, Any] = {
@@ -58,8 +68,9 @@ def costmap(
         "free": int(counts[0]),
         "no_information": int(counts[NO_INFORMATION]),
         "without_effect": list(parameters.unused),
-        "filters": list(parameters.filters),
-        "files": [str(image_path), str(yaml_path)],
+        "filters": [one.name for one in parameters.filters],
+        "without_mask": list(built.unmasked),
+        "files": [str(path) for path in files],
     }
     if as_json:
         print_json(facts)
@@ -73,7 +84,7 @@ def costmap(
         f"  {facts['lethal']} lethal, {facts['inscribed']} inscribed, {facts['inflated']} inflated, "
         f"{facts['free']} free, {facts['no_information']} no information"
     )
-    if facts["filters"]:
-        typer.echo(f"  filters without a mask: {', '.join(facts['filters'])}")
+    if built.unmasked:
+        typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
     for path in facts["files"]:
         typer.echo(f"  wrote {path}")

@@ -57,7 +57,7 @@ class PriorMap:
             fail(
                 f"{self.path}: The prior map is in frame {self.frame!r:.80}, but the poses of trajectory {name!r:.80} "
                 f"are in frame {frame!r:.80}. {self._remedy(log, frame)} "
-                "To find the robot in the map, run 'gridbloom localize'."
+                f"To find the robot in the map, run 'gridbloom localize LOG --map {self.path} --out poses.tum'."
             )
         if frame.startswith("odom"):
             note = f"The frame {frame!r} starts anew with each run; the prior map must come from the run of this log."

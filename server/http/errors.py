@@ -58,6 +58,8 @@ _STATUS_OF_CODE = {
     "link.too_many": 409,
     "note.pin": 422,
     "note.too_many": 409,
+    "localization.busy": 503,
+    "localization.too_many": 429,
     "log.gone": 410,
     "graph.none": 404,
     "log.stalled": 408,

@@ -32,7 +32,10 @@ YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
 BODY_S = 30.0  #: seconds within which it must arrive
 #: PUT here limits its body itself while it arrives.
-UPLOADS = re.compile(r"/api/logs|/api/(logs|sessions)/[^/]+/trajectories/[^/]+|/api/sessions/[^/]+/relations")
+UPLOADS = re.compile(
+    r"/api/logs|/api/(logs|sessions)/[^/]+/trajectories/[^/]+"
+    r"|/api/sessions/[^/]+/(relations|localization/map-files)"
+)
 
 CSP = (
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'; "

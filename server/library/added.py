@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from mapper.core.errors import MapperError
 
-TrajectorySource = Literal["tum", "slam"]
+TrajectorySource = Literal["tum", "slam", "localized"]
 
 
 class TrajectoryNotFoundError(MapperError):
@@ -18,8 +18,8 @@ class TrajectoryNotFoundError(MapperError):
 class Added:
     """One trajectory beside a log, seen by its ``owner`` only and by guests of the owner's links.
 
-    ``source`` says where it comes from: an uploaded TUM file, or the service's own SLAM. ``bytes`` are those of its
-    files, ``poses`` the number of poses in them, ``length_m`` the length of the path, metres.
+    ``source`` says where it comes from: an uploaded TUM file, or the service's own SLAM or localization. ``bytes`` are
+    those of its files, ``poses`` the number of poses in them, ``length_m`` the length of the path, metres.
     """
 
     id: str

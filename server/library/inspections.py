@@ -53,6 +53,7 @@ def _inspect(job: InspectJob) -> None:
 class _Running:
     task: asyncio.Task[None]
     timer: asyncio.TimerHandle
+    visitor: str  #: who began it
 
 
 class Inspections:
@@ -93,11 +94,22 @@ class Inspections:
         running.timer = self._timer(running.task)
         return self._worker.progress if self._inspected == record.id else 0.0
 
+    def cancel(self, log_id: str, visitor: str) -> None:
+        """End the inspection of a log that ``visitor`` began, if it is under way; the next request begins it anew.
+
+        Another visitor's goes on: it ends when nobody asks any more.
+        """
+        running = self._running.get(log_id)
+        if running is not None and running.visitor == visitor:
+            del self._running[log_id]
+            running.timer.cancel()
+            running.task.cancel()
+
     def _begin(self, record: Record, visitor: str) -> float:
         if record.id not in self._running:
             task = asyncio.create_task(self._inspect(record, visitor))
             task.add_done_callback(lambda done: done.cancelled() or done.exception())
-            self._running[record.id] = _Running(task, self._timer(task))
+            self._running[record.id] = _Running(task, self._timer(task), visitor)
         return 0.0
 
     def _timer(self, task: asyncio.Task[None]) -> asyncio.TimerHandle:

@@ -24,7 +24,6 @@ from server.library.jobs import Jobs
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
 from server.library.log_reader import Reader
-from server.library.merge_jobs import MergeJobs
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.old_pictures import OldPictures
 from server.library.records import Failure, Record
@@ -40,7 +39,9 @@ from server.library.workers import worker_at
 from server.settings import Settings
 
 if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream
     from server.library.added import Added
+    from server.library.given_map import GivenMap
 
 
 class LogNotFoundError(MapperError):
@@ -78,10 +79,14 @@ class Library:
 
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
+        from server.library.given_maps import GivenMaps  # noqa: PLC0415
         from server.library.links import Links  # noqa: PLC0415
+        from server.library.localize_jobs import LocalizationKind  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
+        from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
-        from server.library.slam_jobs import SlamJobs  # noqa: PLC0415
+        from server.library.pose_jobs import PoseJobs  # noqa: PLC0415
+        from server.library.slam_jobs import SlamKind  # noqa: PLC0415
         from server.library.tags import Tags  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
 
@@ -115,8 +120,17 @@ class Library:
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
         places = Places(self._limits, max_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
-        self.slam = SlamJobs(self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam")
-        self.merges = MergeJobs(self, lambda: worker_at(settings.executor, memory, scratch), scratch)
+        self.slam = PoseJobs(
+            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam", SlamKind()
+        )
+        self.maps = GivenMaps(self, lambda: worker_at(settings.executor, memory, scratch), root / "maps", self._room)
+        self.localization = PoseJobs(
+            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "localization",
+            LocalizationKind(self.maps),
+        )  # fmt: skip
+        self.merges = MergeJobs(
+            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "merges"
+        )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,
@@ -154,6 +168,8 @@ class Library:
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
         await self.slam.start()
+        await self.merges.start()
+        await self.localization.start()
         self._folder.begin_survey()
         self._old_pictures.begin()
 
@@ -162,6 +178,8 @@ class Library:
         await self._folder.close()
         await self._old_pictures.close()
         await self.slam.close()
+        await self.localization.close()
+        await self.maps.close()
         await self.merges.close()
         await self._jobs.close()
         await self._intake.close()
@@ -180,12 +198,17 @@ class Library:
     async def _forgotten(self, log_id: str) -> None:
         """Remove what was added to a log that was deleted."""
         await self.slam.forget_log(log_id)
+        await self.merges.forget_log(log_id)
+        await self.localization.forget_log(log_id)
+        self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        return self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes
+        return (
+            self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes - self.maps.total_bytes
+        )
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
@@ -336,6 +359,10 @@ class Library:
         log = await self._loading.load(owner, log_id, topic, cut)
         return await self.trajectories.joined(owner, log_id, log)
 
+    async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
+        """Return the costmaps of a recording that has no scans, by topic; None for any other log. As :meth:`load`."""
+        return await self._loading.costmaps(owner, log_id)
+
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
         return self._loading.opening(log_id)
@@ -348,6 +375,13 @@ class Library:
         """
         record = self.get(owner, log_id)
         return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
+
+    def stop_inspecting(self, owner: str, log_id: str, visitor: str) -> None:
+        """End what :meth:`contents` has begun for ``visitor`` of a log of ``owner``.
+
+        Raises :class:`LogNotFoundError`.
+        """
+        self._inspections.cancel(self.get(owner, log_id).id, visitor)
 
     async def add_trajectory(
         self, owner: str, log_id: str, name: str, chunks: AsyncIterator[bytes], *, address: str = ""
@@ -362,6 +396,13 @@ class Library:
         async with self._slots.take(owner, address) as slot:
             text = await text_of(slot.read(chunks))
         return await self.trajectories.put(owner, self.get(owner, log_id), log, NewTrajectory(name, text))
+
+    async def choose_map(
+        self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
+    ) -> GivenMap:
+        """Choose the map in uploaded files to localize a log in. Raises as :meth:`GivenMaps.of_files`."""
+        async with self._slots.take(owner, address) as slot:
+            return await self.maps.of_files(owner, log_id, title, slot.read(chunks))
 
     async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""

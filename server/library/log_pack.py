@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
@@ -112,6 +113,13 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
         if not found:
             raise NotPackedError(topic)
         return _log_of(found[0], about["topics"], load)
+
+
+def read_whole_pack(path: Path) -> ScanLog:
+    """Return all sensors of a packed log, in the pack's order, as one log. Raises :class:`StalePackError`."""
+    with _opened(path) as (about, load):
+        logs = [_log_of(one, about["topics"], load) for one in about["sensors"]]
+    return logs[0] if len(logs) == 1 else JointLog.of(logs)
 
 
 def read_transforms(path: Path) -> tuple[TransformEdge, ...]:

@@ -6,15 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mapper.core.errors import LimitError, ReadError
-from mapper.sensors.scan import ScanLog
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import LimitError
+from mapper.sensors.joint_log import JointLog
 from server.library import job as jobs
-from server.library.log_pack import StalePackError, read_pack
-from server.library.slam_job import lower_priority
+from server.library.slam_job import log_in, lower_priority
 
 DOING = "Merging these logs"  #: in errors
 NAME = "merged"  #: of the trajectories
 ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
+LOG, STAGE = ".mcap", ".stage"  #: the scans of both as one log; what is done now
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +41,18 @@ class MergeJob:
 
 @dataclass(frozen=True, slots=True)
 class MergeOutcome:
-    """How two logs were merged: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match."""
+    """How two logs were merged: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match.
+
+    ``topic`` names the sensors of the log of both, None where they are one. ``note`` says whether the clock of one log
+    was set there; it is empty where it was not.
+    """
 
     loops: int
     tried: int
     score: float
     cpu_s: float
+    topic: str | None = None
+    note: str = ""
 
 
 def do_merge_job(job: MergeJob) -> MergeOutcome:
@@ -55,25 +62,33 @@ def do_merge_job(job: MergeJob) -> MergeOutcome:
 
 
 def _merge(job: MergeJob) -> MergeOutcome:
-    from mapper.io.export import tum_text  # noqa: PLC0415 - only this process needs SciPy and SLAM
+    from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - only this process needs SciPy and SLAM
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
-    from mapper.slam import MergeProgress, merge_logs  # noqa: PLC0415
+    from mapper.slam import MergeProgress, merge_logs, merged_log  # noqa: PLC0415
+
+    def begin(stage: str) -> None:
+        with atomic_write(Path(job.out + STAGE)) as file:
+            file.write(stage.encode())
+
+    newest = ""
 
     def report(progress: MergeProgress) -> bool:
-        jobs.note_progress(progress.fraction)
+        nonlocal newest
+        jobs.note_progress(0.97 * progress.fraction)
+        if progress.stage != newest:
+            newest = progress.stage
+            begin(newest)
         return True
 
-    logs = _read(job.first), _read(job.second)
+    logs = log_in(job.first), log_in(job.second)
     found = merge_logs(*logs, progress=report)
     for log, poses, ending in zip(logs, found.poses, ENDINGS, strict=True):
         one = replace(log, trajectories={**log.trajectories, NAME: Trajectory(poses)})
         Path(job.out + ending).write_text(tum_text(one, NAME), encoding="ascii")
+    begin("writing")
+    both, note = merged_log(logs, found.poses)
+    with Path(job.out + LOG).open("wb") as mcap:
+        write_mcap(mcap, both, trajectory=NAME)
     jobs.note_progress(1.0)
-    return MergeOutcome(len(found.loops), found.n_tried, found.score, found.cpu_seconds)
-
-
-def _read(pack: str) -> ScanLog:
-    try:
-        return read_pack(Path(pack))
-    except StalePackError:
-        raise ReadError("log.gone", "What was read of this log is no longer there.") from None
+    topic = both.topic if isinstance(both, JointLog) else None
+    return MergeOutcome(len(found.loops), found.n_tried, found.score, found.cpu_seconds, topic, note)

@@ -1,62 +1,89 @@
-"""Jobs that bring two logs of one place into one frame: one at a time, visitors in rotation.
+"""Jobs that bring two logs of one place into one frame: one at a time, owners in rotation, each kept until it is done.
 
-What a job has made is a trajectory of each of the two logs. A job ends with the service; it is not begun again.
+What a job has made is a trajectory of each of the two logs, and one more log with the scans of both. A job that the end
+of the service interrupts is begun again at the next start. All methods run on the event loop.
 """
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import secrets
 import shutil
 import time
-from collections.abc import Callable
-from concurrent.futures import BrokenExecutor
-from dataclasses import asdict, dataclass, field
+from collections.abc import AsyncIterator, Callable
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import structlog
 
-from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
+from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.sensors.scan import ScanLog
-from server.library.merge_job import ENDINGS, NAME, MergeJob, MergeOutcome
-from server.library.slam_job import check_one_sensor
-from server.library.slam_jobs import Logs, SlamLimits, packed
-from server.library.storage import private_folder
+from server.library.database import Database
+from server.library.following import followed
+from server.library.merge_job import ENDINGS, LOG, NAME, STAGE, MergeJob
+from server.library.merge_record import MergeRecord, load_merge_records, put_merge_record
+from server.library.pose_jobs import MOST_ATTEMPTS, JobLimits, Logs, emptied, packed
+from server.library.records import Failure, Record
+from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory
-from server.library.workers import GRACE_S, Worker
+from server.library.workers import Worker
 from server.work.fair_lock import FairLock
 
 MOST_OF_OWNER = 1  #: unfinished jobs of one visitor
 MOST = 20  #: of all visitors
-LOOK_S = 0.2  #: how often the service looks whether a job takes too long
+PIECE = 1 << 20  #: bytes of the merged log that are stored at once
 
 _log = structlog.get_logger(__name__)
 
 
-@dataclass(slots=True)
-class _Merge:
-    """The newest job of a visitor on a log."""
+class Uploads(Logs, Protocol):
+    """What the jobs need of the library."""
 
-    other: str
-    began: float = field(default_factory=time.monotonic)
-    state: str = "queued"
-    error: dict[str, str] | None = None
-    result: dict[str, Any] | None = None
-    task: asyncio.Task[None] | None = None
+    async def put(self, owner: str, name: str, chunks: AsyncIterator[bytes]) -> Record:
+        """Store a log."""
+
+
+@dataclass(slots=True, eq=False)
+class _Running:
+    """A job while it is queued or runs; ``done`` are called when it has ended."""
+
+    task: asyncio.Task[None]
+    done: list[Callable[[], None]]
+    began: float
+    stage: str | None = None
 
 
 class MergeJobs:
-    """All jobs; ``folder`` is one for their files that worker processes see. Used from the event loop only."""
+    """All jobs; ``folder`` is one for their files that worker processes see."""
 
-    def __init__(self, logs: Logs, worker: Callable[[], Worker], folder: Path) -> None:
-        self._logs, self._make_worker, self._folder = logs, worker, folder
+    def __init__(self, database: Database, logs: Uploads, worker: Callable[[], Worker], folder: Path) -> None:
+        self._database, self._logs, self._make_worker, self._folder = database, logs, worker, folder
         self._worker: Worker | None = None
-        self._limits = SlamLimits()
-        self._merges: dict[tuple[str, str], _Merge] = {}  #: by owner and first log
+        self._limits = JobLimits()
+        self._records: dict[tuple[str, str], MergeRecord] = {}  #: by owner and first log
+        self._running: dict[tuple[str, str], _Running] = {}
         self._turns = FairLock()
+        self._closing = False
 
-    def begin(
+    async def start(self) -> None:
+        """Load the records, and begin again what an earlier run of the service did not finish.
+
+        Raises :class:`StorageError`.
+        """
+        await asyncio.to_thread(emptied, self._folder)
+        for record in await self._database.run(load_merge_records):
+            self._records[record.owner, record.log_id] = record
+            if not record.is_unfinished:
+                continue
+            if record.attempts < MOST_ATTEMPTS:
+                self._queue(replace(record, state="queued"))
+            else:
+                message = f"The service ended {record.attempts} times during this job; it is not begun again by itself."
+                self._save(replace(record, state="failed", error=Failure("merge.interrupted", message)))
+
+    async def begin(
         self,
         owner: str,
         first: tuple[str, str | None],
@@ -66,78 +93,94 @@ class MergeJobs:
         """Queue a merge of two logs, each with the topic of its sensor, and return its state.
 
         ``done`` is called when it has ended. Raises :class:`LimitError` for one job too many, :class:`ConfigError` for
-        a log with itself, and as the library for logs that the owner may not open.
+        a log with itself, :class:`StorageError`, and as the library for logs that the owner may not open.
         """
-        for log_id, _ in (first, second):
-            self._logs.get(owner, log_id)
+        log = self._logs.get(owner, first[0])
+        self._logs.get(owner, second[0])
         if first[0] == second[0]:
             raise ConfigError("merge.same", "These are one log: choose another one to merge it with.")
-        running = [key for key, one in self._merges.items() if one.task is not None]
-        if sum(key[0] == owner for key in running) >= MOST_OF_OWNER:
+        if sum(one == owner for one, _ in self._running) >= MOST_OF_OWNER:
             raise LimitError("merge.too_many", "You have a merge under way: wait, or cancel it.")
-        if len(running) >= MOST:
+        if len(self._running) >= MOST:
             raise LimitError("merge.busy", "Too many merges are under way; try again later.")
-        merge = self._merges[owner, first[0]] = _Merge(second[0])
-        merge.task = asyncio.create_task(self._run(owner, first, second, merge, done))
+        record = MergeRecord(first[0], owner, first[1], second[0], second[1], "queued", time.time())
+        self._queue(record).done.append(done)
+        try:
+            await self._database.run(lambda connection: put_merge_record(connection, log, record))
+        except StorageError:
+            await self.cancel(owner, first[0])
+            raise
         return self.state(owner, first[0])
 
     def state(self, owner: str, log_id: str) -> dict[str, Any]:
         """Return what the HTTP interface shows of the newest merge of a log; state "none": there was none."""
         self._logs.get(owner, log_id)
-        merge = self._merges.get((owner, log_id))
-        if merge is None:
-            return {"state": "none", "other": None, "fraction": 0.0, "elapsed_s": None, "error": None, "result": None}
-        is_running = merge.state == "running" and self._worker is not None
-        return {
-            "state": merge.state,
-            "other": merge.other,
-            "fraction": round(self._worker.progress, 4) if is_running and self._worker is not None else 0.0,
-            "elapsed_s": None if merge.task is None else round(time.monotonic() - merge.began, 1),
-            "error": merge.error,
-            "result": merge.result,
+        record = self._records.get((owner, log_id)) or MergeRecord(log_id, owner, None, "", None, "none", 0.0)
+        running = self._running.get((owner, log_id))
+        worker = self._worker if record.state == "running" else None
+        return record.public() | {
+            "fraction": 0.0 if worker is None else round(worker.progress, 4),
+            "stage": None if running is None else running.stage,
+            "elapsed_s": None if running is None else round(time.monotonic() - running.began, 1),
         }
 
     async def cancel(self, owner: str, log_id: str) -> dict[str, Any]:
         """Stop a merge, if it is queued or running; return its state."""
-        merge = self._merges.get((owner, log_id))
-        if merge is not None and merge.task is not None:
-            merge.task.cancel()
-            await asyncio.wait([merge.task])
+        running = self._running.get((owner, log_id))
+        if running is not None:
+            running.task.cancel()
+            await asyncio.wait([running.task])
         return self.state(owner, log_id)
 
-    async def _run(
-        self,
-        owner: str,
-        first: tuple[str, str | None],
-        second: tuple[str, str | None],
-        merge: _Merge,
-        done: Callable[[], None],
-    ) -> None:
+    async def forget_log(self, log_id: str) -> None:
+        """Stop the jobs of a log that was deleted, as first or as second log, and forget those that it was first of."""
+        for key, record in [*self._records.items()]:
+            running = self._running.get(key)
+            if key[1] == log_id:
+                del self._records[key]
+            if running is not None and log_id in (record.log_id, record.other):
+                running.task.cancel()
+                await asyncio.wait([running.task])
+
+    def _queue(self, record: MergeRecord) -> _Running:
+        key = (record.owner, record.log_id)
+        self._records[key] = record
+        task = asyncio.create_task(self._run(record), name="merge")
+        self._running[key] = running = _Running(task, [], time.monotonic())
+        return running
+
+    async def _run(self, record: MergeRecord) -> None:
+        key = (record.owner, record.log_id)
+        done = record
         try:
-            async with self._turns.of(owner):
-                merge.state = "running"
-                merge.result = await self._merged(owner, first, second)
-            merge.state = "done"
+            async with self._turns.of(record.owner):
+                done = record = replace(record, state="running", attempts=record.attempts + 1)
+                self._save(record)
+                result = await self._merged(record, self._running[key])
+            done = replace(record, state="done", result=result, attempts=0)
         except MapperError as error:
-            merge.state, merge.error = "failed", {"code": error.code, "message": error.message}
+            done = replace(record, state="failed", error=Failure(error.code, error.message), attempts=0)
         except asyncio.CancelledError:
-            merge.state = "cancelled"
+            if not self._closing:  # else it is begun again at the next start
+                done = replace(record, state="cancelled", attempts=0)
             raise
         except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this job alone
-            merge.state, merge.error = "failed", {"code": "merge.failed", "message": "Merging these logs failed."}
+            failure = Failure("merge.failed", "Merging these logs failed.")
+            done = replace(record, state="failed", error=failure, attempts=0)
             _log.exception("merge failed")
         finally:
-            merge.task = None
-            done()
+            running = self._running.pop(key)
+            if key in self._records and done is not record:  # not deleted meanwhile
+                self._save(done)
+            for tell in running.done:
+                tell()
 
-    async def _merged(
-        self, owner: str, first: tuple[str, str | None], second: tuple[str, str | None]
-    ) -> dict[str, Any]:
-        """Run the job, add a trajectory to each log, and return what is shown of the result."""
+    async def _merged(self, record: MergeRecord, running: _Running) -> dict[str, Any]:
+        """Run the job, add a trajectory to each log and a log of both, and return what is shown of the result."""
+        owner, ids = record.owner, (record.log_id, record.other)
         logs: list[ScanLog] = []
-        for log_id, topic in (first, second):
+        for log_id, topic in zip(ids, (record.topic, record.other_topic), strict=True):
             logs.append(await self._logs.load(owner, log_id, topic))
-            check_one_sensor(logs[-1])
         folder = self._folder / secrets.token_hex(10)
         await asyncio.to_thread(private_folder, folder)
         try:
@@ -146,43 +189,55 @@ class MergeJobs:
                 await asyncio.to_thread(packed, log, pack)
             out, limits = folder / "merged", self._limits
             job = MergeJob(str(packs[0]), str(packs[1]), str(out), limits.timeout_s, limits.cpu_s, limits.memory_bytes)
-            outcome = await self._followed(job)
+            worker = self._worker = self._worker or self._make_worker()
+
+            async def look() -> None:
+                running.stage = await asyncio.to_thread(_text_of, out.with_name(out.name + STAGE))
+
+            outcome = await followed(worker, job, look, "merge.died")
             texts = [await asyncio.to_thread(out.with_name(out.name + ending).read_bytes) for ending in ENDINGS]
+            names = [self._logs.get(owner, log_id).name for log_id in ids]
+            for log_id, log, text, other in zip(ids, logs, texts, reversed(names), strict=True):
+                said = f"poses in one frame with those of {other}, with {outcome.loops} loops between the two logs"
+                new = NewTrajectory(NAME, text, "slam", said)
+                await self._logs.trajectories.put(owner, self._logs.get(owner, log_id), log, new)
+            both = await self._logs.put(owner, _name_of_both(names), _pieces(out.with_name(out.name + LOG)))
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
-        ids = first[0], second[0]
-        for at, (log_id, log, text) in enumerate(zip(ids, logs, texts, strict=True)):
-            name = self._logs.get(owner, ids[1 - at]).name
-            said = f"poses in one frame with those of {name}, with {outcome.loops} loops between the two logs"
-            new = NewTrajectory(NAME, text, "slam", said)
-            await self._logs.trajectories.put(owner, self._logs.get(owner, log_id), log, new)
-        return {"trajectory": NAME, **asdict(outcome)}
+        return {"trajectory": NAME, "log": both.id, "name": both.name, **asdict(outcome)}
 
-    async def _followed(self, job: MergeJob) -> MergeOutcome:
-        """Wait for the job in its process."""
-        worker = self._worker = self._worker or self._make_worker()
-        try:
-            done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
-            deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
-            while not done.done():
-                await asyncio.wait([done], timeout=LOOK_S)
-                if time.monotonic() > deadline:
-                    worker.end()
-                    raise job.time_error()
-            return done.result()
-        except BrokenExecutor:
-            worker.end()
-            message = "The process of this job was ended, most likely because the logs need too much memory."
-            raise ReadError("merge.died", message) from None
-        except asyncio.CancelledError:
-            worker.end()
-            raise
+    def _save(self, record: MergeRecord) -> None:
+        """Store a changed record; if it cannot be written, it is valid until the next start."""
+        self._records[record.owner, record.log_id] = record
+        with contextlib.suppress(MapperError):  # the log is gone
+            log = self._logs.get(record.owner, record.log_id)
+            written = self._database.run(lambda connection: put_merge_record(connection, log, record))
+            written.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
 
     async def close(self) -> None:
-        """End what runs, and the process."""
-        tasks = [one.task for one in self._merges.values() if one.task is not None]
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        """End the running job, which the next start begins again, and the process."""
+        self._closing = True
+        for running in [*self._running.values()]:
+            running.task.cancel()
+        await asyncio.gather(*(one.task for one in self._running.values()), return_exceptions=True)
         if self._worker is not None:
             await asyncio.to_thread(self._worker.close)
+
+
+def _name_of_both(names: list[str]) -> str:
+    """Return the name of the log of both, with at most 60 characters of each."""
+    first, second = (name.split(".", 1)[0][:60] or "log" for name in names)
+    return f"{first} and {second}, merged.mcap"
+
+
+async def _pieces(path: Path) -> AsyncIterator[bytes]:
+    with await asyncio.to_thread(path.open, "rb") as file:
+        while piece := await asyncio.to_thread(file.read, PIECE):
+            yield piece
+
+
+def _text_of(path: Path) -> str | None:
+    try:
+        return path.read_text(encoding="ascii")
+    except OSError:
+        return None

@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, LimitError, ReadError
-from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
-from server.library.log_pack import StalePackError, read_pack
+from server.library.log_pack import StalePackError, read_whole_pack
 
 if TYPE_CHECKING:
     from mapper.slam import SlamProgress
@@ -98,10 +97,7 @@ def _slam(job: SlamJob) -> SlamOutcome:
     from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
     from server.library.graph_file import graph_bytes  # noqa: PLC0415
 
-    try:
-        log = read_pack(Path(job.pack))
-    except StalePackError:
-        raise ReadError("log.gone", "What was read of this log is no longer there.") from None
+    log = log_in(job.pack)
     if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     config = SlamConfig().with_values(job.parameters)
@@ -114,6 +110,14 @@ def _slam(job: SlamJob) -> SlamOutcome:
     jobs.note_progress(1.0)
     nodes = len(result.graph.nodes)
     return SlamOutcome(result.odometry, result.graph.n_loops, nodes, result.cpu_seconds, sharpness, result.notes)
+
+
+def log_in(pack: str) -> ScanLog:
+    """Return the log of a job, all sensors that it is to use as one. Raises :class:`ReadError` where it is gone."""
+    try:
+        return read_whole_pack(Path(pack))
+    except StalePackError:
+        raise ReadError("log.gone", "What was read of this log is no longer there.") from None
 
 
 class _Reporter:
@@ -152,13 +156,3 @@ def lower_priority() -> None:
         wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
         with contextlib.suppress(OSError):
             os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))
-
-
-def check_one_sensor(log: ScanLog) -> None:
-    """Raise :class:`ConfigError` for several sensors in one log."""
-    if isinstance(log, JointLog):
-        raise ConfigError(
-            "slam.sensors",
-            "Poses are healed by the scans of one sensor: open one of them by itself and heal it there; all sensors of "
-            "the log can then be mapped with the healed poses.",
-        )

@@ -96,21 +96,45 @@ notes = Table(
     Index("notes_by_log_id", "log_id"),
 )
 
-#: One row for the newest SLAM job of each visitor on a log, and what came of it. It goes with its log.
-slam_jobs = Table(
-    "slam_jobs",
+
+def _job_table(name: str) -> Table:
+    """Return a table of jobs: a row for the newest one of each visitor on a log, which goes with its log."""
+    return Table(
+        name,
+        metadata,
+        Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
+        Column("owner", String(64), primary_key=True),
+        Column("topic", Text),
+        Column("trajectory", Text),
+        Column("state", String(16), nullable=False),
+        Column("created_s", Double, nullable=False),
+        Column("attempts", Integer, nullable=False),
+        Column("error_code", String(64)),
+        Column("error_message", Text),
+        Column("result", Text),  # JSON
+        Column("parameters", Text),  # JSON, what the job was begun with
+        Column("cut", Text),  # JSON, how its scans are cut out of clouds; empty: as by default
+    )
+
+
+slam_jobs = _job_table("slam_jobs")
+localization_jobs = _job_table("localization_jobs")
+
+#: One row for the newest merge of each visitor of a log with another one, and what came of it. It goes with its log.
+merge_jobs = Table(
+    "merge_jobs",
     metadata,
     Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
     Column("owner", String(64), primary_key=True),
     Column("topic", Text),
-    Column("trajectory", Text),
+    Column("other", String(64), nullable=False),
+    Column("other_topic", Text),
     Column("state", String(16), nullable=False),
     Column("created_s", Double, nullable=False),
     Column("attempts", Integer, nullable=False),
     Column("error_code", String(64)),
     Column("error_message", Text),
     Column("result", Text),  # JSON
-    Column("parameters", Text),  # JSON, those that differ from the first values
 )
 
 #: One row: what tells the store of logs that the records belong to from every other.

@@ -34,6 +34,7 @@ from server.library.storage import StorageError
 from server.work.fair_lock import FairLock
 
 FILES = "trajectories"  #: the folder of the store
+TUM, GRAPH, COURSE = "tum", "graph", "course"  #: endings of its files
 MAX_NAME = 80  #: characters of a name
 MAX_OF_LOG = 20  #: trajectories that one visitor may add to a log
 MAX_OF_OWNER = 200  #: and to all logs together
@@ -46,13 +47,23 @@ _log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class NewTrajectory:
-    """A trajectory to be added: its TUM ``text``, and the file of the pose graph if it was computed with one."""
+    """A trajectory to be added: its TUM ``text``, and the files of what it was computed with.
+
+    These are the pose ``graph`` of SLAM, or the ``course`` of localization (:mod:`server.library.course_file`).
+    """
 
     name: str
     text: bytes
     source: TrajectorySource = "tum"
     description: str = "the poses of an uploaded TUM file"
     graph: bytes | None = None
+    course: bytes | None = None
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """The files beside the TUM file, by their endings."""
+        both = {GRAPH: self.graph, COURSE: self.course}
+        return {ending: data for ending, data in both.items() if data is not None}
 
 
 class Trajectories:
@@ -131,7 +142,8 @@ class Trajectories:
         :meth:`check`, :class:`LimitError` where there is no room, and :class:`StorageError`; then everything is as it
         was.
         """
-        if self._room() < len(new.text) + len(new.graph or b""):
+        beside = sum(map(len, new.files.values()))
+        if self._room() < len(new.text) + beside:
             raise LimitError("library.full", "The server's room for logs is used up; try again later.")
         own_names = [one for one in log.trajectories if one not in {added.name for added in self.of(owner, record.id)}]
         self.check(owner, record.id, new.name, own_names)
@@ -149,26 +161,26 @@ class Trajectories:
                 description=new.description,
                 source=new.source,
                 created_s=time.time(),
-                bytes=file.stat().st_size + len(new.graph or b""),
+                bytes=file.stat().st_size + beside,
                 poses=count,
                 length_m=path_length(trajectory.poses),
                 has_graph=new.graph is not None,
             )
             async with self._changing:
                 self.check(owner, record.id, new.name, own_names)
-                await self._keep(record, added, file, new.graph)
+                await self._keep(record, added, file, new.files)
         finally:
             file.unlink(missing_ok=True)
         return added, notes
 
-    async def _keep(self, record: Record, added: Added, file: Path, graph: bytes | None) -> None:
+    async def _keep(self, record: Record, added: Added, file: Path, beside: dict[str, bytes]) -> None:
         """Store files and row, or neither; remove those of the trajectory that is replaced."""
         try:
             await self._files.move_in(file, f"{added.id}.tum")
-            if graph is not None:
-                graph_file = file.with_suffix(".graph")
-                await asyncio.to_thread(graph_file.write_bytes, graph)
-                await self._files.move_in(graph_file, f"{added.id}.graph")
+            for ending, data in beside.items():
+                other = file.with_suffix(f".{ending}")
+                await asyncio.to_thread(other.write_bytes, data)
+                await self._files.move_in(other, f"{added.id}.{ending}")
             await self._database.run(lambda connection: replace_added(connection, record, added))
         except BaseException:
             await self._remove_files(added.id)
@@ -206,7 +218,7 @@ class Trajectories:
             await self._remove_files(one.id)
 
     async def _remove_files(self, trajectory_id: str) -> None:
-        for kind in ("tum", "graph"):
+        for kind in (TUM, GRAPH, COURSE):
             await self._files.delete(f"{trajectory_id}.{kind}")
 
     async def text(self, owner: str, log_id: str, name: str) -> bytes:
@@ -220,7 +232,15 @@ class Trajectories:
         added = self.get(owner, log_id, name)
         if not added.has_graph:
             return None
-        async with self._files.file(f"{added.id}.graph") as path:
+        async with self._files.file(f"{added.id}.{GRAPH}") as path:
+            return await asyncio.to_thread(_bytes_of, path)
+
+    async def course(self, owner: str, log_id: str, name: str) -> bytes | None:
+        """Return the file of a localization's course, None where it has none. Raises as :meth:`text`."""
+        added = self.get(owner, log_id, name)
+        if added.source != "localized":
+            return None
+        async with self._files.file(f"{added.id}.{COURSE}") as path:
             return await asyncio.to_thread(_bytes_of, path)
 
     async def joined(self, owner: str, log_id: str, log: ScanLog) -> ScanLog:

@@ -93,6 +93,13 @@ class Graphed(Protocol):
         """Return the name of the trajectory, its present poses as TUM lines, and the file of the present graph."""
 
 
+class Localized(Protocol):
+    """The localization of a session's trajectory in a map."""
+
+    async def public(self, source: GraphSource) -> dict[str, Any] | None:
+        """Return how certain the poses are along the log, None where they come from no localization."""
+
+
 class Story(Protocol):
     """The recorded history of a session, from which it can be reproduced."""
 

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.messages import DrawnSolid, Values
+from server.stream.message_parts import DrawnSolid, KeepoutStroke, Point, Values
 
 Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
@@ -104,10 +104,44 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it."""
+    """Simulations: begin to localize the robot in a map, from anywhere, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
+    map: Annotated[
+        str,
+        Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
+    ] = "plan"
+
+
+class CostmapCommand(Struct, tag_field="type", tag="costmap"):
+    """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
+
+    value: Annotated[bool, Meta(description="whether there is one")] = True
+    values: Annotated[Values, Meta(description="navigation parameters to change")] = {}
+    footprint: Annotated[list[Point] | None, Meta(description="corners of the robot's outline, in its frame")] = None
+    keepout: Annotated[list[KeepoutStroke] | None, Meta(description="all that is painted; replaces the earlier")] = None
+
+
+class GoalCommand(Struct, tag_field="type", tag="goal"):
+    """Sessions with a costmap: set the goal of the path, and whether the robot drives along it."""
+
+    x: Annotated[Number | None, Meta(description="x in the map frame, m; null: no goal")] = None
+    y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
+    drives: Annotated[bool | None, Meta(description="whether it drives; null: as before")] = None
+
+
+class CostCommand(Struct, tag_field="type", tag="cost"):
+    """Sessions with a costmap: ask why a cell has its cost; answered with `cost`."""
+
+    x: Annotated[Number, Meta(description="x in the map frame, m")]
+    y: Annotated[Number, Meta(description="y in the map frame, m")]
+
+
+class Nav2Command(Struct, tag_field="type", tag="nav2"):
+    """Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one."""
+
+    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: answer with one")] = None
 
 
 class DriveCommand(Struct, tag_field="type", tag="drive"):
@@ -187,6 +221,10 @@ Command = (
     | CompareCommand
     | TeleportCommand
     | LocalizeCommand
+    | CostmapCommand
+    | GoalCommand
+    | CostCommand
+    | Nav2Command
     | DriveCommand
     | AutoCommand
     | EditCommand

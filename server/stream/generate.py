@@ -18,7 +18,7 @@ from typing import get_args
 import msgspec
 from msgspec import inspect as types
 
-from server.stream import messages, protocol
+from server.stream import message_parts, protocol
 from server.stream.close_codes import CLOSE_CODES
 from server.stream.commands import Command
 from server.stream.generate_constants import constants
@@ -47,7 +47,7 @@ MESSAGES, COMMANDS = _structs(ServerMessage), _structs(Command)
 #: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
 ALIASES: dict[str, str] = {
     meta.title: meta.description or ""
-    for alias in vars(messages).values()
+    for alias in vars(message_parts).values()
     for meta in getattr(alias, "__metadata__", ())
     if isinstance(meta, msgspec.Meta) and meta.title is not None
 }
@@ -185,7 +185,7 @@ def typescript() -> str:
     parts = _named_parts([*MESSAGES, *COMMANDS])
     read = _named_parts(MESSAGES)
     lines = [
-        f"// Written by `{COMMAND}` from server/stream/messages.py and commands.py: change those.",
+        f"// Written by `{COMMAND}` from server/stream/messages.py, message_parts.py and commands.py: change those.",
         "",
         "import {",
         "  type Check,",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mapper.diagnosis.examination import LEAST_SCANS
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
 from mapper.grid.merge import LATTICE_TOLERANCE
 from mapper.simulation.edits import WALL_THICKNESS
@@ -14,6 +15,7 @@ CONSTANTS: tuple[tuple[str, float, str], ...] = (
     ("LATTICE_TOLERANCE", LATTICE_TOLERANCE, "How far two lattices may lie apart and still be the same, in cells."),
     ("OCCUPIED_THRESHOLD", OCCUPIED_THRESHOLD, "p_occ above which a cell is occupied, as in map_server."),
     ("FREE_THRESHOLD", FREE_THRESHOLD, "p_occ below which a cell is free, as in map_server."),
+    ("DOCTOR_LEAST_SCANS", LEAST_SCANS, "Scans of a sensor below which the doctor refuses to judge a log."),
 )
 
 

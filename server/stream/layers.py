@@ -139,16 +139,26 @@ class GridLayer(Layer):
         low: float,
         high: float,
         missing: NDArray[np.bool_] | None = None,
+        box: CellBox | None = None,
     ) -> bool:
         """Set ``values`` (rows, cols), clipped to ``low`` … ``high`` (worker thread).
 
-        A cell that is ``missing`` (rows, cols) or NaN has no value. Return whether a new epoch begins. Raises
-        :class:`ValueError` for another shape than the geometry's, or unless ``low < high``.
+        Only cells in ``box`` are looked at unless the picture is a new one; without it all are. A cell that is
+        ``missing`` (rows, cols) or NaN has no value. Return whether a new epoch begins. Raises :class:`ValueError` for
+        another shape than the geometry's, or unless ``low < high``.
         """
         if values.shape != geometry.shape or not low < high:
             raise ValueError(f"values of shape {values.shape}, {low} … {high}, do not fit a grid {geometry.shape}")
         picture, is_new = self._picture_of(geometry, low, high)
-        picture.set(values, missing)
+        picture.set(values, missing, None if is_new else box)
+        return is_new
+
+    def set_bytes(self, geometry: GridGeometry, values: NDArray[np.uint8]) -> bool:
+        """Set ``values`` (rows, cols) from 0 to 254, 255 for none; as :meth:`set`, without rounding (worker thread)."""
+        if values.shape != geometry.shape or values.dtype != np.uint8:
+            raise ValueError(f"values of shape {values.shape} {values.dtype} do not fit a grid {geometry.shape}")
+        picture, is_new = self._picture_of(geometry, 0.0, 254.0)
+        picture.set_cells((values - np.uint8(127)).view(np.int8))  # 255 becomes -128, which is no value
         return is_new
 
     def _picture_of(self, geometry: GridGeometry, low: float, high: float) -> tuple[TilePicture, bool]:

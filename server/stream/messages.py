@@ -11,158 +11,24 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-Pose = Annotated[
-    tuple[float, float, float],
-    Meta(title="Pose", description="[x, y, yaw] in m, m, rad", extra={"labels": ("x", "y", "yaw")}),
-]
-Point = Annotated[tuple[float, float], Meta(title="Point", description="[x, y] in m", extra={"labels": ("x", "y")})]
-Value = Annotated[float | str | bool, Meta(title="Value", description="value of a parameter")]
-Values = Annotated[dict[str, Value], Meta(title="Values", description="parameters by name")]
-CellState = Annotated[
-    Literal["free", "unknown", "occupied"], Meta(title="CellState", description="state of a cell by its probability")
-]
-LayerKind = Annotated[
-    Literal["grid", "points", "path", "graph"], Meta(title="LayerKind", description="kind of content of a layer")
-]
-DrawnSolid = Annotated[
-    tuple[Literal["wall", "box"], int, int, int, int],
-    Meta(
-        title="DrawnSolid",
-        description="wall from corner to corner, or axis-aligned box between two corners; cm in the map frame",
-        extra={"labels": ("kind", "x0", "y0", "x1", "y1")},
-    ),
-]
-Segment = Annotated[
-    tuple[float, float, float, float],
-    Meta(title="Segment", description="[ax, ay, bx, by] in m", extra={"labels": ("ax", "ay", "bx", "by")}),
-]
-Sides = Annotated[
-    tuple[float, float],
-    Meta(title="Sides", description="one number for each of two maps: [A, B]", extra={"labels": ("a", "b")}),
-]
-StateCounts = Annotated[tuple[int, int, int], Meta(title="StateCounts", description="cells by state in B")]
-
-
-class Part(Struct):
-    """Base of the objects that messages contain."""
-
-
-class Parameter(Part):
-    """One row of a parameter table."""
-
-    name: Annotated[str, Meta(description="key in the values")]
-    label: Annotated[str, Meta(description="short name on the page")]
-    group: Annotated[str, Meta(description="panel that shows it")]
-    kind: Annotated[Literal["number", "choice", "flag"], Meta(description="which of the other fields apply")]
-    initial: Annotated[Value, Meta(description="initial value")]
-    sentence: Annotated[str, Meta(description="explanation, one sentence")]
-    unit: Annotated[str, Meta(description="unit of a number; may be empty")]
-    low: Annotated[float, Meta(description="least value of a number")]
-    high: Annotated[float, Meta(description="greatest value of a number")]
-    step: Annotated[float, Meta(description="step of a number's slider")]
-    choices: Annotated[tuple[str, ...], Meta(description="values of a choice")]
-    only_for: Annotated[tuple[str, ...], Meta(description="sensor models to which it applies; empty: all")]
-
-
-class Table(Part):
-    """A parameter table and its present values."""
-
-    table: Annotated[list[Parameter], Meta(description="one row for each parameter")]
-    values: Annotated[Values, Meta(description="present values")]
-
-
-class TrajectoryInfo(Part):
-    """A trajectory of a log."""
-
-    name: Annotated[str, Meta(description="name, as the command `trajectory` takes it")]
-    description: Annotated[str, Meta(description="source of the poses")]
-
-
-class LogInfo(Part):
-    """The log of a log session."""
-
-    id: Annotated[str, Meta(description="id in the library")]
-    topic: Annotated[str, Meta(description='sensor of the map; " + " between several')]
-    cut: Annotated[
-        Table | None,
-        Meta(description="how the scans are cut out of point clouds or depth images; null for those of a lidar"),
-    ]
-    trajectory: Annotated[str, Meta(description="trajectory of the map")]
-    trajectories: Annotated[list[TrajectoryInfo], Meta(description="all trajectories of the log")]
-    n_beams: Annotated[int, Meta(description="beams of each scan")]
-    n_scans: Annotated[int, Meta(description="scans of the log")]
-    duration_s: Annotated[
-        float, Meta(description="recorded time from the earliest stamp to the latest, s; 0 for a log without times")
-    ]
-    format: Annotated[str, Meta(description="file format of the log")]
-    notes: Annotated[list[str], Meta(description="remarks of the reader, one sentence each")]
-
-
-class Edits(Part):
-    """Edits of a world."""
-
-    added: Annotated[list[DrawnSolid], Meta(description="solids that were drawn")]
-    erased: Annotated[list[int], Meta(description="indices of the built solids that were erased")]
-
-
-class Compared(Part):
-    """The parameters of the second map of a session that differ from those of the first."""
-
-    values: Annotated[Values, Meta(description="parameters in which it differs")]
-    with_faults: Annotated[bool, Meta(description="whether the robot's faults affect it")]
-    trajectory: Annotated[str | UnsetType, Meta(description="log sessions: trajectory of the second map")] = UNSET
-    log: Annotated[
-        str | UnsetType | None, Meta(description="log sessions: id of its log; null for the session's own log")
-    ] = UNSET
-    topic: Annotated[str | UnsetType | None, Meta(description="log sessions: topic of its scans")] = UNSET
-    title: Annotated[str | UnsetType, Meta(description="log sessions: title of its log")] = UNSET
-
-
-class Numbers(Part):
-    """Comparison of two maps on one lattice, A being the second map and B the first; see `mapper.grid.compare`."""
-
-    cells: Annotated[int, Meta(description="cells compared")]
-    states: Annotated[
-        tuple[StateCounts, StateCounts, StateCounts],
-        Meta(description="states[i][j]: cells with state i in A and j in B; order free, occupied, unknown"),
-    ]
-    same: Annotated[int, Meta(description="cells with the same state in A and B")]
-    only: Annotated[Sides, Meta(description="cells observed only in A, only in B")]
-    both: Annotated[int, Meta(description="cells observed in both")]
-    entropy_bits: Annotated[Sides, Meta(description="entropy of each map, bits")]
-    contrast: Annotated[Sides, Meta(description="contrast of each map")]
-    mean_difference: Annotated[float, Meta(description="mean absolute difference of the probabilities")]
-    max_difference: Annotated[float, Meta(description="greatest absolute difference of the probabilities")]
-    max_at: Annotated[Point | None, Meta(description="centre of that cell; null if the maps do not differ")]
-
-
-class Contribution(Part):
-    """The contribution of one beam to a cell."""
-
-    n: Annotated[int, Meta(description="number of the contribution, from 1")]
-    scan: Annotated[int, Meta(description="index of the scan, from 0")]
-    stamp: Annotated[float, Meta(description="recorded time of the scan, s")]
-    beam: Annotated[int, Meta(description="index of the beam, from 0")]
-    pose: Annotated[Pose, Meta(description="T_map_laser with the mount correction of the parameters")]
-    bearing: Annotated[float, Meta(description="angle of the beam from the sensor's x axis, rad")]
-    range: Annotated[float | None, Meta(description="reading, m; null for no return")]
-    hit: Annotated[bool, Meta(description="whether it raised the log-odds")]
-    increment: Annotated[float, Meta(description="log-odds added")]
-    log_odds: Annotated[float, Meta(description="log-odds of the cell afterwards, clamped")]
-    sensor: Annotated[str | UnsetType, Meta(description="its topic, where several sensors make the map")] = UNSET
-
-
-class LayerInfo(Part):
-    """One of the layers of a session."""
-
-    id: Annotated[int, Meta(description="`layer` of its binary frames, from 1")]
-    name: Annotated[str, Meta(description="name, as the commands take it")]
-    kind: Annotated[LayerKind, Meta(description="kind of its content")]
-    title: Annotated[str, Meta(description="title on the page")]
-    style: Annotated[str, Meta(description="how the page paints it: a palette of grids, or an overlay")]
-    columns: Annotated[
-        list[str], Meta(description="names of the columns of its table: `x`, `y` and more; empty for a grid")
-    ]
+from server.stream.message_parts import (
+    CellState,
+    Compared,
+    Contribution,
+    Edits,
+    KeepoutStroke,
+    LayerCost,
+    LayerInfo,
+    LogInfo,
+    Numbers,
+    Parameter,
+    Point,
+    Pose,
+    Segment,
+    Table,
+    TrajectoryInfo,
+    Values,
+)
 
 
 class Hello(Struct, tag_field="type", tag="hello"):
@@ -170,7 +36,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
-    kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
+    kind: Annotated[
+        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+    ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
     speeds: Annotated[
@@ -185,6 +53,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
         int | UnsetType,
         Meta(description="simulations: seed; the same seed and commands give the same scans"),
     ] = UNSET
+    navigation: Annotated[list[Parameter] | UnsetType, Meta(description="parameters of the costmap and the path")] = (
+        UNSET
+    )
 
 
 class LayersMessage(Struct, tag_field="type", tag="layers"):
@@ -321,12 +192,13 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
 
 
 class LocalizationMessage(Struct, tag_field="type", tag="localization"):
-    """Simulations: where the particle filter takes the robot to be, and how far off that is."""
+    """Where the particle filter takes the robot to be; in a simulation, how far off that is."""
 
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
+    map: Annotated[str, Meta(description="of a simulation: plan, moved or other, as the command localize has it")]
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
     pose: Annotated[Pose | None, Meta(description="the best estimate")]
-    at: Annotated[Pose | None, Meta(description="the true pose that it is an estimate of")]
+    at: Annotated[Pose | None, Meta(description="the pose, in a simulation the true one, that it is an estimate of")]
     covariance: Annotated[
         tuple[float, float, float, float] | None,
         Meta(
@@ -342,6 +214,44 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     n_updates: Annotated[int, Meta(description="scans that were used")]
     error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
+
+
+class CostmapMessage(Struct, tag_field="type", tag="costmap"):
+    """The costmap over the map of a simulation or a log."""
+
+    is_on: Annotated[bool, Meta(description="whether there is one")]
+    values: Annotated[Values, Meta(description="navigation parameters")]
+    footprint: Annotated[list[Point], Meta(description="corners of the robot's outline, in its frame, without padding")]
+    inscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
+    circumscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
+    keepout: Annotated[list[KeepoutStroke], Meta(description="all that is painted")]
+
+
+class PathMessage(Struct, tag_field="type", tag="path"):
+    """Sessions with a costmap: the path to the goal; its points are in the layer `plan`."""
+
+    goal: Annotated[Point | None, Meta(description="the goal; null: there is none")]
+    drives: Annotated[bool, Meta(description="whether the robot drives along it")]
+    length: Annotated[float | None, Meta(description="length, m; null: there is no path")]
+    cost: Annotated[float | None, Meta(description="sum of the costs of its steps; null: there is no path")]
+    reaches_goal: Annotated[bool, Meta(description="whether it ends at the goal")]
+    reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
+    carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
+    plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
+
+
+class CostMessage(Struct, tag_field="type", tag="cost"):
+    """Answer to `cost`: what each layer says of a cell, bottom first."""
+
+    x: Annotated[float, Meta(description="the place that was asked for, m")]
+    y: Annotated[float, Meta(description="the place that was asked for, m")]
+    layers: Annotated[list[LayerCost], Meta(description="one for each layer that is on")]
+
+
+class Nav2Message(Struct, tag_field="type", tag="nav2"):
+    """Answer to `nav2`."""
+
+    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]
 
 
 class WorkingMessage(Struct, tag_field="type", tag="working"):
@@ -424,6 +334,10 @@ ServerMessage = (
     | WorldMessage
     | Forgetting
     | LocalizationMessage
+    | CostmapMessage
+    | PathMessage
+    | CostMessage
+    | Nav2Message
     | WorkingMessage
     | NoticeMessage
     | ErrorMessage

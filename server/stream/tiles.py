@@ -65,16 +65,41 @@ class TilePicture:
             )
         )  # fmt: skip
 
-    def set(self, values: NDArray[np.float32] | NDArray[np.uint8], missing: NDArray[np.bool_] | None = None) -> None:
-        """Set ``values`` (rows, cols); cells that are ``missing`` or NaN have no value (worker thread)."""
+    def set(
+        self,
+        values: NDArray[np.float32] | NDArray[np.uint8],
+        missing: NDArray[np.bool_] | None = None,
+        box: CellBox | None = None,
+    ) -> None:
+        """Set ``values`` (rows, cols), of which only those in ``box`` differ from the last ones (worker thread).
+
+        Cells that are ``missing`` or NaN have no value.
+        """
+        first_row = first_col = 0
+        if box is not None:  # whole tiles
+            first_row, first_col = box.row0 // TILE, box.col0 // TILE
+            part = np.s_[first_row * TILE : -(-box.row1 // TILE) * TILE, first_col * TILE : -(-box.col1 // TILE) * TILE]
+            values = values[part]
+            missing = None if missing is None else missing[part]
         scaled = (values.astype(np.float32) - self.low) * np.float32(254.0 / (self.high - self.low)) - np.float32(127.0)
         none = np.isnan(scaled) if missing is None else np.isnan(scaled) | missing
         cells = np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8)
-        differs = np.zeros((self.revision.shape[0] * TILE, self.revision.shape[1] * TILE), dtype=np.bool_)
-        np.not_equal(cells, self.cells, out=differs[: cells.shape[0], : cells.shape[1]])
-        rows, cols = self.revision.shape
-        self._changed |= differs.reshape(rows, TILE, cols, TILE).any(axis=(1, 3))
-        self.cells[:] = cells
+        self._set_part(cells, first_row, first_col)
+
+    def set_cells(self, cells: NDArray[np.int8]) -> None:
+        """Set the picture's ``cells`` (rows, cols) themselves (worker thread)."""
+        self._set_part(cells, 0, 0)
+
+    def _set_part(self, cells: NDArray[np.int8], first_row: int, first_col: int) -> None:
+        """Set the cells from a tile on; ``cells`` ends at the end of a tile or of the picture."""
+        top, left = first_row * TILE, first_col * TILE
+        picture = self.cells[top : top + cells.shape[0], left : left + cells.shape[1]]
+        rows, cols = -(-cells.shape[0] // TILE), -(-cells.shape[1] // TILE)
+        differs = np.zeros((rows * TILE, cols * TILE), dtype=np.bool_)
+        np.not_equal(cells, picture, out=differs[: cells.shape[0], : cells.shape[1]])
+        changed = differs.reshape(rows, TILE, cols, TILE).any(axis=(1, 3))
+        self._changed[first_row : first_row + rows, first_col : first_col + cols] |= changed
+        picture[:] = cells
 
     def publish(self) -> int:
         """Give tiles that changed since the last call a new revision (event loop); return their number."""

@@ -12,6 +12,7 @@ from mapper.costmap import textbook
 from mapper.costmap.costs import cells_of
 from mapper.costmap.inflation import inflate, radius_in_cells
 from mapper.costmap.kernels.observation import Marking, clear_lines, lay_over, mark_cells
+from mapper.costmap.kernels.voxels import Heights, clear_columns, mark_columns
 from mapper.costmap.layers import static_costs
 from mapper.costmap.parameters import InflationConfig, StaticConfig
 from mapper.grid import GridGeometry
@@ -141,3 +142,73 @@ def interpreted_by_textbook(case: CostmapCase) -> tuple[Any, ...]:
             dtype=np.uint8,
         ),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class VoxelCase:
+    """Observations of a sensor and the columns that they mark and clear."""
+
+    geometry: GridGeometry
+    scans: tuple[tuple[np.ndarray, np.ndarray], ...]
+    ranges: tuple[float, float]
+    marking: Marking
+    levels: int
+    heights: tuple[float, float]
+    mark_threshold: int
+    unknown_threshold: int
+
+
+@st.composite
+def voxel_cases(draw: st.DrawFn) -> VoxelCase:
+    """Grids of up to 30 × 40 columns; sensors and points inside and outside of them and of their heights."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    shape = draw(st.sampled_from([(1, 1), (1, 40), (30, 25)]))
+    resolution = draw(st.sampled_from([0.05, 0.1, 0.25]))
+    geometry = GridGeometry(resolution, *shape, (-1.0, 0.5, draw(st.sampled_from([0.0, 0.7]))))
+    middle = np.append(geometry.cell_to_world(((shape[0] - 1) / 2, (shape[1] - 1) / 2)), 0.0)
+    spread = draw(st.sampled_from([0.3, 2.0]))
+    scans = []
+    for _ in range(3):
+        sensor = middle + np.append(rng.normal(0.0, resolution, 2), rng.uniform(-0.1, 1.0))
+        points = sensor + np.column_stack([rng.normal(0.0, spread, (12, 2)), rng.uniform(-2.0, 2.0, 12)])
+        points[0] = sensor
+        scans.append((sensor, points))
+    return VoxelCase(
+        geometry,
+        tuple(scans),
+        draw(st.sampled_from([(0.0, 3.0), (0.25, 1.0)])),
+        Marking(0.1, draw(st.sampled_from([1.0, 4.0])), draw(st.sampled_from([-1.0, 0.1])), 2.0),
+        draw(st.sampled_from([1, 10, 16])),
+        (draw(st.sampled_from([-0.2, 0.0])), draw(st.sampled_from([0.05, 0.2]))),
+        draw(st.sampled_from([0, 2])),
+        draw(st.sampled_from([0, 5, 15])),
+    )
+
+
+def voxels_by_kernel(case: VoxelCase) -> tuple[Any, ...]:
+    costs = np.full(case.geometry.shape, 255, dtype=np.uint8)
+    columns = np.full(case.geometry.shape, 0xFFFF, dtype=np.uint32)
+    box = np.array([1 << 40, 0, 1 << 40, 0])
+    heights = Heights(*case.heights, case.levels, case.mark_threshold, case.unknown_threshold + 16 - case.levels)
+    least, most = (cells_of(one, case.geometry.resolution) for one in case.ranges)
+    frame = case.geometry.frame
+    for sensor, points in case.scans:
+        clear_columns(points, sensor, frame, least, most, heights, columns, costs, box)
+        mark_columns(points, sensor, frame, case.marking, heights, columns, costs, box)
+    bits = columns[:, :, None] >> np.arange(case.levels, dtype=np.uint32)
+    # Two bits of a marked voxel are set, one of an unknown one, none of a free one.
+    voxels = ((bits & 1) + (bits >> np.uint32(16) & 1)).astype(np.uint8)
+    inside = all(box[0] <= r < box[1] and box[2] <= c < box[3] for r, c in np.argwhere(costs != 255))
+    return costs, voxels, inside
+
+
+def voxels_by_textbook(case: VoxelCase) -> tuple[Any, ...]:
+    costs = np.full(case.geometry.shape, 255, dtype=np.uint8)
+    voxels = np.full((*case.geometry.shape, case.levels), textbook.VOXEL_UNKNOWN, dtype=np.uint8)
+    m = case.marking
+    marking = (m.obstacle_min_range, m.obstacle_max_range, m.min_obstacle_height, m.max_obstacle_height)
+    thresholds = (case.mark_threshold, case.unknown_threshold)
+    for sensor, points in case.scans:
+        textbook.clear_voxels(voxels, costs, case.geometry, sensor, points, case.ranges, case.heights, thresholds)
+        textbook.mark_voxels(voxels, costs, case.geometry, sensor, points, marking, case.heights, case.mark_threshold)
+    return costs, voxels, True

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from mapper.core.se2 import compose, transform_points
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import Placement
-from mapper.sensors.planar.depth import Intrinsics
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import LEAST_ANGLE_STEP, RangeScan, ScanLog, Trajectory, is_angle_step
 
@@ -317,6 +317,7 @@ def depths(draw: st.DrawFn) -> DepthCase:
     for value in (np.nan, np.inf, 0.0):
         depth[random.random(depth.shape) < 0.1] = value
     centre = random.uniform(0.4, 0.6, 2)
-    camera = Intrinsics(width, height, float(random.uniform(3, 40)), centre[0] * width, centre[1] * height)
+    focal = float(random.uniform(3, 40))
+    camera = Intrinsics(width, height, focal, focal, centre[0] * width, centre[1] * height)
     rows = draw(st.integers(1, max(1, int(0.7 * height))))
     return DepthCase(depth, camera, PlanarCut(scan_height=float(rows)))

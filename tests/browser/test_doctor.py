@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.looking import open_group
 
@@ -48,3 +48,16 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
         arg=scan,  # that scan is the newest in the map
         timeout=SECONDS * 1000,
     )
+    is_cancelled_and_offered_again(page, doctor)
+
+
+def is_cancelled_and_offered_again(page: Page, doctor: Locator) -> None:
+    page.route("**/doctor?*", lambda _: None)  # the answer never comes
+    open_group(page, "Trajectories")
+    page.get_by_label("Poses from").get_by_text("ground truth").click()
+    open_group(page, "Doctor")
+    doctor.get_by_role("button", name="Cancel the examination").click(timeout=SECONDS * 1000)
+    expect(doctor).to_contain_text("Cancelled.")
+    page.unroute("**/doctor?*")
+    doctor.get_by_role("button", name="Examine this log").click()
+    expect(doctor).to_contain_text("No problems found. Poses: ground truth.", timeout=SECONDS * 1000)

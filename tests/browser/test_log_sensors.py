@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import Locator, Page, expect
 
 from mapper.io.export import write_mcap
-from mapper.sensors.joint_log import SEPARATOR
-from tests.browser.looking import frame, open_group, settled_digest, until
+from mapper.sensors.joint_log import SEPARATOR, JointLog
+from mapper.simulation.lidar import SensorConfig
+from tests.browser.looking import SECONDS, frame, open_group, settled_digest, until
 from tests.mapper.io.contents.recorded_robot import T0, imu
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.test_clouds import recording_of_room
 from tests.mapper.mapping.sweeping import swept
+from tests.mapper.slam.worlds import along, drive
 
 LOG = "() => window.gridbloom && gridbloom.connection.store.hello.value?.log"
 OPEN = f"() => ({LOG})() && gridbloom.connection.store.frame.peek()"
@@ -165,3 +168,36 @@ def test_a_plot_is_zoomed_into_finer_values(page: Page, server: str, tmp_path: P
     expect(plots).not_to_contain_text("the least and the greatest")
     plots.get_by_role("button", name="Show the whole log").click()
     expect(plots).to_contain_text("Of the 4,000 values in the log")
+
+
+def test_two_lidars_of_one_log_are_healed_together(page: Page, server: str, tmp_path: Path) -> None:
+    path = along([(1.2, 1.5), (4.6, 1.5), (4.6, 3.4), (1.2, 3.4), (1.2, 1.5)], 0.25)
+    ahead = SensorConfig(n_beams=120, field_of_view=np.pi, range_max=8.0, range_noise=0.01)
+    front, back = (
+        replace(drive("room", path, sensor=ahead, mount=mount, turn_bias=0.1), topic=topic)
+        for topic, mount in (("/front", (0.2, 0.0, 0.0)), ("/back", (-0.2, 0.0, np.pi)))
+    )
+    odometry = {"odometry": front.trajectories["odometry"]}
+    later = replace(back, trajectories=odometry, stamps_ns=back.stamps_ns + 1_000_000)
+    with (tmp_path / "both.mcap").open("wb") as file:
+        write_mcap(file, JointLog.of([replace(front, trajectories=odometry), later]))
+    opened(page, server, tmp_path / "both.mcap", "Map 2 lidars together")
+    until("the whole log", lambda: frame(page)["index"] == 2 * len(path))
+    heal = open_group(page, "Heal")
+    heal.get_by_role("button", name="Heal its poses").click()
+    panel = page.get_by_role("region", name="Heal its poses")
+    expect(panel).to_contain_text("Healed", timeout=5 * SECONDS * 1000)
+    cell = panel.locator("dd[data-before]")
+    before, after = (float(str(cell.get_attribute(name))) for name in ("data-before", "data-after"))
+    assert before < after
+    until("both sensors", lambda: frame(page)["index"] == 2 * len(path))
+    assert page.evaluate(LOG)["topic"] == SEPARATOR.join(("/front", "/back"))
+    # A step of the graph is from a scan of the one lidar to the next of the other; each is drawn where it looks.
+    session = page.evaluate("() => gridbloom.connection.store.hello.value.session")
+    edge = page.request.get(f"{server}/api/sessions/{session}/graph/edges/4").json()
+    assert edge["scans"] == [4, 5]
+    (x, _, yaw), _ = edge["poses"]
+    for name, side in (("i", 1.0), ("aligned", -1.0)):
+        along_robot = np.array(edge["points"][name])[:, 0] - x
+        assert abs(yaw) < 0.1
+        assert side * np.median(along_robot) > 0.0

@@ -32,11 +32,12 @@ from mapper.io.export import ros2
 from mapper.io.export.exported_sensor import ExportedSensor, exported_sensors
 from mapper.io.export.growing_map import GrowingMap
 from mapper.io.export.ros2 import Pose
+from mapper.io.export.topics import Topics
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import LaserScan, ScanLog
 
 SECOND = ros2.SECOND
-LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
+LAST_STAMP_NS = ros2.LAST_STAMP_NS
 BETWEEN_NS = SECOND // 10  #: two scans of a log without times
 LATCHED = frozenset({"/map", "/tf_static"})
 _OWN = (*LATCHED, "/tf", "/pose")  #: topics that no sensor's scans go to
@@ -59,36 +60,6 @@ def export_stamps(stamps_ns: NDArray[np.int64]) -> NDArray[np.int64]:
     return rising
 
 
-class _Topics:
-    """The channels of the file, registered when the first message comes."""
-
-    def __init__(self, writer: Writer) -> None:
-        self._writer = writer
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[str, int] = {}
-
-    def send(self, topic: str, kind: str, stamp_ns: int, message: bytes) -> None:
-        if kind not in self._schemas:
-            self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", ros2.definition(kind).encode())
-        if topic not in self._channels:
-            quality = {"offered_qos_profiles": _quality(latched=topic in LATCHED)}
-            self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[kind], quality)
-        self._writer.add_message(self._channels[topic], log_time=stamp_ns, data=message, publish_time=stamp_ns)
-
-
-def _quality(*, latched: bool) -> str:
-    """Return how a topic was offered, as rosbag2 writes it down: numbers, which its older and newer versions read.
-
-    Kept are the last one where it is latched, else the last ten; reliable; no deadlines.
-    """
-    forever = "{sec: 9223372036, nsec: 854775807}"
-    return (
-        f"- history: 1\n  depth: {1 if latched else 10}\n  reliability: 1\n  durability: {1 if latched else 2}\n"
-        f"  deadline: {forever}\n  lifespan: {forever}\n  liveliness: 1\n"
-        f"  liveliness_lease_duration: {forever}\n  avoid_ros_namespace_conventions: false\n"
-    )
-
-
 def write_mcap(
     file: IO[bytes],
     log: ScanLog,
@@ -106,7 +77,7 @@ def write_mcap(
     stamps = export_stamps(log.stamps_ns)
     writer = Writer(file, compression=CompressionType.ZSTD)
     writer.start("ros2", "gridbloom")
-    topics = _Topics(writer)
+    topics = Topics(writer, LATCHED)
     config = None if growing_map is None else growing_map.config
     sensors = exported_sensors(log, trajectory, config, _OWN)
     first = int(stamps[0]) if len(stamps) else 0
@@ -158,7 +129,7 @@ def _mounts(sensor: ExportedSensor, base: str) -> list[tuple[str, str, Pose, boo
     return edges
 
 
-def _send_scan(topics: _Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
+def _send_scan(topics: Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
     """Write one scan as the sensor took it, an upside-down one's beams are turned by its frame; and its end points."""
     log = sensor.log
     ranges = log.ranges[index]
@@ -178,7 +149,7 @@ def _send_scan(topics: _Topics, sensor: ExportedSensor, index: int, stamp: int) 
     topics.send(sensor.points, "sensor_msgs/msg/PointCloud2", stamp, ros2.point_cloud(stamp, sensor.frame, points))
 
 
-def _send_sonars(topics: _Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
+def _send_sonars(topics: Topics, sensor: ExportedSensor, index: int, stamp: int) -> None:
     log = sensor.log
     for topic, frame, reading in zip(sensor.sonars, sensor.sonar_frames, log.ranges[index].tolist(), strict=True):
         message = ros2.range_reading(stamp, frame, log.beam_width, log.range_min, log.range_max, reading)

@@ -1,6 +1,6 @@
-"""The ROS 2 messages that a log and its map are exported as: their definitions, and serialisation (CDR, little-endian).
+"""The ROS 2 messages that logs, maps and costmaps are exported as: definitions, and serialisation (CDR, little-endian).
 
-Source: the message definitions of ROS 2 (nav_msgs, sensor_msgs, geometry_msgs, tf2_msgs, std_msgs,
+Source: the message definitions of ROS 2 (nav_msgs, nav2_msgs, sensor_msgs, geometry_msgs, tf2_msgs, std_msgs,
 builtin_interfaces); OMG DDSI-RTPS, 10. A definition that is embedded in a file names the messages that it is made of
 after a line of 80 ``=``: mcap.dev/spec/registry, ros2msg.
 """
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mapper.sensors.scan import LaserScan
 
 SECOND = 1_000_000_000
+LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
 ENCAPSULATION = b"\0\1\0\0"  #: plain CDR, little-endian
 Pose = tuple[float, float, float]  #: x, y, yaw
 _FLOAT32 = 7  #: as sensor_msgs/PointField counts the types of numbers
@@ -39,9 +40,14 @@ _PARTS = {
         "builtin_interfaces/Time map_load_time\nfloat32 resolution\nuint32 width\nuint32 height\n"
         "geometry_msgs/Pose origin"
     ),
+    "nav2_msgs/CostmapMetaData": (
+        "builtin_interfaces/Time map_load_time\nbuiltin_interfaces/Time update_time\nstring layer\n"
+        "float32 resolution\nuint32 size_x\nuint32 size_y\ngeometry_msgs/Pose origin"
+    ),
 }
 _MESSAGES = {
     "nav_msgs/msg/OccupancyGrid": "std_msgs/Header header\nnav_msgs/MapMetaData info\nint8[] data",
+    "nav2_msgs/msg/Costmap": "std_msgs/Header header\nnav2_msgs/CostmapMetaData metadata\nuint8[] data",
     "geometry_msgs/msg/PoseStamped": "std_msgs/Header header\ngeometry_msgs/Pose pose",
     "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
     "sensor_msgs/msg/LaserScan": (
@@ -114,6 +120,17 @@ def occupancy_grid(stamp_ns: int, frame: str, resolution: float, origin: Pose, v
     seconds, nanoseconds = divmod(stamp_ns, SECOND)
     out = _Bytes().header(stamp_ns, frame).pack("i", 4, seconds).pack("I", 4, nanoseconds)
     return out.pack("f", 4, resolution).pack("I", 4, cols, rows).pose(origin).array(values.ravel()).message
+
+
+def costmap(stamp_ns: int, frame: str, layer: str, resolution: float, origin: Pose, costs: NDArray[np.uint8]) -> bytes:
+    """Return a nav2_msgs/Costmap of ``costs`` (rows, cols), row 0 at the smallest y: 0 … 255."""
+    rows, cols = costs.shape
+    seconds, nanoseconds = divmod(stamp_ns, SECOND)
+    out = _Bytes().header(stamp_ns, frame)
+    for _ in range(2):
+        out.pack("i", 4, seconds).pack("I", 4, nanoseconds)
+    out.string(layer).pack("f", 4, resolution).pack("I", 4, cols, rows).pose(origin)
+    return out.array(costs.ravel()).message
 
 
 def pose_stamped(stamp_ns: int, frame: str, pose: Pose) -> bytes:

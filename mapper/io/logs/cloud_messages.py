@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.io.logs.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.names import printable
-from mapper.sensors.planar.depth import Intrinsics
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.point_cloud import PointCloud
 
 MOST_FIELDS = 256  #: of one point
@@ -56,7 +56,7 @@ class Cloud:
         }
         stamp_ns = self.stamp_ns or recorded_ns
         height, width = self.axes[0].shape
-        return PointCloud(points, stamp_ns, self.frame, (height, width), fields, _times_of(fields, stamp_ns))
+        return PointCloud(points, stamp_ns, self.frame, (height, width), fields, times_of(fields, stamp_ns))
 
     def parts(self) -> Iterator[NDArray[np.float64]]:
         """Yield the points (n, 3), row by row, in parts that bound the memory."""
@@ -123,7 +123,7 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
     return Cloud(stamp, frame, (axes[0], axes[1], axes[2]), others)
 
 
-def _times_of(fields: Mapping[str, NDArray[np.generic]], stamp_ns: int) -> NDArray[np.float64] | None:
+def times_of(fields: Mapping[str, NDArray[np.generic]], stamp_ns: int) -> NDArray[np.float64] | None:
     """Return when each point (n,) was measured, seconds after the stamp; None where no field of one number says it.
 
     Drivers differ: ``t`` (Ouster) and ``offset_time`` (Livox) are whole nanoseconds after the stamp, ``time``
@@ -199,8 +199,8 @@ def camera_info(data: bytes, *, cdr: bool) -> Intrinsics:
     fields.unpack("4I", 4)  # the region of interest
     fields.unpack("B", 1)
     fields.end()
-    fx, cx, cy = (p[0], p[2], p[6]) if p[0] > 0.0 else (k[0], k[2], k[5])
+    fx, fy, cx, cy = (p[0], p[5], p[2], p[6]) if p[0] > 0.0 else (k[0], k[4], k[2], k[5])
     try:
-        return Intrinsics(width, height, fx, cx, cy)
+        return Intrinsics(width, height, fx, fy, cx, cy)
     except ConfigError as error:
         raise BadMessageError(error.message) from None

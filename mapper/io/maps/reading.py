@@ -85,10 +85,11 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
     values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
     rows, cols = values.shape
     geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
-    return LoadedMap(_grid(geometry, values), values, description, _notes(sums, n_channels, description))
+    return LoadedMap(grid_of_values(geometry, values), values, description, _notes(sums, n_channels, description))
 
 
-def _grid(geometry: GridGeometry, values: NDArray[np.int8]) -> OccupancyGrid:
+def grid_of_values(geometry: GridGeometry, values: NDArray[np.int8]) -> OccupancyGrid:
+    """Return the grid whose values (rows, cols) are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown."""
     grid = OccupancyGrid(geometry)
     grid.observed = values != UNKNOWN
     of_value = log_odds(np.clip(np.arange(101) / 100.0, 1.0 - _SURE, _SURE)).astype(np.float32)
@@ -102,7 +103,7 @@ def _loaded_bee(path: Path, limits: Limits) -> LoadedMap:
         path.name, geometry.resolution, geometry.origin, negate=False, occupied_thresh=OCCUPIED_THRESHOLD,
         free_thresh=FREE_THRESHOLD, mode="scale",
     )  # fmt: skip
-    return LoadedMap(_grid(geometry, values), values, description)
+    return LoadedMap(grid_of_values(geometry, values), values, description)
 
 
 def _notes(sums: NDArray[np.uint16], n_channels: int, description: MapDescription) -> tuple[str, ...]:

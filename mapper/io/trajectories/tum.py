@@ -12,6 +12,7 @@ from array import array
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
@@ -33,8 +34,18 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
     is no place or no rotation, or a time that is none, and for a file without poses; :class:`LimitError` for one with
     more lines or bytes than ``limits`` allow.
     """
+    stamped, table = tum_rows(Path(path), limits)
+    poses = Poses3(table[:, :3], table[:, 3:])
+    return TimedPoses(stamped, poses.planar, (*_notes_on_space(poses), *_notes_on_time(stamped)))
+
+
+def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the stamps (n,), ns, and the poses (n, 7) of a TUM file: x y z, metres, and the unit quaternion x y z w.
+
+    Raises as :func:`read_tum`.
+    """
     stamps, values = array("q"), array("d")
-    for line, tokens in rows(Path(path), limits, "TUM", COLUMNS):
+    for line, tokens in rows(path, limits, "TUM", COLUMNS):
         stamps.append(stamp_ns(tokens[0], line, "TUM"))
         numbers = fields.numbers(tokens[1:], line, "TUM")
         place, rotation = numbers[:3], numbers[3:]
@@ -54,9 +65,7 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
         values.extend([*place, *(value / norm for value in rotation)])
     if not stamps:
         raise ReadError("trajectory.empty", f"The file holds no poses, lines of {COLUMNS}.")
-    stamped, table = np.array(stamps, dtype=np.int64), np.array(values).reshape(-1, 7)
-    poses = Poses3(table[:, :3], table[:, 3:])
-    return TimedPoses(stamped, poses.planar, (*_notes_on_space(poses), *_notes_on_time(stamped)))
+    return np.array(stamps, dtype=np.int64), np.array(values).reshape(-1, 7)
 
 
 def _notes_on_space(poses: Poses3) -> list[str]:

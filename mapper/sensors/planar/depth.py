@@ -6,38 +6,12 @@ x = (u − cx) z / fx to the right of the optical axis. The camera is taken to b
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.options import PlanarCut
-
-
-@dataclass(frozen=True, slots=True)
-class Intrinsics:
-    """Of a rectified image (sensor_msgs/CameraInfo, P): pixels ``width`` × ``height``, focal length, optical centre."""
-
-    width: int
-    height: int
-    fx: float
-    cx: float
-    cy: float
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.fx + self.cx + self.cy) and self.fx > 0.0):
-            raise ConfigError(
-                "camera.intrinsics",
-                f"A camera's focal length must be positive and its centre finite, not {self.fx}, {self.cx}, {self.cy}.",
-            )
-
-    def beams(self) -> tuple[float, float]:
-        """Return angle_min and angle_increment, radians, of a scan with one beam for each column of the image."""
-        last = math.atan2(self.cx, self.fx)
-        first = -math.atan2(self.width - 1 - self.cx, self.fx)
-        return first, (last - first) / max(1, self.width - 1)
 
 
 def cut_depth(depth: NDArray[np.float32], camera: Intrinsics, cut: PlanarCut) -> NDArray[np.float32]:
@@ -47,12 +21,7 @@ def cut_depth(depth: NDArray[np.float32], camera: Intrinsics, cut: PlanarCut) ->
     NaN. Beams run counter-clockwise, so the first is at the image's right edge. Raises :class:`ConfigError` for an
     image of another size than the camera's, and for more rows than there are around the optical centre.
     """
-    if depth.shape != (camera.height, camera.width):
-        raise ConfigError(
-            "camera.size",
-            f"an image of {depth.shape[1]} × {depth.shape[0]} pixels has a CameraInfo for {camera.width} × "
-            f"{camera.height}",
-        )
+    camera.check_size(depth, "a CameraInfo")
     half = 0.5 * cut.scan_height
     if half > camera.cy or half > camera.height - camera.cy:
         raise ConfigError(

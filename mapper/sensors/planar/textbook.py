@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import Placement
-from mapper.sensors.planar.depth import Intrinsics
 from mapper.sensors.planar.options import PlanarCut
 
 

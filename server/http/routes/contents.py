@@ -73,9 +73,8 @@ def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
 async def _looked_into(
     sessions: SessionRegistry, library: Library, visitor: str, session_id: str
 ) -> tuple[Recording, Contents | float]:
-    session = sessions.get(session_id)
     recording = _recording(sessions, session_id)
-    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    owner = _owner(sessions, library, session_id)
     return recording, await library.contents(owner, recording.log_id, visitor)
 
 
@@ -119,6 +118,20 @@ async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_
             "notes": list(found.notes),
         }
     )
+
+
+@router.delete("/{session_id}/contents", status_code=204)
+@guests_may(GuestRight.LINKED_SESSION)
+async def stop(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> None:
+    """Stop finding out what the recording holds, if this visitor began it; the next request for it begins anew."""
+    recording = _recording(sessions, session_id)
+    library.stop_inspecting(_owner(sessions, library, session_id), recording.log_id, visitor)
+
+
+def _owner(sessions: SessionRegistry, library: Library, session_id: str) -> str:
+    """Return whose log the session is of: for a guest that of the link's owner."""
+    session = sessions.get(session_id)
+    return session.owner if session.link is None else library.links.get(session.link).owner
 
 
 def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> dict[str, Any]:
@@ -204,8 +217,7 @@ async def picture(
         raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
     # Messages are found by when they were recorded, which is later than their scans' own stamps.
     ahead_ns = held.recorded_ahead_ns
-    session = sessions.get(session_id)
-    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    owner = _owner(sessions, library, session_id)
     at_ns = held.origin_ns + ahead_ns + round(at * 1e9)
     found = await while_connected(
         request, library.picture(owner, held.recording.log_id, visitor, topic, min(max(at_ns, 0), LAST_NS))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
 
 router = APIRouter(prefix="/api", tags=["sessions"])
@@ -16,6 +17,7 @@ router = APIRouter(prefix="/api", tags=["sessions"])
 @router.get("/sessions/{session_id}/doctor")
 @guests_may(GuestRight.LINKED_SESSION)
 async def doctor(
+    request: Request,
     sessions: Sessions,
     visitor: Visitor,
     session_id: str,
@@ -23,12 +25,15 @@ async def doctor(
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
 ) -> dict[str, Any]:
-    """Return the diagnosis of the session's log with its current trajectory."""
+    """Return the diagnosis of the session's log with its current trajectory.
+
+    The examination ends when every client that waits for it has disconnected.
+    """
     recording = sessions.get(session_id).model.recording
     if recording is None:
         raise MapperError("session.not_a_log", "Only a log can be examined, not a simulation.")
     trajectory = recording.trajectory  # which may be another one when the examination is over
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
-        findings = await recording.examined()
+        findings = await while_connected(request, recording.examined())
     return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}

@@ -33,7 +33,7 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
     """Begin to align the session's log and another one of the same place, as a job.
 
     Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
-    have a trajectory ``merged`` in one frame.
+    have a trajectory ``merged`` in one frame, and one more log has the scans of both along it.
     """
     of_log = writable_session(sessions, session_id)
     owner, first = of_log.owner, (of_log.log_id, of_log.recording.view().topic)
@@ -48,7 +48,7 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
         _tasks.add(task)
         task.add_done_callback(_tasks.discard)
 
-    return library.merges.begin(owner, first, (wanted.log, wanted.topic), done)
+    return await library.merges.begin(owner, first, (wanted.log, wanted.topic), done)
 
 
 @router.get("/{session_id}/merge")

@@ -9,23 +9,21 @@ from fastapi import APIRouter, Body, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, MapperError
+from server.http.following import follow, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
-from server.library.slam_job import PartialPoses, check_one_sensor
+from server.library.slam_job import NAME
 from server.library.slam_jobs import parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange
-from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["logs"])
-
-_tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
 
 
 class NewSlam(BaseModel):
@@ -39,6 +37,11 @@ class NewSlam(BaseModel):
     )
     parameters: dict[str, Any] = Field(
         default_factory=dict, max_length=50, description="Parameters of SLAM, as GET /api/slam/parameters names them."
+    )
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
     )
 
 
@@ -75,8 +78,8 @@ async def parameters(_visitor: Visitor) -> dict[str, Any]:
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters)
-    _tell_at_end(library, sessions, visitor, log_id)
+    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters, wanted.cut)
+    tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
 
 
@@ -101,19 +104,12 @@ async def heal(
     A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
     """
     session, recording = _healed(sessions, session_id)
-    check_one_sensor(recording.log)
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
-    state = await library.slam.begin(owner, log_id, recording.view().topic, parameters=values)
-    session.enqueue({"type": "follow_slam"})
-
-    def told(poses: PartialPoses | None) -> None:
-        # Of reports that come faster than the map is made, the newest counts: there is another one soon.
-        if poses is not None and not session.closed and not session.has_queued_commands:
-            session.enqueue({"type": "slam_poses", "poses": poses.poses})
-
-    session.on_close.append(library.slam.listen(owner, log_id, told))
-    _tell_at_end(library, sessions, owner, log_id)
+    view = recording.view()
+    state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut)
+    follow(session, library.slam, log_id, NAME)
+    tell_at_end(library, sessions, library.slam, owner, log_id)
     return state
 
 
@@ -137,39 +133,6 @@ def _healed(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Re
     if recording is None:
         raise MapperError("session.not_a_log", "Only the poses of a log can be healed.")
     return session, recording
-
-
-def _tell_at_end(library: Library, sessions: SessionRegistry, owner: str, log_id: str) -> None:
-    """When the job has ended, let the owner's sessions on the log have its trajectory, and show it if they follow."""
-
-    async def tell() -> None:
-        found = library.slam.state(owner, log_id)
-        trajectory = found["result"]["trajectory"] if found["state"] == "done" else None
-        if trajectory is None:  # first back to the poses from before: those of the job are none of the library's
-            end(None)
-        await update_sessions(library, sessions, owner, log_id)
-        if trajectory is not None:
-            end(trajectory)
-
-    def end(trajectory: str | None) -> None:
-        for session in sessions.all():
-            recording = session.model.recording
-            if recording is not None and recording.log_id == log_id and session.owner == owner:
-                session.enqueue({"type": "slam_ended", "trajectory": trajectory})
-
-    async def quietly() -> None:
-        try:
-            await tell()
-        except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session takes no more commands
-            return
-
-    def told(poses: PartialPoses | None) -> None:
-        if poses is None:
-            task = asyncio.create_task(quietly())
-            _tasks.add(task)
-            task.add_done_callback(_tasks.discard)
-
-    library.slam.listen(owner, log_id, told)
 
 
 # -- the pose graph ----------------------------------------------------------------------------------------------------

@@ -3,30 +3,41 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
+from mapper.core.errors import ConfigError
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.localization.likelihood_field import beam_likelihood
 from mapper.localization.scan_beams import limits_of
 from mapper.sensors.scan import RangeScan
+from mapper.simulation.changed_plan import with_moved_furniture
+from mapper.simulation.floor_plans import another_world
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 from mapper.simulation.odometry import Odometer
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
+from server.sessions.models.localization_message import COLUMNS
 from server.stream.layers import GridLayer, Layer, TableLayer
 
 MOST_SHOWN = 10_000  #: particles that are sent
 MOST_PARTICLES = 100_000  #: that one session may have
 SEED = 16
-COLUMNS = ("x", "y", "yaw", "value")
+
+
+#: The maps that a filter may be given of the world.
+MAPS: Mapping[str, Callable[[World], World]] = {
+    "plan": lambda world: world,
+    "moved": with_moved_furniture,
+    "other": lambda world: another_world(world.name),
+}
 
 
 class LabLocalization:
-    """A filter that is given the plan of the world as it was when it began, odometry with errors, and the scans.
+    """A filter that is given a plan of the world as it was when it began, odometry with errors, and the scans.
 
     It is not told of teleports: :meth:`carried`. ``message`` is what the page shows of it.
     """
@@ -38,9 +49,15 @@ class LabLocalization:
         mount: tuple[float, float, float],
         pose: PoseTuple,
         values: Mapping[str, Any],
+        given: str = "plan",
     ) -> None:
-        """Begin at ``pose`` without telling it to the filter. Raises :class:`ConfigError` for values it refuses."""
-        self.values = dict(values)
+        """Begin at ``pose`` without telling it to the filter; ``given`` names one of :data:`MAPS`.
+
+        Raises :class:`ConfigError` for values it refuses.
+        """
+        if given not in MAPS:
+            raise ConfigError("localization.map", f"The map must be one of {', '.join(MAPS)}, not {given!r:.80}.")
+        self.values, self.given = dict(values), given
         config = LocalizationConfig(global_particles=20_000).with_values(values)
         most = max(config.global_particles, config.max_particles)
         if most > MOST_PARTICLES:
@@ -51,8 +68,13 @@ class LabLocalization:
                 }
             )
         self._filter = MonteCarloLocalizer(
-            plan_map(world), config, range_min=RANGE_MIN, range_max=sensor.range_max, mount=mount, seed=SEED
-        )
+            plan_map(MAPS[given](world)),
+            config,
+            range_min=RANGE_MIN,
+            range_max=sensor.range_max,
+            mount=mount,
+            seed=SEED,
+        )  # fmt: skip
         self._config = config
         self._odometer = Odometer(pose, np.random.default_rng(SEED))
         self._seen: RangeScan | None = None
@@ -106,6 +128,7 @@ class LabLocalization:
         return {
             "type": "localization",
             "is_on": True,
+            "map": self.given,
             "values": self.values,
             "pose": [round(float(v), 4) for v in found.pose],
             "at": [round(v, 4) for v in self._true],
@@ -119,11 +142,3 @@ class LabLocalization:
             "error_m": round(math.hypot(*off), 4),
             "error_rad": round(abs(turned), 4),
         }
-
-
-OFF: dict[str, Any] = {
-    "type": "localization", "is_on": False, "values": {}, "pose": None, "at": None, "covariance": None,
-    "is_converged": False, "share": 0.0, "fit": 0.0,
-    "entropy": 0.0, "n_particles": 0, "n_updates": 0, "error_m": None, "error_rad": None,
-}  # fmt: skip
-"""The message ``localization`` of a session without a filter."""

@@ -1,4 +1,4 @@
-"""The map of a log session along the poses that a SLAM job has corrected so far."""
+"""The map of a log session along the poses that a job has made so far: SLAM, or localization in a map."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from mapper.core.se2 import compose, inverse
 from mapper.sensors.scan import Trajectory
 from server.sessions.models.log_recording import LogRecording
 
-NAME = "SLAM"  #: of the trajectory while the job runs
-
 
 class LogHealing:
-    """Follows a SLAM job until the user looks at something else."""
+    """Follows such a job until the user looks at something else."""
 
     def __init__(self, recording: LogRecording) -> None:
         self._recording = recording
         self._before: str | None = None  #: the trajectory from which the session began to follow; None: it does not
+        self._name = ""  #: of the trajectory while the job runs
         self.is_following = False
 
-    def begin(self) -> None:
-        """Follow the job from now on."""
+    def begin(self, name: str) -> None:
+        """Follow a job from now on, whose trajectory is called ``name``."""
         self.is_following = True
+        self._name = name
         self._before = self._recording.trajectory
 
     def leave(self) -> None:
@@ -41,9 +41,9 @@ class LogHealing:
         own = log.trajectory(before).poses
         correction = compose(poses[-1], inverse(own[count - 1]))
         whole = np.concatenate([poses, compose(correction, own[count:])])
-        healing = Trajectory(whole, "poses that SLAM is correcting", "map")
-        log = replace(log, trajectories={**log.trajectories, NAME: healing})
-        return self._recording.show(log, NAME)
+        healing = Trajectory(whole, "poses that are being computed", "map")
+        log = replace(log, trajectories={**log.trajectories, self._name: healing})
+        return self._recording.show(log, self._name)
 
     def end(self) -> str | None:
         """Return the trajectory to go back to where the job has made none; None where the session did not follow."""

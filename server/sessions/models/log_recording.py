@@ -58,6 +58,20 @@ def first_replay(log: ScanLog, view: LogView, limits: Limits, wanted: Callable[[
     return replay
 
 
+class _Examination:
+    """One examination that is under way or done: how many wait for it, and the share that is done (None: not begun)."""
+
+    def __init__(self) -> None:
+        self.future: asyncio.Future[list[Finding]]
+        self.waiting = 0
+        self.share: float | None = None
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody waits for it (any thread)."""
+        return self.waiting > 0
+
+
 class LogRecording:
     """A log, and the replay that makes its map.
 
@@ -70,8 +84,7 @@ class LogRecording:
         self.recorded = recorded_seconds(replay.log)  #: (n_scans,) float64, seconds since the first scan
         self._topic, self._cut = view.topic, view.cut
         self._host = host
-        self._examinations: dict[str, asyncio.Future[list[Finding]]] = {}  #: by trajectory
-        self._shares: dict[str, float] = {}  #: of the examinations that are done, by trajectory
+        self._examinations: dict[str, _Examination] = {}  #: by trajectory
 
     @property
     def log(self) -> ScanLog:
@@ -145,7 +158,6 @@ class LogRecording:
         """
         self._examinations.pop(trajectory, None)
         if trajectory == self.trajectory and self.replay.adopt(log):
-            self._sensor_poses = log.sensor_poses(trajectory)
             return False
         self._replay_with(log, trajectory)
         return True
@@ -181,29 +193,43 @@ class LogRecording:
     @property
     def examined_share(self) -> float | None:
         """The share of the examination with the present trajectory that is done; None before it has begun."""
-        return self._shares.get(self.trajectory)
+        known = self._examinations.get(self.trajectory)
+        return None if known is None else known.share
 
     async def examined(self) -> list[Finding]:
         """Return the diagnosis of the log with the present trajectory.
 
-        Requests during an examination wait for its result. A failed examination is repeated at the next request; a
-        running one ends with the session. Raises as :func:`mapper.diagnosis.examine`.
+        Requests during an examination wait for its result; it ends when the last of them was cancelled, and with the
+        session. One that failed or ended early begins anew at the next request. Raises as
+        :func:`mapper.diagnosis.examine`.
         """
         name = self.trajectory
         known = self._examinations.get(name)
-        if known is None or (known.done() and known.exception() is not None):
-            known = asyncio.ensure_future(self._examine(name))
-            known.add_done_callback(
-                lambda done: done.cancelled() or done.exception()
-            )  # its exception is then not logged as never retrieved
-            self._examinations[name] = known
-        return await asyncio.shield(known)
+        if known is None or (known.future.done() and known.future.exception() is not None):
+            known = self._examinations[name] = self._examination(name)
+        known.waiting += 1
+        try:
+            return await asyncio.shield(known.future)
+        finally:
+            known.waiting -= 1
+            if not known.is_wanted and not known.future.done() and self._examinations.get(name) is known:
+                del self._examinations[name]
 
-    async def _examine(self, trajectory: str) -> list[Finding]:
-        host = self._host
+    def _examination(self, trajectory: str) -> _Examination:
+        host, log = self._host, self.log
+        goes_on = host.in_background()
+        one = _Examination()
 
         def progress(share: float) -> None:
-            self._shares[trajectory] = share
+            one.share = share
 
-        self._shares.pop(trajectory, None)
-        return await examination(self.log, trajectory, host.scheduler, host.job_owner, host.in_background(), progress)
+        def wanted() -> bool:
+            return one.is_wanted and goes_on()
+
+        one.future = asyncio.ensure_future(
+            examination(log, trajectory, host.scheduler, host.job_owner, wanted, progress)
+        )
+        one.future.add_done_callback(
+            lambda done: done.cancelled() or done.exception()
+        )  # its exception is then not logged as never retrieved
+        return one

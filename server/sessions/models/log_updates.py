@@ -1,8 +1,8 @@
-"""Commands of the service to a log session, which no client can send: other trajectories, a pose graph, a SLAM job."""
+"""Commands of the service to a log session, which no client can send: other trajectories, a pose graph, a job."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,14 @@ from mapper.core.errors import MapperError
 from mapper.sensors.scan import ScanLog
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
+from server.sessions.models.log_localization import LogLocalization
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult, error_message
 from server.sessions.view import LogView
+
+if TYPE_CHECKING:
+    from server.library.localize_job import LocalizeProgress
 
 
 class Updated(Protocol):
@@ -22,6 +26,7 @@ class Updated(Protocol):
 
     recording: LogRecording
     graph: LogGraph
+    localization: LogLocalization
     playback: Playback
 
     @property
@@ -59,19 +64,23 @@ class LogUpdates:
                 solved = command["solved"]
                 model.graph.show(solved)
                 model.updated(result, is_new=model.recording.update(solved.in_log(model.recording.log)))
-            case "follow_slam":
-                self._healing.begin()
-            case "slam_poses":
-                self._show_slam(command["poses"], result)
-            case "slam_ended":
-                self._end_slam(command["trajectory"], result)
+            case "follow_poses":
+                self._healing.begin(command["name"])
+            case "poses_so_far":
+                self._show_poses(command["poses"], command.get("report"), result)
+            case "poses_ended":
+                self._end_poses(command["trajectory"], result)
+            case "show_given_map":
+                model.localization.show_map(command["map"])
+            case "show_course":
+                model.localization.show_course(command["trajectory"], command["course"])
             case _:
                 return False
         result.changed = True
         return True
 
-    def _show_slam(self, poses: NDArray[np.float64], result: TickResult) -> None:
-        """Map the scans whose poses a SLAM job has corrected so far."""
+    def _show_poses(self, poses: NDArray[np.float64], report: LocalizeProgress | None, result: TickResult) -> None:
+        """Map the scans whose poses a job has made so far."""
         model = self._model
         if not self._healing.is_following or not 0 < len(poses) <= model.recording.log.n_scans:
             return
@@ -79,17 +88,23 @@ class LogUpdates:
             return  # with the poses from before; there are newer ones soon
         model.playback.playing = False
         is_new = self._healing.show(poses)
+        if report is not None:
+            model.localization.show_progress(report)
+            result.slot(model.localization.message())
         model.go_to(len(poses))
         model.updated(result, is_new=is_new)
 
-    def _end_slam(self, trajectory: str | None, result: TickResult) -> None:
-        """Show the whole map along the trajectory that SLAM has made, None: along the one from before."""
+    def _end_poses(self, trajectory: str | None, result: TickResult) -> None:
+        """Show the whole map along the trajectory that the job has made, None: along the one from before."""
         model = self._model
+        model.localization.end_progress()
+        result.slot(model.localization.message())
         before = self._healing.end()
         chosen = before if trajectory is None else trajectory
         if before is None or chosen is None or chosen not in model.recording.log.trajectories:
             return
         model.graph.forget()
+        model.localization.forget()
         is_other = chosen != model.recording.trajectory
         if is_other:
             model.recording.choose(chosen)

@@ -10,9 +10,9 @@ import numpy as np
 from mapper.core.se2 import compose, wrap_angle
 from mapper.matching.landscape import score_hill
 from mapper.matching.parameters import MatchConfig
-from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import Target
 from mapper.sensors.scan import ScanLog
+from mapper.slam.scan_store import scans_of
 from server.sessions.models.solved_graph import SolvedGraph
 
 #: ± 1 m in cells of 5 cm, ± 20° in steps of 2°: 35,301 poses, a few hundredths of a second for a scan of 360 beams.
@@ -34,7 +34,7 @@ def hill_of(solved: SolvedGraph, log: ScanLog, edge: int) -> dict[str, Any]:
     solved.check_edge(edge)
     i, j = int(graph.i[edge]), int(graph.j[edge])
     poses = solved.node_poses
-    scans = prepare_scans(log.take(graph.nodes[[i, j]]))
+    scans = scans_of(log, graph.nodes[[i, j]].tolist())
     target = Target(scans, np.zeros(1, dtype=np.int64), np.stack([poses[i], poses[i]]))
     centre = compose(poses[i], graph.relative[edge])
     hill = score_hill(scans, 1, target, centre, CONFIG)

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from mapper.core.errors import ConfigError, WorkCancelledError
-from mapper.core.se2 import compose, inverse
+from mapper.core.se2 import compose
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
@@ -26,7 +26,11 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.lab_localization import OFF, LabLocalization
+from server.sessions.models.lab_localization import LabLocalization
+from server.sessions.models.lab_navigation import LabNavigation, believed_now
+from server.sessions.models.lab_navigation_parameters import TABLE
+from server.sessions.models.localization_message import OFF
+from server.sessions.models.navigation_messages import COMMANDS
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
@@ -64,6 +68,7 @@ class SimulationModel(SessionModel):
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
         self._localization: LabLocalization | None = None
+        self._navigation = LabNavigation(mapper)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
@@ -71,10 +76,10 @@ class SimulationModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map if there is one, those of the localization if there is one, and those of SLAM."""
+        """The map, the second map if there is one, and those of localization, navigation and SLAM while they are on."""
         second = () if self._second is None else (self._second,)
         localization = () if self._localization is None else self._localization.layers
-        return (self._map, *second, *localization, *self._slam.layers)
+        return (self._map, *second, *localization, *self._navigation.layers, *self._slam.layers)
 
     @property
     def title(self) -> str:
@@ -98,8 +103,8 @@ class SimulationModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the map, and of what the robot is localized in."""
-        more = 0 if self._localization is None else self._localization.cells
+        """The cells of the map, of what the robot is localized in, and of its costmap."""
+        more = self._navigation.cells + (0 if self._localization is None else self._localization.cells)
         return Footprint(cells=int(self.grid.log_odds.size) + more)
 
     @property
@@ -134,11 +139,8 @@ class SimulationModel(SessionModel):
             robot_state = RobotState(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
         if mapper.believed_pose == mapper.newest_pose:
             return robot_state
-        believed = mapper.believed_pose
-        # The true motion since the newest scan is added: the drift in a tenth of a second is negligible.
-        since = compose(inverse(np.array(mapper.newest_pose)), np.array(robot_state.pose))
-        now = as_pose(compose(believed, since))
-        return replace(robot_state, believed_pose=now, believed_scan_pose=as_pose(compose(believed, simulation.mount)))
+        now, scan_pose = believed_now(mapper), as_pose(compose(mapper.believed_pose, simulation.mount))
+        return replace(robot_state, believed_pose=now, believed_scan_pose=scan_pose)
 
     def sources(self) -> list[Source]:
         """Return the recordings, one for each kind of sensor."""
@@ -190,14 +192,17 @@ class SimulationModel(SessionModel):
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
+            "navigation": [asdict(row) for row in TABLE],
         }
 
     def messages(self) -> list[dict[str, Any]]:
-        """Return the parameters, the world, and how the robot is localized."""
-        return [self._parameters_message(), self._world_message(), self._localization_message()]
-
-    def _localization_message(self) -> dict[str, Any]:
-        return OFF if self._localization is None else self._localization.message()
+        """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
+        return [
+            self._parameters_message(),
+            self._world_message(),
+            *self._navigation.messages(),
+            OFF if self._localization is None else self._localization.message(),
+        ]
 
     def _parameters_message(self) -> dict[str, Any]:
         """Return the parameters, the robot's faults and the parameters in which the second map differs."""
@@ -253,13 +258,14 @@ class SimulationModel(SessionModel):
         """Advance the simulation, and map its scans."""
         if dt > 0.0:
             result.changed = True
-            for change in self._mapper.advance(dt * self.playback.speed):
+            for change in self._navigation.advance(dt * self.playback.speed, result):
                 result.add(change)
 
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self._localize(result)
+        self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))
@@ -283,7 +289,7 @@ class SimulationModel(SessionModel):
             result.slot(one.message())
 
     def _begin_localizing(self, command: dict[str, Any], result: TickResult) -> None:
-        """Begin to localize the robot in the plan of the present world, or end it."""
+        """Begin to localize the robot in a plan of the present world, or end it."""
         simulation = self._mapper.simulation
         self._localization = (
             LabLocalization(
@@ -292,11 +298,12 @@ class SimulationModel(SessionModel):
                 simulation.mount,
                 self._mapper.newest_pose,
                 values({"values": {}} | command),
+                text({"map": "plan"} | command, "map"),
             )
             if flag(command, "value")
             else None
         )
-        result.slot(self._localization_message())
+        result.slot(OFF if self._localization is None else self._localization.message())
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
@@ -307,6 +314,8 @@ class SimulationModel(SessionModel):
                 self._act(command, result)
             case "localize":
                 self._begin_localizing(command, result)
+            case kind if kind in COMMANDS:
+                self._navigation.obey(command, result)
             case "step":
                 self._step(command, result)
             case "faults":
@@ -353,6 +362,8 @@ class SimulationModel(SessionModel):
         self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
         if command["type"] == "drive":
             self.playback.playing = True
+        if command["type"] in ("drive", "auto"):
+            self._navigation.stop_driving(result)
         if command["type"] == "teleport" and self._localization is not None:
             self._localization.carried(mapper.newest_pose)
         if command["type"] == "sensor":
@@ -384,6 +395,7 @@ class SimulationModel(SessionModel):
 
     def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
         self._stop_localizing(result)
+        self._navigation.end(result)
         self._mapper.begin(world, self.sensor, edits_of(edits))
         result.new_grid = True
         result.slot(self._world_message())

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse, transform_points, wrap_angle
+from mapper.matching.kernels.types import NO_POINT
 from mapper.matching.match import match_scan
 from mapper.matching.parameters import MatchConfig
-from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import scan_target
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates, optimise
+from mapper.slam.scan_store import scans_of
 from server.sessions.view import GraphChange
 from server.stream.layers import GraphLayer
 
@@ -128,7 +129,7 @@ class SolvedGraph:
                 "graph.scans", f"The scans {first} and {second} follow each other: no loop is between them."
             )
         poses = self.node_poses
-        scans = prepare_scans(log.take(graph.nodes[[i, j]]))
+        scans = scans_of(log, graph.nodes[[i, j]].tolist())
         guess = compose(inverse(poses[i]), poses[j])
         found = match_scan(scans, 1, scan_target(scans, 0), guess, MatchConfig(window_m=WINDOW))
         if found.score < LEAST_SCORE:
@@ -197,12 +198,9 @@ class SolvedGraph:
 
     def _points(self, log: ScanLog, node: int, pose: Float64Array) -> list[list[float]]:
         scan = int(self.graph.nodes[node])
-        ranges = log.ranges[scan]
-        seen = np.flatnonzero((ranges >= log.range_min) & (ranges <= log.range_max) & (ranges > 0.0))
-        seen = seen[:: max(1, -(-len(seen) // MAX_POINTS))]
-        angles, r = log.angles[seen], ranges[seen].astype(np.float64)
-        points = np.stack([r * np.cos(angles), r * np.sin(angles)], axis=1)
-        in_map = transform_points(compose(pose, log.mounts_at(scan)), points)
+        scans = scans_of(log, [scan])
+        points = scans.points[0][scans.kind[0] != NO_POINT].astype(np.float64)
+        in_map = transform_points(pose, points[:: max(1, -(-len(points) // MAX_POINTS))])
         return [[float(x), float(y)] for x, y in np.round(in_map, 3)]
 
     def edge(self, log: ScanLog, edge: int) -> dict[str, Any]:

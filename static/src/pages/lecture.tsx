@@ -36,13 +36,14 @@ import { SpeakerView } from "./lecture/present/SpeakerView";
 import { presenting, readAddress, sectionInSight, sectionOfSlide, setPresenting } from "./lecture/present/state";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
+import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
 import { SonarSection } from "./lecture/SonarSection";
 import { TableSection } from "./lecture/TableSection";
 import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
-  readonly body: ComponentType<{ id: string; number: number; title: string }>;
+  readonly body: ComponentType<SectionHead>;
 }
 
 /** The body of each lesson, by its id. */

@@ -21,7 +21,14 @@ export class Outbox {
     const isFirst = this.#waiting.size === 0;
     // Of requests about two layers the newest for each is sent.
     const about = "layer" in command ? ` ${command.layer}` : "";
-    this.#waiting.set(command.type + about, command);
+    const key = command.type + about;
+    const before = this.#waiting.get(key);
+    // A change of the costmap has several parts, of which the newest is sent each.
+    const isPart = command.type === "costmap" && before?.type === "costmap";
+    this.#waiting.set(
+      key,
+      isPart ? { ...before, ...command, values: { ...before.values, ...command.values } } : command,
+    );
     if (isFirst) this.#schedule(() => this.flush());
   }
 

@@ -31,6 +31,7 @@ import type {
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import type { Stepping } from "./stepping";
@@ -148,10 +149,14 @@ export class SessionState implements Receiver {
   mapAt: ((point: Point) => string) | null = null;
   /** How far the maps have forgotten a removed object; null while this is not measured. */
   readonly forgetting = signal<Forgetting | null>(null);
-  /** How the simulated robot is localized; null before the first message. */
+  /** How the robot is localized; null before the first message. */
   readonly localization = signal<LocalizationMessage | null>(null);
+  /** The costmap and the path of the simulated robot. */
+  readonly navigation = new Navigation();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
+  /** Where a visitor says that the robot is in a map that it is to be localized in. */
+  readonly givenPose = signal<Pose | null>(null);
 
   /** The scan that is stepped through cell by cell; null for none. */
   readonly stepping = signal<Stepping | null>(null);
@@ -222,6 +227,8 @@ export class SessionState implements Receiver {
       const world = this.world.value;
       const map = this.map.value;
       if (world || !map) return world?.bounds ?? null;
+      const under = this.underlay.value === null ? null : this.layers.grid(this.underlay.value).map.value;
+      if (under) return extent(under.geometry);
       const own = extent(map.geometry);
       const second = this.second.value?.map.value;
       return second ? around(own, extent(second.geometry)) : own;
@@ -338,6 +345,18 @@ export class SessionState implements Receiver {
       case "localization":
         this.localization.value = message;
         return;
+      case "costmap":
+        this.navigation.take(message);
+        return;
+      case "path":
+        this.navigation.path.value = message;
+        return;
+      case "cost":
+        this.navigation.cost.value = message;
+        return;
+      case "nav2":
+        this.navigation.nav2.value = message.text;
+        return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;
         else this.inspected.value = message;
@@ -362,7 +381,7 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

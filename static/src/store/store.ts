@@ -1,7 +1,7 @@
 /** The store of a page that displays a session: every component reads and changes it, and none depends on another. */
 
 import { batch, signal } from "@preact/signals";
-import type { Command, Edits, Parameter, Point, Value, Values } from "../wire/protocol";
+import type { Command, Edits, KeepoutStroke, Parameter, Point, Value, Values } from "../wire/protocol";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "./activeFaults";
 import { NO_EDITS } from "./editing";
 import { History } from "./history";
@@ -39,6 +39,40 @@ export class Store extends SessionState {
       [...this.#back("parameters", values), ...(any ? [{ type: "faults", values: old } as const] : [])],
       [{ type: "parameters", values }, ...(any ? [{ type: "faults", values: faults } as const] : [])],
     );
+  }
+
+  /** Set a parameter of the costmap or the path. */
+  setNavigation(values: Values): void {
+    const now = this.navigation.values.values.peek();
+    const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
+    this.#change(
+      `costmap ${Object.keys(values).join(" ")}`,
+      [{ type: "costmap", values: old }],
+      [{ type: "costmap", values }],
+    );
+  }
+
+  /** Set the outline of the robot: corners in its frame, m. */
+  setFootprint(footprint: readonly Point[]): void {
+    const old = this.navigation.costmap.peek()?.footprint ?? footprint;
+    this.#change("footprint", [{ type: "costmap", footprint: old }], [{ type: "costmap", footprint }]);
+  }
+
+  /** Set all strokes of the keepout brush, which were `old` before the user began. */
+  setKeepout(keepout: readonly KeepoutStroke[], old: readonly KeepoutStroke[]): void {
+    const key = `keepout ${this.history.version.peek()}`;
+    this.#change(key, [{ type: "costmap", keepout: old }], [{ type: "costmap", keepout }]);
+  }
+
+  /** Set the goal of the path, at once: the path has to be planned before the hand has moved on. Null for none. */
+  setGoal(point: Point | null): void {
+    this.send(point ? { type: "goal", x: point[0], y: point[1] } : { type: "goal" });
+  }
+
+  /** Drag the goal to a point; null when it is released. */
+  dragGoal(point: Point | null): void {
+    this.navigation.goalAt.value = point;
+    if (point) this.setGoal(point);
   }
 
   teleport(point: Point): void {
@@ -125,6 +159,9 @@ export class Store extends SessionState {
         target.set(name, value);
         this.outbox.putValue(command.type, name, value);
       }
+    } else if (command.type === "costmap") {
+      for (const [name, value] of Object.entries(command.values ?? {})) this.navigation.values.set(name, value);
+      this.sendSoon(command);
     } else if (command.type === "teleport") this.sendSoon(command);
     else {
       if (command.type === "faults")

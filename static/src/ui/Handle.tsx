@@ -1,6 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
 import { zoomOf } from "./zoom";
+import "./handle.css";
 
 interface HandleProps {
   readonly label: string;

@@ -1,3 +1,4 @@
+import type { Signal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { Tooltip } from "./Tooltip";
 
@@ -32,5 +33,20 @@ export function Toggle({ label, checked, sentence, disabled = false, onChange }:
         <span class="toggle-track" />
       </span>
     </div>
+  );
+}
+
+type ToggleOfProps = Omit<ToggleProps, "checked" | "onChange"> & { readonly signal: Signal<boolean> };
+
+/** A switch that shows and sets a signal. */
+export function ToggleOf({ signal, ...rest }: ToggleOfProps) {
+  return (
+    <Toggle
+      {...rest}
+      checked={signal.value}
+      onChange={(checked) => {
+        signal.value = checked;
+      }}
+    />
   );
 }

@@ -14,3 +14,6 @@ export const OCCUPIED_THRESHOLD = 0.65;
 
 /** p_occ below which a cell is free, as in map_server. */
 export const FREE_THRESHOLD = 0.25;
+
+/** Scans of a sensor below which the doctor refuses to judge a log. */
+export const DOCTOR_LEAST_SCANS = 10;

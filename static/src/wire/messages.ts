@@ -1,4 +1,4 @@
-// Written by `python -m server.stream.generate` from server/stream/messages.py and commands.py: change those.
+// Written by `python -m server.stream.generate` from server/stream/messages.py, message_parts.py and commands.py: change those.
 
 import {
   type Check,
@@ -179,6 +179,28 @@ export interface Edits {
 /** [ax, ay, bx, by] in m */
 export type Segment = readonly [ax: number, ay: number, bx: number, by: number];
 
+/** A stroke of the brush that paints keepout zones. */
+export interface KeepoutStroke {
+  /** width of the brush, m */
+  readonly width: number;
+  /** whether it erases */
+  readonly erases: boolean;
+  /** places of the brush's middle, at least one */
+  readonly points: readonly Point[];
+}
+
+/** What one layer of a costmap says of a cell. */
+export interface LayerCost {
+  /** name of the layer */
+  readonly layer: string;
+  /** its own cost there, 255: none */
+  readonly cost: number;
+  /** cost of the costmap after it */
+  readonly master: number;
+  /** why, one sentence */
+  readonly sentence: string;
+}
+
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
 
@@ -215,7 +237,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -233,6 +255,8 @@ export interface Hello {
   readonly world?: string;
   /** simulations: seed; the same seed and commands give the same scans */
   readonly seed?: number;
+  /** parameters of the costmap and the path */
+  readonly navigation?: readonly Parameter[];
 }
 
 /** The layers of the session. Sent at the start and after a change. */
@@ -404,16 +428,18 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
-/** Simulations: where the particle filter takes the robot to be, and how far off that is. */
+/** Where the particle filter takes the robot to be; in a simulation, how far off that is. */
 export interface LocalizationMessage {
   readonly type: "localization";
   /** whether the robot is localized */
   readonly is_on: boolean;
+  /** of a simulation: plan, moved or other, as the command localize has it */
+  readonly map: string;
   /** localization parameters that differ from the first ones */
   readonly values: Values;
   /** the best estimate */
   readonly pose: Pose | null;
-  /** the true pose that it is an estimate of */
+  /** the pose, in a simulation the true one, that it is an estimate of */
   readonly at: Pose | null;
   /** variances of the estimate: xx, xy, yy in m², yaw in rad² */
   readonly covariance: readonly [number, number, number, number] | null;
@@ -433,6 +459,62 @@ export interface LocalizationMessage {
   readonly error_m: number | null;
   /** its error in heading, rad */
   readonly error_rad: number | null;
+}
+
+/** The costmap over the map of a simulation or a log. */
+export interface CostmapMessage {
+  readonly type: "costmap";
+  /** whether there is one */
+  readonly is_on: boolean;
+  /** navigation parameters */
+  readonly values: Values;
+  /** corners of the robot's outline, in its frame, without padding */
+  readonly footprint: readonly Point[];
+  /** of the padded outline, m */
+  readonly inscribed_radius: number;
+  /** of the padded outline, m */
+  readonly circumscribed_radius: number;
+  /** all that is painted */
+  readonly keepout: readonly KeepoutStroke[];
+}
+
+/** Sessions with a costmap: the path to the goal; its points are in the layer `plan`. */
+export interface PathMessage {
+  readonly type: "path";
+  /** the goal; null: there is none */
+  readonly goal: Point | null;
+  /** whether the robot drives along it */
+  readonly drives: boolean;
+  /** length, m; null: there is no path */
+  readonly length: number | null;
+  /** sum of the costs of its steps; null: there is no path */
+  readonly cost: number | null;
+  /** whether it ends at the goal */
+  readonly reaches_goal: boolean;
+  /** why there is no path, or why it ends before the goal */
+  readonly reason: string | null;
+  /** the point ahead that the robot aims at */
+  readonly carrot: Point | null;
+  /** duration of the planning, ms */
+  readonly plan_ms: number;
+}
+
+/** Answer to `cost`: what each layer says of a cell, bottom first. */
+export interface CostMessage {
+  readonly type: "cost";
+  /** the place that was asked for, m */
+  readonly x: number;
+  /** the place that was asked for, m */
+  readonly y: number;
+  /** one for each layer that is on */
+  readonly layers: readonly LayerCost[];
+}
+
+/** Answer to `nav2`. */
+export interface Nav2Message {
+  readonly type: "nav2";
+  /** a Nav2 parameter file; null: the parameters were set */
+  readonly text: string | null;
 }
 
 /** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
@@ -640,13 +722,55 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** Simulations: begin to localize the robot in the plan of the world, from anywhere, or end it. */
+/** Simulations: begin to localize the robot in a map, from anywhere, or end it. */
 export interface LocalizeCommand {
   readonly type: "localize";
   /** whether it is localized */
   readonly value?: boolean;
   /** localization parameters that differ from the first ones */
   readonly values?: Values;
+  /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
+  readonly map?: string;
+}
+
+/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
+export interface CostmapCommand {
+  readonly type: "costmap";
+  /** whether there is one */
+  readonly value?: boolean;
+  /** navigation parameters to change */
+  readonly values?: Values;
+  /** corners of the robot's outline, in its frame */
+  readonly footprint?: readonly Point[] | null;
+  /** all that is painted; replaces the earlier */
+  readonly keepout?: readonly KeepoutStroke[] | null;
+}
+
+/** Sessions with a costmap: set the goal of the path, and whether the robot drives along it. */
+export interface GoalCommand {
+  readonly type: "goal";
+  /** x in the map frame, m; null: no goal */
+  readonly x?: number | null;
+  /** y in the map frame, m */
+  readonly y?: number | null;
+  /** whether it drives; null: as before */
+  readonly drives?: boolean | null;
+}
+
+/** Sessions with a costmap: ask why a cell has its cost; answered with `cost`. */
+export interface CostCommand {
+  readonly type: "cost";
+  /** x in the map frame, m */
+  readonly x: number;
+  /** y in the map frame, m */
+  readonly y: number;
+}
+
+/** Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one. */
+export interface Nav2Command {
+  readonly type: "nav2";
+  /** a Nav2 parameter file; null: answer with one */
+  readonly text?: string | null;
 }
 
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
@@ -742,6 +866,10 @@ export type ServerMessage =
   | WorldMessage
   | Forgetting
   | LocalizationMessage
+  | CostmapMessage
+  | PathMessage
+  | CostMessage
+  | Nav2Message
   | WorkingMessage
   | NoticeMessage
   | ErrorMessage
@@ -766,6 +894,10 @@ export type Command =
   | CompareCommand
   | TeleportCommand
   | LocalizeCommand
+  | CostmapCommand
+  | GoalCommand
+  | CostCommand
+  | Nav2Command
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -850,6 +982,17 @@ const isEdits: Check = isObject({
   erased: isListOf(isInteger),
 });
 const isSegment: Check = isTuple(isNumber, isNumber, isNumber, isNumber);
+const isKeepoutStroke: Check = isObject({
+  width: isPositive,
+  erases: isFlag,
+  points: isListOf(isPoint),
+});
+const isLayerCost: Check = isObject({
+  layer: isText,
+  cost: isInteger,
+  master: isInteger,
+  sentence: isText,
+});
 const isCellState: Check = isLiteral("free", "occupied", "unknown");
 const isContribution: Check = isObject({
   n: isInteger,
@@ -879,6 +1022,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     log: oneOf(isLogInfo, isNull),
     world: optional(isText),
     seed: optional(isInteger),
+    navigation: optional(isListOf(isParameter)),
   },
   layers: {
     layers: isListOf(isLayerInfo),
@@ -958,6 +1102,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   localization: {
     is_on: isFlag,
+    map: isText,
     values: isValues,
     pose: oneOf(isPose, isNull),
     at: oneOf(isPose, isNull),
@@ -970,6 +1115,32 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     n_updates: isInteger,
     error_m: oneOf(isNumber, isNull),
     error_rad: oneOf(isNumber, isNull),
+  },
+  costmap: {
+    is_on: isFlag,
+    values: isValues,
+    footprint: isListOf(isPoint),
+    inscribed_radius: isNumber,
+    circumscribed_radius: isNumber,
+    keepout: isListOf(isKeepoutStroke),
+  },
+  path: {
+    goal: oneOf(isPoint, isNull),
+    drives: isFlag,
+    length: oneOf(isNumber, isNull),
+    cost: oneOf(isNumber, isNull),
+    reaches_goal: isFlag,
+    reason: oneOf(isText, isNull),
+    carrot: oneOf(isPoint, isNull),
+    plan_ms: isNumber,
+  },
+  cost: {
+    x: isNumber,
+    y: isNumber,
+    layers: isListOf(isLayerCost),
+  },
+  nav2: {
+    text: oneOf(isText, isNull),
   },
   working: {
     elapsed_s: oneOf(isNumber, isNull),

@@ -70,7 +70,7 @@ def test_the_global_costmap_of_a_whole_file() -> None:
     assert static == StaticConfig(lethal_cost_threshold=65)
     assert obstacle == ObstacleConfig(raytrace_max_range=4.5, obstacle_max_range=3.5, combination_method="overwrite")
     assert inflation == InflationConfig(inflation_radius=0.7, cost_scaling_factor=3.0)
-    assert found.filters == ("keepout_filter",)
+    assert [(one.name, one.kind, one.mask) for one in found.filters] == [("keepout_filter", "keepout", None)]
     assert "global_costmap.update_frequency" in found.unused
 
 

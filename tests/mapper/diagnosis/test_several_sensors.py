@@ -13,16 +13,14 @@ from mapper.diagnosis import Finding, Limits, examine, judge, named_findings
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
-from mapper.simulation import sample_log
+from tests.mapper.diagnosis.runs import true_run
 
 N = 160
 
 
 @pytest.fixture(scope="module")
 def front() -> ScanLog:
-    log = sample_log(N)
-    thinned = replace(log, ranges=log.ranges[:, ::4].copy(), angle_increment=4.0 * log.angle_increment)
-    return replace(thinned, trajectories={"true": log.trajectory("true")}, topic="/front")
+    return replace(true_run(N, every=4), topic="/front")
 
 
 def other(log: ScanLog, mount: tuple[float, float, float]) -> ScanLog:

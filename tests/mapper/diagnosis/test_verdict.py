@@ -18,9 +18,9 @@ from mapper.diagnosis.verdict import FINDINGS
 from mapper.io.logs import open_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog, Trajectory
-from mapper.simulation import sample_log
 from mapper.simulation.odometry import ALPHAS, TURN_BIAS, drifting_odometry
 from tests.bench.doctor import part
+from tests.mapper.diagnosis.runs import true_run
 from tests.marks import also_long
 
 N = 300
@@ -29,8 +29,7 @@ STRICT = Limits(max_drift=0.25, min_sharpness=0.6, no_findings=frozenset(FINDING
 
 @pytest.fixture(scope="module")
 def clean() -> ScanLog:
-    log = sample_log(N)
-    return replace(log, trajectories={"true": log.trajectory("true")})
+    return true_run(N, every=3)
 
 
 def with_poses(log: ScanLog, poses: np.ndarray) -> ScanLog:

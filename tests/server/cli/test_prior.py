@@ -44,7 +44,8 @@ def test_poses_in_another_frame_than_the_prior_map_are_refused(run, recording, t
     refusal = (
         f"gridbloom: {known}: The prior map is in frame 'map', but the poses of trajectory 'tf/odom' are in frame "
         "'odom'. Choose poses in its frame with --trajectory tf/map, or state the frame of the prior map with "
-        "--prior-frame odom. To find the robot in the map, run 'gridbloom localize'.\n"
+        "--prior-frame odom. To find the robot in the map, run "
+        f"'gridbloom localize LOG --map {known} --out poses.tum'.\n"
     )
     options = ["--trajectory", "tf/odom", "--prior", known]
     assert run("map", recording, *options) == (2, "", refusal)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import io
+import os
+import signal
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from server.library.inspections import InspectJob
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -95,6 +99,32 @@ def test_the_transforms_at_a_moment(service: Service, session: str) -> None:
     assert got(service, session, "/frames", fixed="base_link")["fixed"] == "base_link"
     refused = service.http.get(f"/api/sessions/{session}/contents/frames", params={"fixed": "moon"})
     assert refused.json()["code"] == "contents.no_frame"
+
+
+def test_an_inspection_that_is_cancelled_ends_in_its_process_and_begins_anew(
+    service: Service, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The inspection is held up in its process, which therefore has to be ended: it would never come back."""
+    begun = tmp_path / "begun"
+    monkeypatch.setattr("server.library.inspections.inspect_job", partial(held_up, begun))
+    session = opened(service, "held.mcap", recorded.mcap_bytes(robot(1)))
+    address = f"/api/sessions/{session}/contents"
+    assert service.http.get(address).status_code == 202
+    until(begun.exists)
+    process = int(begun.read_text())
+    assert service.http.delete(address).status_code == 204
+    until(lambda: not Path(f"/proc/{process}").exists() or "Z" in Path(f"/proc/{process}/stat").read_text().split()[2])
+    monkeypatch.undo()
+    until(lambda: service.http.get(address).status_code == 200)
+    assert service.http.delete(address).status_code == 204, "nothing is under way, and what is known stays"
+    assert service.http.get(address).status_code == 200
+
+
+def held_up(begun: Path, job: InspectJob) -> None:
+    """Stand in for ``inspect_job``: say which process it is, and wait for its end."""
+    begun.with_suffix(".half").write_text(str(os.getpid()))
+    begun.with_suffix(".half").rename(begun)
+    signal.pause()
 
 
 def test_a_text_log_and_a_world(service: Service) -> None:

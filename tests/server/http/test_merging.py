@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 
 from mapper.core.errors import ConfigError
-from server.library.merge_job import ENDINGS, MergeJob, MergeOutcome
+from server.library.merge_job import MergeJob, MergeOutcome
 from tests.server.library import slam_stand_ins as stand_ins
-from tests.server.library.small_logs import carmen, tum
+from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
-
-
-def quick(job: MergeJob) -> MergeOutcome:
-    """Lay both logs 2 m to the left."""
-    for ending, start in zip(ENDINGS, (0, 100), strict=True):
-        Path(job.out + ending).write_bytes(tum(6, 2.0, start))
-    return MergeOutcome(7, 9, 0.8, 0.5)
 
 
 def apart(job: MergeJob) -> MergeOutcome:
@@ -38,7 +30,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.merge_job.do_merge_job", quick)
+        patch.setattr("server.library.merge_job.do_merge_job", stand_ins.quick_merge)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 
@@ -46,7 +38,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 @pytest.fixture(scope="module")
 def logs(service: Service) -> tuple[str, str]:
     found = []
-    for name, start in (("first.log", 0), ("second.log", 100)):
+    for name, start in (("first.log", 0), ("second.log", stand_ins.SECOND_START)):
         log_id = service.http.put("/api/logs", params={"name": name}, content=carmen(6, start)).json()["id"]
         once_read(service.http, log_id)
         found.append(str(log_id))
@@ -72,7 +64,11 @@ def test_both_logs_have_the_merged_poses_and_their_maps_are_compared(service: Se
     assert answer.status_code == 202, answer.text
     found = ended(http, session)
     assert (found["state"], found["other"]) == ("done", logs[1])
-    assert found["result"] == {"trajectory": "merged", "loops": 7, "tried": 9, "score": 0.8, "cpu_s": 0.5}
+    result = found["result"]
+    assert (result["trajectory"], result["loops"], result["tried"], result["note"]) == ("merged", 7, 9, "")
+    # The scans of both are a log of their own.
+    assert once_read(http, result["log"])["name"] == result["name"] == "first and second, merged.mcap"
+    assert http.post("/api/sessions", json={"kind": "log", "log": result["log"]}).json()["count"] == 12
     for log_id in logs:
         other = service.begin(kind="log", log=log_id, trajectory="merged", playing=False)
         assert ys(http, other) == [2.0] * 6
@@ -100,16 +96,10 @@ def test_what_cannot_be_merged_is_said(
 
 
 def test_a_merge_is_cancelled(service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.library.merge_job.do_merge_job", endless)
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", stand_ins.endless_merge)
     session = service.begin(kind="log", log=logs[1], playing=False)
     address = f"/api/sessions/{session}/merge"
     service.http.post(address, json={"log": logs[0]})
-    until(lambda: service.http.get(address).json()["state"] == "running")
+    until(lambda: service.http.get(address).json()["stage"] == "loops")
     assert service.http.post(address, json={"log": logs[0]}).json()["code"] == "merge.too_many"
     assert service.http.delete(address).json()["state"] == "cancelled"
-
-
-def endless(job: MergeJob) -> MergeOutcome:
-    """Go on until the files of the job are removed."""
-    until(lambda: not Path(job.first).exists())
-    return MergeOutcome(0, 0, 0.0, 0.0)

@@ -14,9 +14,12 @@ from mapper.core.errors import ConfigError
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
 from server.library.graph_file import graph_bytes
+from server.library.merge_job import ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
 from server.library.slam_job import GRAPH, TUM, SlamJob, SlamOutcome
+from tests.server.library.small_logs import carmen, tum
 
 PATIENCE_S = 60.0
+SECOND_START = 100  #: of the second log of a merge
 Y = 5.0  #: of the poses that a stand-in has found, metres
 
 
@@ -72,6 +75,23 @@ def endless(job: SlamJob) -> SlamOutcome:
     while Path(job.pack).exists() and time.monotonic() < deadline:
         time.sleep(0.01)
     return SlamOutcome(None, 0, 0, 0.0, (0.0, 0.0), ())
+
+
+def quick_merge(job: MergeJob) -> MergeOutcome:
+    """Lay both logs, of six scans each, 2 m to the left; the second begins at :data:`SECOND_START`."""
+    for ending, start in zip(ENDINGS, (0, SECOND_START), strict=True):
+        Path(job.out + ending).write_bytes(tum(6, 2.0, start))
+    Path(job.out + LOG).write_bytes(carmen(12, 0))
+    return MergeOutcome(7, 9, 0.8, 0.5)
+
+
+def endless_merge(job: MergeJob) -> MergeOutcome:
+    """Say that loops are tried, and go on until the files of the job are removed."""
+    Path(job.out + STAGE).write_text("loops")
+    deadline = time.monotonic() + PATIENCE_S
+    while Path(job.first).exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    return MergeOutcome(0, 0, 0.0, 0.0)
 
 
 def refusing(job: SlamJob) -> SlamOutcome:

@@ -170,7 +170,9 @@ async def test_a_locked_database_is_refused_after_a_time(tmp_path: Path, monkeyp
 
 async def test_on_a_full_disk_a_record_is_written_completely_or_not_at_all(tmp_path: Path) -> None:
     database = Database.open(None, tmp_path)
-    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql("PRAGMA max_page_count = 24"))
+    with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as empty:
+        (pages,) = empty.execute("PRAGMA page_count").fetchone()
+    event.listen(database._engine, "begin", lambda c: c.exec_driver_sql(f"PRAGMA max_page_count = {pages + 12}"))
     rows = LogRows(database)
     ends = await asyncio.gather(
         *(rows.put(replace(RECORD, id=str(n), name="n" * 5000)) for n in range(30)), return_exceptions=True
@@ -191,7 +193,7 @@ async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_dat
     await LogRows(opened).put(RECORD)
     opened.close()
     with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as older, older:
-        for table in ("log_tags", "slam_jobs", "notes", "trajectories"):
+        for table in ("log_tags", "localization_jobs", "merge_jobs", "slam_jobs", "notes", "trajectories"):
             older.execute(f"DROP TABLE {table}")
         older.execute("ALTER TABLE logs DROP COLUMN attempts")
         older.execute("UPDATE alembic_version SET version_num = '0003'")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mapper.evaluation import absolute_errors, align
+from mapper.io.logs import open_log
 from mapper.io.trajectories import read_tum
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog
+from mapper.slam import merged_log
 from server.library.log_pack import write_pack
-from server.library.merge_job import ENDINGS, MergeJob, _merge
+from server.library.merge_job import ENDINGS, LOG, STAGE, MergeJob, _merge
 from tests.mapper.slam.test_merge import FIRST, SECOND, WIDE, in_frame
 from tests.mapper.slam.worlds import along, drive
 
@@ -30,3 +34,28 @@ def test_it_leaves_a_trajectory_of_each_log_in_one_frame(tmp_path: Path) -> None
     true = np.concatenate([log.trajectory("true").poses for log in (first, second)])
     found = np.concatenate([own.poses for own in poses])
     assert absolute_errors(true, align(true, found).apply(found))[0].max() < 0.2
+    assert (tmp_path / f"out{STAGE}").read_text() == "writing"
+    # The log of both, as its own reader has it: the lidars differ, and both began at one time.
+    both = open_log(tmp_path / f"out{LOG}", topic="/second/scan_0")
+    assert outcome.topic == "/first/scan_0 + /second/scan_0"
+    assert "the second log's clock is set" in outcome.note
+    assert both.stamps_ns[0] > first.stamps_ns[-1]
+    np.testing.assert_array_equal(both.ranges, second.ranges)
+    np.testing.assert_allclose(both.trajectory().poses, poses[1].poses, atol=1e-5)
+    assert both.mount == second.mount
+
+
+def test_alike_lidars_become_one_sensor() -> None:
+    log = drive("room", along([(1.5, 2.0), (3.0, 2.0)], 0.5))
+    later = replace(log, stamps_ns=log.stamps_ns + 3_600_000_000_000)
+    poses = log.trajectory("true").poses
+    for pair in ((log, later), (later, log)):  # the earlier one's scans are first
+        both, note = merged_log(pair, (poses, poses + 1.0))
+        assert (both.n_scans, both.topic, note) == (2 * log.n_scans, "/scan", "")
+        np.testing.assert_array_equal(both.stamps_ns, np.concatenate([log.stamps_ns, later.stamps_ns]))
+        begin = poses[0] + (0.0 if pair[0] is log else 1.0)
+        np.testing.assert_array_equal(both.trajectory().poses[0], begin)
+    turned, note = merged_log((log, replace(log, mount=(0.0, 0.0, 1.0))), (poses, poses))
+    assert isinstance(turned, JointLog)
+    assert "clock is set +1.200 s" in note
+    assert turned.stamps_ns[log.n_scans] - log.stamps_ns[-1] == 1_000_000_000

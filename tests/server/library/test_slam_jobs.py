@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from mapper.core.errors import LimitError
+from mapper.core.errors import ConfigError, LimitError
+from mapper.sensors.planar.options import PlanarCut
 from server.library import Library, LogNotFoundError
 from server.library.graph_file import read_graph
-from server.library.slam_job import PartialPoses
+from server.library.log_pack import read_pack
+from server.library.slam_job import PartialPoses, SlamJob, SlamOutcome
 from server.settings import Settings
+from tests.mapper.io.logs import recorded
 from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
@@ -168,6 +173,63 @@ async def test_it_survives_a_restart(make_library: Callable[..., Library], monke
     await fourth.start()
     assert fourth.slam.state("ann", done)["result"]["loops"] == 1
     assert "SLAM" in (await fourth.load("ann", done)).trajectories
+
+
+async def test_scans_of_clouds_are_those_of_the_session_s_cut(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also of a job that a restart of the service interrupted: its row says how its scans are cut."""
+    beams: list[int] = []
+
+    def counted(job: SlamJob) -> SlamOutcome:
+        beams.append(read_pack(Path(job.pack)).n_beams)
+        return stand_ins.endless(job) if len(beams) == 1 else stand_ins.quick(job)
+
+    do(monkeypatch, counted)
+    points = np.array([[2.0, 0.0, 0.5], [0.0, 2.0, 0.5]])
+    said = [recorded.cloud((1000 + k) * recorded.SECOND, points) for k in range(6)]
+    said += [recorded.odometry((1000 + k) * recorded.SECOND, 0.1 * k, 0.0, 0.0) for k in range(6)]
+    library = make_library()
+    await library.start()
+    record = await library.put("ann", "run.mcap", in_pieces(recorded.mcap_bytes(said)))
+    await settled(library, "ann", record.id)
+    await library.slam.begin("ann", record.id, cut={"angle_increment": 0.05})
+    await eventually(lambda: library.slam.state("ann", record.id)["fraction"] == 0.5)
+    await library.close()
+    monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
+    again = make_library()
+    await again.start()
+    await ended(again, record.id)
+    assert beams == [PlanarCut(angle_increment=0.05).n_beams] * 2
+    with pytest.raises(ConfigError, match="angle_increment"):
+        await again.slam.begin("ann", record.id, cut={"angle_increment": 0.0})
+
+
+async def test_a_merge_survives_a_restart(
+    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", stand_ins.endless_merge)
+    first = make_library()
+    await first.start()
+    one, other = await uploaded(first), await uploaded(first, start=stand_ins.SECOND_START)
+    await first.merges.begin("ann", (one, None), (other, None))
+    await eventually(lambda: first.merges.state("ann", one)["stage"] == "loops")
+    await first.close()
+    monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", stand_ins.quick_merge)
+    second = make_library()
+    await second.start()
+    await eventually(lambda: second.merges.state("ann", one)["state"] == "done")
+    await second.close()
+    third = make_library()
+    await third.start()
+    state = third.merges.state("ann", one)
+    assert (state["other"], state["result"]["loops"], state["result"]["topic"]) == (other, 7, None)
+    assert third.get("ann", state["result"]["log"]).name == "run and run, merged.mcap"
+    assert "merged" in (await third.load("ann", other)).trajectories
+    await third.delete("ann", one)
+    assert third.merges.state("ann", other)["state"] == "none"
+    await third.close()
 
 
 async def test_it_ends_with_its_log(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -66,6 +66,39 @@ def test_of_many_particles_some_are_sent() -> None:
     assert (field.name, field.kind) == ("likelihood_field", "grid")
 
 
+def test_it_is_given_another_map_than_the_plan() -> None:
+    mapper = LiveMap(WORLDS["room"], seed=2)
+    simulation = mapper.simulation
+    errors, fits = {}, {}
+    for given in ("plan", "moved", "other"):
+        mapper = LiveMap(WORLDS["room"], seed=2)
+        one = LabLocalization(simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, FEW, given)
+        found = drive(mapper, one, 8.0)
+        assert found["map"] == given
+        errors[given], fits[given] = found["error_m"], found["fit"]
+    assert max(errors["plan"], errors["moved"]) < 0.5 < errors["other"]
+    assert fits["plan"] > fits["moved"] + 0.05
+    with pytest.raises(ConfigError, match="plan, moved, other"):
+        LabLocalization(simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, FEW, "none")
+
+
+def test_two_equal_rooms_explain_the_first_scan_alike() -> None:
+    mapper = LiveMap(WORLDS["twins"], seed=2)
+    one = lab_localization(mapper, {"global_particles": 20_000})
+    drive(mapper, one, 0.5)
+    particles, _ = one.layers
+    particles.publish()
+    x = np.frombuffer(b"".join(particles.body[1]), dtype=np.float32)[: particles.body[0]]  # type: ignore[attr-defined]
+    here, x_true = np.abs(x - mapper.newest_pose[0]) < 1.0, mapper.newest_pose[0]
+    there = np.abs(x - x_true - 7.86) < 1.0
+    assert here.mean() > 0.1
+    assert there.mean() > 0.1
+
+
+def message_of(model: SimulationModel) -> dict[str, Any]:
+    return next(one for one in model.messages() if one["type"] == "localization")
+
+
 async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", 3, playing=False)
     model: SimulationModel = session.model
@@ -74,7 +107,7 @@ async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:
         model.obey({"type": "localize", "value": True, "values": {"global_particles": 500}}, result)
         assert [layer.name for layer in model.layers] == ["map", "particles", "likelihood_field"]
         before = model.footprint.cells
-        message = model.messages()[-1]
+        message = message_of(model)
         assert message["is_on"]
         assert message["values"] == {"global_particles": 500}
         for values in ({"sigma_hit": -1.0}, {"speed": 1.0}):
@@ -82,13 +115,13 @@ async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:
                 model.obey({"type": "localize", "value": True, "values": values}, result)
         with pytest.raises(ProtocolError):
             model.obey({"type": "localize", "value": True, "values": 3}, result)
-        assert model.messages()[-1] == message  # what was refused changed nothing
+        assert message_of(model) == message  # what was refused changed nothing
         model.obey({"type": "teleport", "x": 8.0, "y": 6.0}, result)
         model.draw(result)
-        assert model.messages()[-1]["error_m"] > 0.5
+        assert message_of(model)["error_m"] > 0.5
         model.obey({"type": "localize", "value": False}, result)
         assert [layer.name for layer in model.layers] == ["map"]
-        assert not model.messages()[-1]["is_on"]
+        assert not message_of(model)["is_on"]
         assert model.footprint.cells < before
 
 

@@ -255,6 +255,36 @@ async def test_an_examination_ends_with_its_session(
     assert maps == 1
 
 
+async def test_an_examination_ends_when_nobody_waits_for_it_any_more(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = await new_log(registry, "me", office_log)
+    recording = session.model.recording
+    begun, ended, maps = threading.Event(), threading.Event(), 0
+
+    def examined(*_: Any, wanted: Callable[[], bool]) -> list[Any]:
+        nonlocal maps
+        maps += 1
+        begun.set()
+        while wanted():
+            time.sleep(0.001)
+        ended.set()
+        raise WorkCancelledError("doctor.unwanted", "The examination is not wanted any more.")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("mapper.diagnosis.examine", examined)
+        one, other = (asyncio.ensure_future(recording.examined()) for _ in range(2))
+        await asyncio.to_thread(begun.wait)
+        one.cancel()
+        await asyncio.wait([one])
+        assert not ended.is_set(), "the other one still waits"
+        other.cancel()
+        await asyncio.to_thread(ended.wait)
+    assert maps == 1
+    assert recording.examined_share is None
+    assert await recording.examined() == []
+
+
 async def test_a_newer_command_does_not_end_an_examination(
     registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -90,6 +90,23 @@ def test_values_of_a_linear_scale_are_within_half_a_step(rows: int, cols: int, s
     assert (np.abs(told - np.clip(shown, low, high))[~missing] <= (high - low) / 508.0 + 1e-5).all()
 
 
+def test_values_set_in_a_box_are_those_of_a_whole_picture() -> None:
+    geometry = GridGeometry(0.05, 150, 200)
+    rng = np.random.default_rng(4)
+    values = rng.integers(0, 255, geometry.shape).astype(np.uint8)
+    by_box, whole = TilePicture(geometry, 0.0, 254.0), TilePicture(geometry, 0.0, 254.0)
+    by_box.set(values)
+    by_box.publish()
+    for box in (CellBox(0, 1, 0, 1), CellBox(60, 70, 120, 200), CellBox(149, 150, 199, 200)):
+        values[box.row0 : box.row1, box.col0 : box.col1] ^= 85
+        by_box.set(values, box=box)
+        tiles = (-(-box.row1 // 64) - box.row0 // 64) * (-(-box.col1 // 64) - box.col0 // 64)
+        assert by_box.publish() == tiles
+    whole.set(values)
+    whole.publish()
+    assert (decoded(by_box) == decoded(whole)).all()
+
+
 def test_values_that_stay_are_not_sent_again() -> None:
     values = np.zeros((100, 200), dtype=np.float32)
     picture = TilePicture(GridGeometry(0.05, 100, 200), 0.0, 1.0)

@@ -72,7 +72,7 @@ export function seeded(seed: number): () => number {
 }
 
 /** One draw from the standard normal distribution (Box and Muller). */
-const normal = (random: () => number): number =>
+export const normal = (random: () => number): number =>
   Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
 
 /** The poses from the first one on, each moved from the one before. */

@@ -7,7 +7,7 @@ import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
-import { Toggle } from "../../ui/Toggle";
+import { ToggleOf } from "../../ui/Toggle";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Walls } from "../common/Scene";
@@ -148,21 +148,15 @@ export function Springs() {
         <SpringKey tone="fits loop">thick: a loop</SpringKey>
       </p>
       <div class="figure-controls no-print">
-        <Toggle
+        <ToggleOf
           label="Loop"
           sentence="The robot came back to where it began: the scans of the first pose and of the last but one match."
-          checked={hasLoop.value}
-          onChange={(on) => {
-            hasLoop.value = on;
-          }}
+          signal={hasLoop}
         />
-        <Toggle
+        <ToggleOf
           label="Wrong loop"
           sentence="A matcher took the upper corridor for the lower one."
-          checked={hasWrong.value}
-          onChange={(on) => {
-            hasWrong.value = on;
-          }}
+          signal={hasWrong}
         />
         <Choice
           label="Robust kernel"

@@ -3,6 +3,7 @@
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { bearingOf } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
+import { poseRound, rmsDistance } from "../common/drive";
 import { allRound, box, chained, scanFrom, seeded, type Wall } from "../common/world";
 import type { Symmetric } from "../matching/symmetric";
 import { between, type GraphEdge } from "./solver";
@@ -28,22 +29,7 @@ const SPACING = 1.5;
 const BACK = 16; // the node at the place of the first one
 const NODES = BACK + 2;
 
-/** The pose after `way` metres along the corridor. */
-function poseAfter(way: number): Pose {
-  let left = way;
-  for (let k = 0; ; k++) {
-    const [ax, ay] = CORNERS[k % 4] as Point;
-    const [bx, by] = CORNERS[(k + 1) % 4] as Point;
-    const length = Math.hypot(bx - ax, by - ay);
-    if (left < length) {
-      const share = left / length;
-      return [ax + share * (bx - ax), ay + share * (by - ay), Math.atan2(by - ay, bx - ax)];
-    }
-    left -= length;
-  }
-}
-
-export const TRUTH: readonly Pose[] = Array.from({ length: NODES }, (_, k) => poseAfter(0.6 + SPACING * k));
+export const TRUTH: readonly Pose[] = Array.from({ length: NODES }, (_, k) => poseRound(CORNERS, 0.6 + SPACING * k));
 
 const information = (metres: number, radians: number): Symmetric => [
   metres ** -2,
@@ -110,8 +96,4 @@ export const SCANS: readonly (readonly Point[])[] = TRUTH.map((pose) => {
 });
 
 /** How far the poses are from the true ones: the root of the mean square, metres. */
-export const errorOf = (poses: readonly Pose[]): number =>
-  Math.sqrt(
-    poses.reduce((sum, [x, y], k) => sum + (x - (TRUTH[k]?.[0] ?? 0)) ** 2 + (y - (TRUTH[k]?.[1] ?? 0)) ** 2, 0) /
-      poses.length,
-  );
+export const errorOf = (poses: readonly Pose[]): number => rmsDistance(poses, TRUTH);

@@ -10,7 +10,8 @@ import {
 } from "../../grid/occupancyGrid";
 import { bearingOf, occupancyGridMapping } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
-import { allRound, box, chained, scanFrom, seeded, type Wall } from "../common/world";
+import { poseRound, rmsDistance } from "../common/drive";
+import { allRound, box, chained, normal, scanFrom, seeded, type Wall } from "../common/world";
 import { between } from "../graph/solver";
 import { iterate, type PointScan, placed, type SurfaceScan, withNormals } from "../matching/model";
 
@@ -35,21 +36,7 @@ const CORNERS: readonly Point[] = [
 const SPACING = 0.58;
 const SCANS = 60;
 
-function poseAfter(way: number): Pose {
-  let left = way;
-  for (let k = 0; ; k++) {
-    const [ax, ay] = CORNERS[k % 4] as Point;
-    const [bx, by] = CORNERS[(k + 1) % 4] as Point;
-    const length = Math.hypot(bx - ax, by - ay);
-    if (left < length) {
-      const share = left / length;
-      return [ax + share * (bx - ax), ay + share * (by - ay), Math.atan2(by - ay, bx - ax)];
-    }
-    left -= length;
-  }
-}
-
-export const TRUTH: readonly Pose[] = Array.from({ length: SCANS }, (_, k) => poseAfter(SPACING * k));
+export const TRUTH: readonly Pose[] = Array.from({ length: SCANS }, (_, k) => poseRound(CORNERS, SPACING * k));
 const MOTIONS: readonly Pose[] = TRUTH.slice(1).map((pose, k) => between(TRUTH[k] as Pose, pose));
 
 const noise = { sigma: 0.01, random: seeded(5) };
@@ -85,8 +72,7 @@ export interface Noise {
 const RUNS = 60;
 const DRAWS: readonly (readonly Point[])[] = Array.from({ length: RUNS }, (_, run) => {
   const random = seeded(100 + run);
-  const draw = (): number => Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
-  return MOTIONS.map((): Point => [draw(), draw()]);
+  return MOTIONS.map((): Point => [normal(random), normal(random)]);
 });
 
 /** The motions that the odometry measures in a run. Independent errors of the steps add up as the root of the way. */
@@ -165,8 +151,4 @@ export function mapAlong(poses: readonly Pose[]): OccupancyGrid {
 }
 
 /** How far the poses are from the true ones: the root of the mean square, metres. */
-export const errorOf = (poses: readonly Pose[]): number =>
-  Math.sqrt(
-    poses.reduce((sum, [x, y], k) => sum + (x - (TRUTH[k]?.[0] ?? 0)) ** 2 + (y - (TRUTH[k]?.[1] ?? 0)) ** 2, 0) /
-      poses.length,
-  );
+export const errorOf = (poses: readonly Pose[]): number => rmsDistance(poses, TRUTH);

@@ -8,7 +8,7 @@ import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { keyedIndex } from "../../ui/seek";
-import { Toggle } from "../../ui/Toggle";
+import { Toggle, ToggleOf } from "../../ui/Toggle";
 import type { Point } from "../../wire/protocol";
 import { DragHandle } from "../common/DragHandle";
 import { Stage, type StageTransform } from "../common/Stage";
@@ -113,13 +113,7 @@ export function Rays() {
         <Button icon="stepForward" label="Forward one cell" onClick={() => go(at + 1)} />
         <Toggle label="fix 1: step with the signs" checked={fixes.value.direction} onChange={fix("direction")} />
         <Toggle label="fix 2: swap steep axes" checked={fixes.value.steep} onChange={fix("steep")} />
-        <Toggle
-          label="exact traversal"
-          checked={exact.value}
-          onChange={(on) => {
-            exact.value = on;
-          }}
-        />
+        <ToggleOf label="exact traversal" signal={exact} />
       </div>
       <figcaption class="quiet" aria-live="polite">
         <Words

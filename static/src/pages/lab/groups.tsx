@@ -17,6 +17,8 @@ import { WorldGroup } from "./groups/World";
 const Faults = lazy(async () => (await import("../../tools/faults/Faults")).Faults);
 const MovingTable = lazy(async () => (await import("../../tools/table/MovingTable")).MovingTable);
 const Localization = lazy(async () => (await import("../../tools/localization/Localization")).Localization);
+const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
+const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
@@ -103,6 +105,18 @@ const GROUPS: readonly Group[] = [
     keeps: true,
     badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
     content: ({ store }) => <Localization store={store} />,
+  },
+  {
+    id: "path",
+    title: "Path",
+    purpose: "A goal, and the cheapest way there around the obstacles",
+    content: ({ store }) => <PathGroup store={store} />,
+  },
+  {
+    id: "costmap",
+    title: "Costmap",
+    purpose: "Layers of costs over the map, as Nav2 has them",
+    content: ({ store }) => <CostmapGroup store={store} />,
   },
   {
     id: "why",

@@ -1,7 +1,7 @@
 import { Program } from "../../lessons/program/Program";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function AlgorithmSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function AlgorithmSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

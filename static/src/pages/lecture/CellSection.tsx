@@ -6,7 +6,7 @@ import { Cell, START } from "../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../lessons/common/parameters";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const events = signal<readonly CellEvent[]>(START);
@@ -257,7 +257,7 @@ function LastUpdate() {
   );
 }
 
-export function CellSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function CellSection({ id, number, title }: SectionHead) {
   const { log_odds_hit, log_odds_miss } = cellParameters.value;
   return (
     <Section

@@ -1,8 +1,8 @@
 import { Terminal } from "../../lessons/pipeline/Terminal";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function CharactersSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function CharactersSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -3,7 +3,7 @@ import { Counting } from "../../lessons/counting/Counting";
 import { countingUpdate } from "../../lessons/stage/controls";
 import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const beams = signal(180);
 const scans = signal(1);
@@ -13,7 +13,7 @@ const UPDATES = [
   { value: "per_scan", label: "per scan" },
 ];
 
-export function CountingSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function CountingSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

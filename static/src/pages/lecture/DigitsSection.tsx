@@ -2,7 +2,7 @@ import { signal } from "@preact/signals";
 import { Digits } from "../../lessons/digits/Digits";
 import type { Readings } from "../../lessons/digits/model";
 import { DragNumber } from "../../ui/DragNumber";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
@@ -10,7 +10,7 @@ const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 
 /** q¹⁰⁰⁰ as a power of ten. */
 const PRODUCT = (q: number): string => `10 to the power of ${(1000 * Math.log10(q)).toFixed(0).replace("-", "−")}`;
 
-export function DigitsSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function DigitsSection({ id, number, title }: SectionHead) {
   const { hits, misses, pHit } = readings.value;
   return (
     <Section

@@ -1,8 +1,8 @@
 import { Endpoint } from "../../lessons/endpoint/Endpoint";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function EndpointSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function EndpointSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

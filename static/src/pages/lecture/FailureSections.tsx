@@ -3,18 +3,12 @@
 import { SideView } from "../../lessons/heights/SideView";
 import { peopleOn, peopleScans, polishedOn } from "../../lessons/stage/controls";
 import { Slider } from "../../ui/Slider";
-import { Toggle } from "../../ui/Toggle";
+import { ToggleOf } from "../../ui/Toggle";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
-interface Props {
-  readonly id: string;
-  readonly number: number;
-  readonly title: string;
-}
-
-export function PolishedSection({ id, number, title }: Props) {
+export function PolishedSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}
@@ -22,13 +16,7 @@ export function PolishedSection({ id, number, title }: Props) {
       title={title}
       figure={
         <OnStage scene="polished" label="A polished wall and the map of it">
-          <Toggle
-            label="polished wall"
-            checked={polishedOn.value}
-            onChange={(on) => {
-              polishedOn.value = on;
-            }}
-          />
+          <ToggleOf label="polished wall" signal={polishedOn} />
         </OnStage>
       }
       sources={[["probabilistic-robotics", "section 6.3.1: failures, of which specular reflection is a cause"]]}
@@ -51,7 +39,7 @@ export function PolishedSection({ id, number, title }: Props) {
   );
 }
 
-export function PeopleSection({ id, number, title }: Props) {
+export function PeopleSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}
@@ -59,13 +47,7 @@ export function PeopleSection({ id, number, title }: Props) {
       title={title}
       figure={
         <OnStage scene="people" label="Someone walks behind the robot">
-          <Toggle
-            label="someone walks"
-            checked={peopleOn.value}
-            onChange={(on) => {
-              peopleOn.value = on;
-            }}
-          />
+          <ToggleOf label="someone walks" signal={peopleOn} />
           <Slider
             label="Scans of the drive"
             sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
@@ -98,7 +80,7 @@ export function PeopleSection({ id, number, title }: Props) {
   );
 }
 
-export function LowTableSection({ id, number, title }: Props) {
+export function LowTableSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -1,7 +1,7 @@
 import { Thresholds } from "../../lessons/thresholds/Thresholds";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function FileSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function FileSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

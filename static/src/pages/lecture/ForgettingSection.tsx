@@ -6,12 +6,12 @@ import { scansAfter } from "../../lessons/stage/controls";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const seen = signal(40);
 const clamp = signal<Clamp>({ on: true, low: INITIAL_CONFIG.log_odds_min, high: INITIAL_CONFIG.log_odds_max });
 
-export function ForgettingSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function ForgettingSection({ id, number, title }: SectionHead) {
   const { low, high } = clamp.value;
   return (
     <Section

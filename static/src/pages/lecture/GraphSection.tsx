@@ -1,7 +1,7 @@
 import { Springs } from "../../lessons/graph/Springs";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function GraphSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function GraphSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -3,7 +3,7 @@ import { Independence } from "../../lessons/independence/Independence";
 import type { SensorParameters } from "../../lessons/independence/model";
 import { DragNumber } from "../../ui/DragNumber";
 import { MapProduct } from "./formulas";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const sensor = signal<SensorParameters>({ prior: 0.2, sonarError: 0.05, beamError: 0.1 });
@@ -12,7 +12,7 @@ const set = (name: keyof SensorParameters) => (percent: number) => {
   sensor.value = { ...sensor.peek(), [name]: percent / 100 };
 };
 
-export function GridSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function GridSection({ id, number, title }: SectionHead) {
   const { prior, sonarError, beamError } = sensor.value;
   return (
     <Section

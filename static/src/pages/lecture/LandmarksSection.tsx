@@ -1,7 +1,7 @@
 import { mapKind } from "../../lessons/stage/controls";
 import { Choice } from "../../ui/Choice";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const KINDS = [
@@ -9,7 +9,7 @@ const KINDS = [
   { value: "grid", label: "grid" },
 ];
 
-export function LandmarksSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function LandmarksSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

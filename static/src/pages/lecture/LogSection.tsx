@@ -5,7 +5,7 @@ import type { Folder } from "../../ui/droppedFiles";
 import { bytes } from "../../ui/numbers";
 import { groupIntoLogs } from "../logs/groupFiles";
 import { arrivalAddress, arrived, upload, uploads } from "../logs/library";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 /** Uploads files and then opens the logs page; a log that comes alone is opened there once it was read. */
 function YourLog() {
@@ -44,7 +44,7 @@ function YourLog() {
   );
 }
 
-export function LogSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function LogSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -1,9 +1,9 @@
 import { Matching } from "../../lessons/matching/Matching";
 import { Sketch } from "../../lessons/matching/Sketch";
 import { REALIZATIONS } from "./realizations";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function MatchingSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function MatchingSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

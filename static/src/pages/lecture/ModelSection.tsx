@@ -5,7 +5,7 @@ import { Profile } from "../../tools/profile/Profile";
 import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const noBeam = signal(undefined);
@@ -34,7 +34,7 @@ const DESCRIPTIONS: Record<string, string> = {
     "Counts how often a beam ended in a cell and how often one passed it; the curve shows the change by the first visit.",
 };
 
-export function ModelSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function ModelSection({ id, number, title }: SectionHead) {
   const { window: r, range_max, p_free, p_occ, log_odds_prior } = cellParameters.value;
   const model = String(parameters.value.model);
   return (

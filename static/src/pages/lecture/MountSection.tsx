@@ -1,7 +1,7 @@
 import { Mount } from "../../lessons/mount/Mount";
 import { mountError } from "../../lessons/stage/controls";
 import { Slider } from "../../ui/Slider";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 /** T with its two frames as indices. */
 function Transform({ a, b, tone }: { a: string; b: string; tone: string }) {
@@ -15,7 +15,7 @@ function Transform({ a, b, tone }: { a: string; b: string; tone: string }) {
   );
 }
 
-export function MountSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function MountSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

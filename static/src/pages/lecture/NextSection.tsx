@@ -1,5 +1,5 @@
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const PRODUCTION = [
   { name: "SLAM Toolbox", text: "drives once through the building: poses and map together" },
@@ -9,7 +9,7 @@ const PRODUCTION = [
   { name: "obstacle layer", text: "the current scan on top of it" },
 ] as const;
 
-export function NextSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function NextSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -2,7 +2,7 @@ import { NoReturn } from "../../lessons/noreturn/NoReturn";
 import { noReturn, noReturnRange as rangeMax } from "../../lessons/stage/controls";
 import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const POLICIES = [
   { value: "ignore", label: "ignored" },
@@ -10,7 +10,7 @@ const POLICIES = [
   { value: "hit", label: "a hit" },
 ];
 
-export function NoReturnSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function NoReturnSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -3,12 +3,12 @@ import { Drift, USUAL } from "../../lessons/odometry/Drift";
 import { driftError } from "../../lessons/stage/controls";
 import { DragNumber } from "../../ui/DragNumber";
 import { Slider } from "../../ui/Slider";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const noise = signal(USUAL);
 const DEGREE = Math.PI / 180;
 
-export function OdometrySection({ id, number, title }: { id: string; number: number; title: string }) {
+export function OdometrySection({ id, number, title }: SectionHead) {
   const { way, turn } = noise.value;
   return (
     <Section

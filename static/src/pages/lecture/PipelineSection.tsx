@@ -1,8 +1,8 @@
 import { Pipeline } from "../../lessons/pipeline/Pipeline";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function PipelineSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function PipelineSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

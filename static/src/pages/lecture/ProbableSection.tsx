@@ -1,11 +1,11 @@
 import { signal } from "@preact/signals";
 import { MostProbable, UNCERTAINTY } from "../../lessons/probable/MostProbable";
 import { DragNumber } from "../../ui/DragNumber";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const uncertainty = signal(UNCERTAINTY);
 
-export function ProbableSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function ProbableSection({ id, number, title }: SectionHead) {
   const { odometry, reading } = uncertainty.value;
   return (
     <Section

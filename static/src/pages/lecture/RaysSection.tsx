@@ -1,8 +1,8 @@
 import { Rays } from "../../lessons/rays/Rays";
 import { Worked } from "../../lessons/rays/Worked";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function RaysSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function RaysSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -1,7 +1,7 @@
 import { Resolution } from "../../lessons/resolution/Resolution";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
-export function ResolutionSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function ResolutionSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -6,10 +6,14 @@ import { place, presenting, shownOf, stage } from "./present/state";
 import { useFittedWidth } from "./present/useFittedWidth";
 import { SOURCES, type SourceName } from "./sources";
 
-interface SectionProps {
+/** What the list of sections gives to each. */
+export interface SectionHead {
   readonly id: string;
   readonly number: number;
   readonly title: string;
+}
+
+interface SectionProps extends SectionHead {
   readonly figure: ComponentChildren;
   /** The text before the figure, and after it. */
   readonly children: ComponentChildren;

@@ -2,13 +2,13 @@ import { signal } from "@preact/signals";
 import type { SonarSettings } from "../../lessons/sonar/model";
 import { Sonar } from "../../lessons/sonar/Sonar";
 import { DragNumber } from "../../ui/DragNumber";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const DEGREE = Math.PI / 180;
 const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });
 
-export function SonarSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function SonarSection({ id, number, title }: SectionHead) {
   const { opening, window: r } = settings.value;
   const set = (change: Partial<SonarSettings>): void => {
     settings.value = { ...settings.peek(), ...change };

@@ -1,9 +1,9 @@
 import { Table91 } from "../../lessons/table91/Table91";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
-export function TableSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function TableSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

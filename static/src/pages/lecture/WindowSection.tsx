@@ -3,7 +3,7 @@ import { Button } from "../../ui/Button";
 import { DragNumber } from "../../ui/DragNumber";
 import { Slider } from "../../ui/Slider";
 import { OnStage } from "./OnStage";
-import { Section } from "./Section";
+import { Section, type SectionHead } from "./Section";
 
 const PRESETS = [
   { name: "torn", noise: 0.05, window: 0 },
@@ -11,7 +11,7 @@ const PRESETS = [
   { name: "fat", noise: 0.05, window: 0.5 },
 ] as const;
 
-export function WindowSection({ id, number, title }: { id: string; number: number; title: string }) {
+export function WindowSection({ id, number, title }: SectionHead) {
   return (
     <Section
       id={id}

@@ -1,17 +1,19 @@
 import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
+import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
 import type { Making } from "../making";
-import { confidenceLabel, type Examination, examine, type Finding, findingsLabel } from "./doctor";
+import { confidenceLabel, type Examination, examine, type Finding, findingsLabel, isLongEnough } from "./doctor";
 import "./doctor.css";
 import { trajectoryLabel } from "./describeLog";
 
 type State =
   | { readonly kind: "idle" }
   | { readonly kind: "busy" }
+  | { readonly kind: "cancelled" }
   | { readonly kind: "failed"; readonly why: string }
   | { readonly kind: "done"; readonly examination: Examination; readonly isShown: boolean };
 
@@ -28,38 +30,53 @@ export interface DoctorState {
   /** How far an examination is; null for none, or before that is known. */
   readonly progress: Signal<Making | null>;
   readonly run: (isShown: boolean) => Promise<void>;
+  readonly cancel: () => void;
 }
 
-/** The examination starts when the page is idle, a guest's with the button. */
+/** The examination starts when the page is idle; a guest's, and that of a very short log, with the button. */
 export function useDoctor(store: Store, session: string, isGuest: boolean): DoctorState {
   const state = useSignal<State>({ kind: "idle" });
   const progress = useSignal<Making | null>(null);
+  const cancelledOf = useRef<string | undefined>(undefined); // the trajectory whose examination was cancelled
   useSignalEffect(() => {
     // Another trajectory needs another examination.
     const now = store.trajectory.value?.name;
     const before = state.peek();
+    if (before.kind === "cancelled" && now !== cancelledOf.current) state.value = { kind: "idle" };
     if (before.kind === "done" && now !== undefined && now !== before.examination.trajectory) {
       state.value = { kind: "idle" };
     }
   });
   useSignalEffect(() => {
     const isToDo = state.value.kind === "idle" && store.trajectory.value !== null && !isGuest;
-    return isToDo ? whenIdle(IDLE_MS, () => void run(false)) : undefined;
+    return isToDo && isLongEnough(store.hello.peek()?.log ?? null)
+      ? whenIdle(IDLE_MS, () => void run(false))
+      : undefined;
   });
+  const ending = useRef<AbortController | null>(null);
   const run = async (isShown: boolean): Promise<void> => {
+    const own = new AbortController();
+    ending.current = own;
     state.value = { kind: "busy" };
     try {
-      const examination = await examine(session, (making) => {
+      const show = (making: Making | null): void => {
         progress.value = making;
-      });
+      };
+      const examination = await examine(session, show, own.signal);
       const isOfNow = examination.trajectory === store.trajectory.peek()?.name;
       state.value = isOfNow ? { kind: "done", examination, isShown } : { kind: "idle" };
     } catch (error) {
+      if (own.signal.aborted) return;
       const why = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
       state.value = { kind: "failed", why };
     }
   };
-  return { state, progress, run };
+  const cancel = (): void => {
+    cancelledOf.current = store.trajectory.peek()?.name;
+    state.value = { kind: "cancelled" };
+    ending.current?.abort();
+  };
+  return { state, progress, run, cancel };
 }
 
 /** The number of findings for the doctor's tab, null where none are known. */
@@ -84,7 +101,7 @@ const DRIFT = "walls.drift";
  * After an examination that began by itself a button states the number of findings; they are shown when it is pressed,
  * so that nothing on the page moves without a click.
  */
-export function Doctor({ store, doctor: { state, progress, run }, onHeal }: DoctorProps) {
+export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal }: DoctorProps) {
   const now = state.value;
   const showsFindings = now.kind === "done" && now.isShown;
   return (
@@ -102,7 +119,10 @@ export function Doctor({ store, doctor: { state, progress, run }, onHeal }: Doct
             {now.kind === "busy" ? "Examining …" : "Examine this log"}
           </Button>
         )}
-        {!showsFindings && <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} />}
+        {!showsFindings && (
+          <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
+        )}
+        {now.kind === "cancelled" && <p class="quiet">Cancelled.</p>}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
         {showsFindings && now.examination.findings.length === 0 && (
           <p>
@@ -129,17 +149,23 @@ export function Doctor({ store, doctor: { state, progress, run }, onHeal }: Doct
 interface ProgressProps {
   readonly isBusy: boolean;
   readonly progress: Making | null;
+  readonly cancel: () => void;
 }
 
 /** It has its room also while there is no examination: one begins by itself, and nothing is to move then. */
-function ExaminationProgress({ isBusy, progress }: ProgressProps) {
+function ExaminationProgress({ isBusy, progress, cancel }: ProgressProps) {
   const fraction = progress?.fraction ?? null;
   return (
-    <div class={isBusy ? "doctor-progress" : "doctor-progress idle"} aria-hidden="true">
-      <div class={fraction === null ? "progress waiting" : "progress"}>
+    <div class={isBusy ? "doctor-progress" : "doctor-progress idle"} inert={!isBusy}>
+      <div class={fraction === null ? "progress waiting" : "progress"} aria-hidden="true">
         <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
       </div>
-      <span class="quiet number">{progress && progressText(progress)}</span>
+      <span class="quiet number" aria-hidden="true">
+        {progress && progressText(progress)}
+      </span>
+      <Button kind="quiet" label="Cancel the examination" onClick={cancel}>
+        Cancel
+      </Button>
     </div>
   );
 }

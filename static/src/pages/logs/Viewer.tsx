@@ -6,6 +6,7 @@ import { framed, type SharedView } from "../../render/view";
 import { connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
+import { useTool } from "../../tools/navigation/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
@@ -21,6 +22,7 @@ import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
 import { useHealing } from "./heal/healing";
+import { useLocalizing } from "./localize/localizing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { useSensor } from "./sensor/useSensor";
@@ -55,6 +57,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
   const healing = useHealing(store, session, guest !== undefined);
+  const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
@@ -121,7 +124,9 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           <BeliefView
             store={store}
             comparison={comparison}
-            takesTap={(point) => healing.takesTap.peek()?.(point) ?? false}
+            takesTap={(point) =>
+              localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
+            }
             onPicture={(made) => {
               picture.current = made;
             }}
@@ -160,6 +165,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           comparison,
           doctor,
           healing,
+          localizing,
           sensor,
           notes,
           trajectoryErrors,

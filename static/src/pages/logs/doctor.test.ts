@@ -1,5 +1,5 @@
 import { afterEach, expect, test, vi } from "vitest";
-import { confidenceLabel, examine } from "./doctor";
+import { confidenceLabel, examine, isLongEnough } from "./doctor";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -13,12 +13,18 @@ const answering = (status: number, body: unknown): void => {
 test("findings are handed on as the server told them", async () => {
   const body = { trajectory: "scan", findings: [] };
   answering(200, body);
-  expect(await examine("a/b", () => undefined)).toEqual(body);
+  expect(await examine("a/b", () => undefined, new AbortController().signal)).toEqual(body);
 });
 
 test("a refusal is the server's sentence", async () => {
   answering(422, { code: "doctor.short", message: "A log of 3 scans is too short to judge." });
-  await expect(examine("a/b", () => undefined)).rejects.toThrow("too short to judge");
+  await expect(examine("a/b", () => undefined, new AbortController().signal)).rejects.toThrow("too short to judge");
+});
+
+test("a log is examined unasked only if the server will not refuse it", () => {
+  expect([9, 10].map((n_scans) => isLongEnough({ n_scans, topic: "/scan" }))).toEqual([false, true]);
+  expect([19, 20].map((n_scans) => isLongEnough({ n_scans, topic: "/ahead + /astern" }))).toEqual([false, true]);
+  expect(isLongEnough(null)).toBe(false);
 });
 
 test("surety in words", () => {

@@ -1,7 +1,9 @@
 /** The server's examination of a log. */
 
-import type { Value } from "../../wire/protocol";
+import { DOCTOR_LEAST_SCANS } from "../../wire/constants";
+import type { LogInfo, Value } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
+import { SENSOR_SEPARATOR } from "./describeLog";
 
 export interface Finding {
   readonly check: string;
@@ -24,11 +26,29 @@ export interface Examination {
   readonly findings: readonly Finding[];
 }
 
-/** Examine the log of a session; `show` is called with how far that is. Throws an error with the server's message if it is refused. */
-export async function examine(session: string, show: (making: Making | null) => void): Promise<Examination> {
+/**
+ * Whether the server certainly examines a log: it refuses one in which no sensor has enough scans. The numbers of the
+ * single sensors are not known here, but the greatest is at least their mean.
+ */
+export function isLongEnough(log: Pick<LogInfo, "n_scans" | "topic"> | null): boolean {
+  return log !== null && log.n_scans >= DOCTOR_LEAST_SCANS * log.topic.split(SENSOR_SEPARATOR).length;
+}
+
+/**
+ * Examine the log of a session; `show` is called with how far that is, and `signal` ends it.
+ *
+ * Throws an error with the server's message if it is refused.
+ */
+export async function examine(
+  session: string,
+  show: (making: Making | null) => void,
+  signal: AbortSignal,
+): Promise<Examination> {
   const name = newName();
   const stop = followMaking(name, show);
-  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor?name=${name}`).finally(stop);
+  const answer = await fetch(`/api/sessions/${encodeURIComponent(session)}/doctor?name=${name}`, { signal }).finally(
+    stop,
+  );
   const body: unknown = await answer.json();
   if (!answer.ok) throw new Error((body as { message?: string }).message ?? "The log could not be examined.");
   return body as Examination;

@@ -18,6 +18,8 @@ import { Doctor, type DoctorState, findingsBadge } from "./Doctor";
 import { Downloads } from "./Downloads";
 import { Heal } from "./heal/Heal";
 import type { Healing } from "./heal/healing";
+import { Localize } from "./localize/Localize";
+import type { Localizing } from "./localize/localizing";
 import { Notes } from "./notes/Notes";
 import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
@@ -39,6 +41,7 @@ export interface LogView {
   readonly comparison: Comparison;
   readonly doctor: DoctorState;
   readonly healing: Healing;
+  readonly localizing: Localizing;
   readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
@@ -57,6 +60,9 @@ interface Group {
   readonly badge?: (view: LogView) => string | null;
   readonly content: (view: LogView) => ComponentChildren;
 }
+
+const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
+const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 
 const GROUPS: readonly Group[] = [
   {
@@ -95,12 +101,31 @@ const GROUPS: readonly Group[] = [
     ),
   },
   {
+    id: "localize",
+    title: "Localize",
+    isThere: ({ log }) => log !== null,
+    badge: ({ localizing }) => localizing.badge.value,
+    content: ({ store, localizing, isGuest }) => <Localize store={store} localizing={localizing} isGuest={isGuest} />,
+  },
+  {
     id: "compare",
     title: "Compare",
     badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
+  },
+  {
+    id: "costmap",
+    title: "Costmap",
+    isThere: ({ log }) => log !== null,
+    content: ({ store }) => <CostmapGroup store={store} />,
+  },
+  {
+    id: "path",
+    title: "Path",
+    isThere: ({ log }) => log !== null,
+    content: ({ store }) => <PathGroup store={store} />,
   },
   {
     id: "3d",

@@ -31,6 +31,8 @@ export interface LogRecord {
   /** The visitor's own. */
   readonly tags: readonly string[];
   readonly scans: number | null;
+  /** How many, of a recording without scans. */
+  readonly costmaps: number;
   readonly beams: number | null;
   readonly duration_s: number | null;
   readonly format: string | null;
@@ -354,10 +356,16 @@ export async function ask(id: string, what: "cancel" | "read"): Promise<string |
 /** The progress of the log that is being opened; null while there is none. */
 export const opening = signal<Making | null>(null);
 
+/** A session: its id and its kind. */
+export interface OpenedSession {
+  readonly id: string;
+  readonly kind: string;
+}
+
 /**
- * Open a session on a log; resolves to its id, rejects with an error message. `ending` ends the request.
+ * Open a session on a log; rejects with an error message. `ending` ends the request.
  */
-export async function openSession(log: string, topic: string | null, ending: AbortSignal): Promise<string> {
+export async function openSession(log: string, topic: string | null, ending: AbortSignal): Promise<OpenedSession> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
@@ -370,7 +378,7 @@ export async function openSession(log: string, topic: string | null, ending: Abo
       signal: ending,
     });
     if (!answer.ok) throw new Error(await sentence(answer));
-    return ((await answer.json()) as { id: string }).id;
+    return (await answer.json()) as OpenedSession;
   } finally {
     stop();
   }

@@ -2,6 +2,7 @@
 
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
+import { SwitchChip } from "../../ui/SwitchChip";
 import type { Value, Values } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { SecondMapChoice } from "../compare/SecondMap";
@@ -34,28 +35,19 @@ export function Faults({ store, comparison }: FaultsProps) {
         {faults.map((fault) => {
           const on = wrong.value.on.includes(fault.name);
           return (
-            <button
+            <SwitchChip
               key={fault.name}
-              type="button"
-              role="switch"
-              class="fault-chip"
-              aria-checked={on}
+              isFault
+              label={fault.label}
               title={fault.look}
-              onClick={() => turn(fault, !on)}
-            >
-              {fault.label}
-            </button>
+              checked={on}
+              onChange={(wanted) => turn(fault, wanted)}
+            />
           );
         })}
-        <button
-          type="button"
-          role="switch"
-          class="fault-chip right"
-          aria-checked={beside}
-          onClick={() => showCorrectMap(!beside)}
-        >
-          Show the correct map
-        </button>
+        <span class="faults-correct">
+          <SwitchChip label="Show the correct map" checked={beside} onChange={showCorrectMap} />
+        </span>
       </div>
       <div class="faults-note" role="status">
         {active.length === 0 && !beside && (

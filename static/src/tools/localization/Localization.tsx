@@ -4,12 +4,13 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import type { LocalizationMessage } from "../../wire/protocol";
+import { SwitchChip } from "../../ui/SwitchChip";
+import type { LocalizationMessage, Values } from "../../wire/protocol";
+import { AmclYaml } from "./AmclYaml";
 import { ErrorChart } from "./ErrorChart";
-import { grown, type Point, SETTINGS, valuesOf } from "./model";
+import { grown, mapOf, PARTICLES, type Point, SETTINGS, turned, valuesOf } from "./model";
 import "./localization.css";
 
-const PARTICLES = "particles";
 const FIELD = "likelihood_field";
 
 export function Localization({ store }: { readonly store: Store }) {
@@ -27,13 +28,20 @@ export function Localization({ store }: { readonly store: Store }) {
     if (!isOn && store.underlay.peek() === FIELD) store.underlay.value = null;
     return isOn && showsField ? store.layers.subscribe(FIELD) : undefined;
   }, [store, isOn, showsField]);
+  // Parameters of an AMCL's yaml; the settings come on top of them.
+  const given = useSignal<Values>({});
+  const allValues = (): Values => ({ ...given.peek(), ...valuesOf(on.peek()) });
   const begin = (names: readonly string[]): void => {
     on.value = names;
     points.value = [];
-    store.send({ type: "localize", value: true, values: valuesOf(names) });
+    store.send({ type: "localize", value: true, values: allValues(), map: mapOf(names) });
   };
-  const turn = (name: string): void =>
-    begin(on.peek().includes(name) ? on.peek().filter((one) => one !== name) : [...on.peek(), name]);
+  const turn = (name: string): void => {
+    const world = SETTINGS.find((one) => one.name === name)?.world;
+    const isTurnedOn = !on.peek().includes(name);
+    if (isTurnedOn && world !== undefined && store.world.peek()?.name !== world) store.chooseWorld(world);
+    begin(turned(on.peek(), name));
+  };
   return (
     <div class="localization">
       <p class="localization-note">
@@ -53,17 +61,13 @@ export function Localization({ store }: { readonly store: Store }) {
       <fieldset class="localization-row">
         <legend>What goes wrong</legend>
         {SETTINGS.map(({ name, label, look }) => (
-          <button
+          <SwitchChip
             key={name}
-            type="button"
-            role="switch"
-            class="localization-chip"
-            aria-checked={on.value.includes(name)}
+            label={label}
             title={look}
-            onClick={() => turn(name)}
-          >
-            {label}
-          </button>
+            checked={on.value.includes(name)}
+            onChange={() => turn(name)}
+          />
         ))}
       </fieldset>
       {isOn && message && (
@@ -79,18 +83,21 @@ export function Localization({ store }: { readonly store: Store }) {
         </>
       )}
       {isOn && (
-        <button
-          type="button"
-          role="switch"
-          class="localization-chip"
-          aria-checked={showsField}
-          onClick={() => {
-            store.underlay.value = showsField ? null : FIELD;
+        <SwitchChip
+          label="Likelihood field under the particles"
+          checked={showsField}
+          onChange={(wanted) => {
+            store.underlay.value = wanted ? FIELD : null;
           }}
-        >
-          Likelihood field under the particles
-        </button>
+        />
       )}
+      <AmclYaml
+        values={allValues}
+        onOpen={(values) => {
+          given.value = values;
+          begin(on.peek());
+        }}
+      />
       <div class="localization-note" role="status">
         {SETTINGS.filter(({ name }) => on.value.includes(name)).map(({ name, look }) => (
           <p key={name}>

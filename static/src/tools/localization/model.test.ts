@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { LocalizationMessage } from "../../wire/protocol";
-import { ellipseOf, grown, type Point, SETTINGS, valuesOf } from "./model";
+import { ellipseOf, grown, mapOf, type Point, SETTINGS, turned, valuesOf } from "./model";
 
 const message = (n_updates: number, error_m: number | null = 1, is_on = true): LocalizationMessage =>
   ({ type: "localization", is_on, n_updates, error_m, entropy: 3 }) as unknown as LocalizationMessage;
@@ -26,7 +26,7 @@ test("a filter that begins anew, or ends, begins the history anew", () => {
 });
 
 test("the values of several settings are sent together", () => {
-  const [few, sure] = SETTINGS;
+  const [few, sure] = ["few", "sure"].map((name) => SETTINGS.find((one) => one.name === name));
   expect(valuesOf([])).toEqual({});
   expect(valuesOf(["few", "sure"])).toEqual({ ...few?.values, ...sure?.values });
 });
@@ -39,4 +39,11 @@ test("an ellipse along the line of greatest variance", () => {
   const [, none, diagonal] = ellipseOf(1, 1, 1);
   expect(none).toBeCloseTo(0);
   expect(diagonal).toBeCloseTo(Math.PI / 4);
+});
+
+test("one setting says which map the filter gets", () => {
+  const on = turned(turned(["few"], "moved"), "other");
+  expect(on).toEqual(["few", "other"]);
+  expect(mapOf(on)).toBe("other");
+  expect(mapOf(turned(on, "other"))).toBe("plan");
 });

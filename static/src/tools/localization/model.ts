@@ -2,16 +2,45 @@
 
 import type { LocalizationMessage, Values } from "../../wire/protocol";
 
+/** The layers of a localization: the map that a log is localized in, and the particles. */
+export const GIVEN_MAP = "given_map";
+export const PARTICLES = "particles";
+
 /** A setting of the filter that goes wrong or that shows something. */
 export interface Setting {
   readonly name: string;
   readonly label: string;
   readonly values: Values;
+  /** The map that the filter is given instead of the plan of the world. */
+  readonly map?: "moved" | "other";
+  /** The world that it needs. */
+  readonly world?: string;
   /** What to look for. */
   readonly look: string;
 }
 
 export const SETTINGS: readonly Setting[] = [
+  {
+    name: "twins",
+    label: "Two equal rooms",
+    values: {},
+    world: "twins",
+    look: "two clouds, one in each room: both explain every scan. Drawing anew drops one of them by chance, the right one or the wrong one; an end of the corridor tells.",
+  },
+  {
+    name: "moved",
+    label: "The furniture was moved",
+    values: {},
+    map: "moved",
+    look: "the walls still say where the robot is, but scans fit less well: the likelihood field shows the old places.",
+  },
+  {
+    name: "other",
+    label: "A wrong map",
+    values: {},
+    map: "other",
+    look: "the particles wander or agree on some place, whose fit stays poor: the filter cannot tell that no place is right.",
+  },
   {
     name: "few",
     label: "Too few particles",
@@ -49,6 +78,18 @@ export function grown(points: readonly Point[], message: LocalizationMessage): r
   if (last && message.n_updates === last.updates && before.length > 0) return before;
   const next = { updates: message.n_updates, error: message.error_m, entropy: message.entropy };
   return [...before, next].slice(-MOST_POINTS);
+}
+
+/** The map of the last setting that is on and has one. */
+export const mapOf = (on: readonly string[]): string =>
+  SETTINGS.findLast(({ name, map }) => map !== undefined && on.includes(name))?.map ?? "plan";
+
+/** The settings that are on once one is turned: only one of them can say which map the filter gets. */
+export function turned(on: readonly string[], name: string): readonly string[] {
+  if (on.includes(name)) return on.filter((one) => one !== name);
+  const hasMap = (one: string): boolean =>
+    SETTINGS.some((setting) => setting.name === one && setting.map !== undefined);
+  return [...on.filter((one) => !(hasMap(name) && hasMap(one))), name];
 }
 
 /** The values of all settings that are on, together. */

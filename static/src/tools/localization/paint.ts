@@ -1,7 +1,7 @@
 /** What the belief shows of a localized robot: the best estimate, how certain it is, and the scan seen from it. */
 
 import { compose } from "../../grid/lattice";
-import { type Brush, paintBeams } from "../../render/picture/brush";
+import { type Brush, paintBeams, robotPx } from "../../render/picture/brush";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import type { Pose } from "../../wire/protocol";
@@ -14,6 +14,26 @@ function seenFrom(a: Pose, b: Pose): Pose {
   const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
   const [c, s] = [Math.cos(a[2]), Math.sin(a[2])];
   return [c * dx + s * dy, c * dy - s * dx, b[2] - a[2]];
+}
+
+/** Paint where a visitor says that the robot is: a ring, and a line in the direction in which it looks. */
+export function paintGivenPose(store: Store, { ctx, view, size, colours }: Brush): void {
+  const pose = store.givenPose.peek();
+  if (!pose) return;
+  const [x, y] = toScreen(view, size, pose[0], pose[1]);
+  const radius = robotPx(view) + 3;
+  for (const [style, width] of [
+    [colours.outline, 5],
+    [colours.robot, 2.5],
+  ] as const) {
+    ctx.strokeStyle = style;
+    ctx.lineWidth = width;
+    ctx.beginPath();
+    ctx.arc(x, y, radius, 0, 2 * Math.PI);
+    ctx.moveTo(x, y);
+    ctx.lineTo(x + 2.4 * radius * Math.cos(pose[2]), y - 2.4 * radius * Math.sin(pose[2]));
+    ctx.stroke();
+  }
 }
 
 /** Paint the estimate; nothing while the robot is not localized. */

@@ -19,10 +19,13 @@ import { pictureColours } from "../../render/picture/pictureColours";
 import { scanFade } from "../../render/picture/scanFade";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
+import { KINDS } from "../../wire/kinds";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
-import { paintLocalization } from "../localization/paint";
+import { GIVEN_MAP } from "../localization/model";
+import { paintGivenPose, paintLocalization } from "../localization/paint";
+import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
@@ -64,7 +67,10 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
           store,
           canvas,
           invalidate,
-          () => underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }],
+          () => {
+            const below = underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }];
+            return [...below, ...costsOver(store)];
+          },
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
         failure.value = surface.failure;
@@ -88,6 +94,8 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.inspected.value;
             void store.scanPair.value;
             void store.localization.value;
+            watchNavigation(store);
+            void store.givenPose.value;
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;
             void pictureColours.value;
@@ -126,9 +134,12 @@ function paintOverlay(
   ctx.rect(from * size.width, 0, (to - from) * size.width, size.height);
   ctx.clip();
   for (const content of store.layers.contents.peek()) paintLayer(brush, content);
-  const moves = paintScan(store, brush, fade, now);
+  const hasRobot = KINDS[store.hello.peek()?.kind ?? ""]?.hasRobot ?? true;
+  const moves = hasRobot && paintScan(store, brush, fade, now);
   ctx.restore();
   paintLocalization(store, brush);
+  paintNavigation(store, brush);
+  paintGivenPose(store, brush);
   paintScanPair(store, brush);
   paintWhy(store, brush);
   const cell = store.cell.peek();
@@ -146,6 +157,8 @@ function paintScan(store: Store, brush: Brush, fade: ReturnType<typeof scanFade>
   const from = store.beliefPose.peek();
   const map = store.map.peek();
   const trajectory = store.trajectory.peek();
+  // A map to localize in has another frame than poses that do not come from a localization.
+  if (store.underlay.peek() === GIVEN_MAP && !store.localization.peek()?.is_on) return false;
   if (trajectory && frame) paintPath(brush, trajectory.poses, Math.ceil(frame.index / trajectory.every));
   let strength = 0;
   if (store.stepping.peek()) paintSteps(store, brush, true);

@@ -9,6 +9,7 @@ import { type Paint, Picture } from "../../render/picture/Picture";
 import { panned, type Size, toScreen, toWorld, zoomedAt } from "../../render/view";
 import type { Store } from "../../store/store";
 import { stroke } from "../editing/strokes";
+import { brushStroke, isOnGoal, paints, useTool } from "../navigation/mapTool";
 import { listenToKeys } from "./keyboard";
 import "./picture.css";
 
@@ -50,6 +51,7 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
       const view = store.view.peek();
       return view && toWorld(view, picture.size, x, y);
     };
+    let holdsGoal = false;
     const stops = [
       effect(() => {
         void store.bounds.value;
@@ -65,13 +67,16 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
           const view = store.view.peek();
           const pose = store.frame.peek()?.pose;
           if (draws && store.editing.tool.peek() !== null) return false;
-          if (!view || !pose || !store.isDriven.peek()) return false;
+          if (!view) return false;
+          holdsGoal = isOnGoal(store, x, y, reach, (point) => toScreen(view, picture.size, ...point));
+          if (holdsGoal) return true;
+          if (!pose || !store.isDriven.peek()) return false;
           const [rx, ry] = toScreen(view, picture.size, pose[0], pose[1]);
           return Math.hypot(x - rx, y - ry) <= robotPx(view) + reach;
         },
         tap: (x, y) => {
           const point = inWorld(x, y);
-          if (point) onTap(point);
+          if (point && !useTool(store, point)) onTap(point);
         },
         explain: (x, y) => {
           const point = inWorld(x, y);
@@ -81,13 +86,17 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
           store.viewHeld.value = false;
         },
         dragRobot: (at) => {
-          store.dragRobot(at && inWorld(at[0], at[1]));
+          const to = at && inWorld(at[0], at[1]);
+          if (holdsGoal) store.dragGoal(to);
+          else store.dragRobot(to);
         },
-        draws: () => draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box"),
+        draws: () =>
+          paints(store) || (draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box")),
         stroke: (from, to, isDone) => {
           const start = inWorld(from[0], from[1]);
           const end = to && inWorld(to[0], to[1]);
-          stroke(store, start, end, isDone);
+          if (paints(store)) brushStroke(store, start, end, isDone);
+          else stroke(store, start, end, isDone);
         },
         pan: (dx, dy) => {
           const view = store.view.peek();

@@ -20,6 +20,7 @@ import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { paintEditing } from "../editing/paint";
+import { paintNavigation, paintPathOf, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
 import { act } from "./act";
@@ -84,6 +85,7 @@ export function WorldView({ store }: { readonly store: Store }) {
             void store.faults.value;
             void store.stepping.value;
             void store.selectedContribution.value;
+            watchNavigation(store);
             void pictureColours.value;
           },
           paint: (size, ratio, now) => {
@@ -141,6 +143,8 @@ function paintOverlay(store: Store, brush: Brush, fade: ScanFade, now: number): 
     paintCell(brush, map.geometry, cell.row, cell.col, brush.colours.outline);
     paintCrosshair(brush, centreOf(map.geometry, cell));
   }
+  paintPathOf(store, brush);
+  paintNavigation(store, brush);
   const draggedTo = store.draggedTo.peek();
   paintRobot(brush, frame.pose, draggedTo !== null);
   if (draggedTo) paintDragPointer(brush.ctx, toScreen(brush.view, brush.size, ...draggedTo), brush.colours.robot);

@@ -17,7 +17,7 @@ from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
-from tests.mapper.io.export.test_export import read, sonars_of
+from tests.mapper.io.export.exported import read, sonars_of
 
 
 @pytest.fixture

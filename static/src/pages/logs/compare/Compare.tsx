@@ -9,7 +9,7 @@ import { Numbers } from "../../../tools/compare/Numbers";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
-import { Toggle } from "../../../ui/Toggle";
+import { ToggleOf } from "../../../ui/Toggle";
 import type { Compared, LogInfo } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
 import { LogChoice } from "../LogChoice";
@@ -234,13 +234,7 @@ function Merge({ compared }: { readonly compared: Compared }) {
 function Blinking({ comparison }: { readonly comparison: Comparison }) {
   return (
     <>
-      <Toggle
-        label="Automatic"
-        checked={comparison.blinks.value}
-        onChange={(on) => {
-          comparison.blinks.value = on;
-        }}
-      />
+      <ToggleOf label="Automatic" signal={comparison.blinks} />
       {comparison.blinks.value && (
         <Choice
           label="Seconds per map"

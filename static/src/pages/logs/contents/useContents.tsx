@@ -1,6 +1,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
+import { Button } from "../../../ui/Button";
 import { progressText } from "../../../ui/Working";
 import { type Contents, contentsAddress, fetchJson } from "./contents";
 
@@ -9,12 +10,24 @@ const POLL_MS = 500;
 export type ContentsState =
   | { readonly kind: "reading"; readonly progress: number; readonly since: number }
   | { readonly kind: "failed"; readonly why: string }
+  | { readonly kind: "cancelled" }
   | { readonly kind: "ready"; readonly contents: Contents };
 
+interface ContentsOfSession {
+  readonly state: Signal<ContentsState>;
+  /** Have the server stop, until `again` is called. */
+  readonly cancel: () => void;
+  readonly again: () => void;
+}
+
 /** The contents of a session's recording, asked for while a group that shows them is open. */
-export function useContents(session: string): Signal<ContentsState> {
-  const state = useSignal<ContentsState>({ kind: "reading", progress: 0, since: performance.now() });
+export function useContents(session: string): ContentsOfSession {
+  const begun = (): ContentsState => ({ kind: "reading", progress: 0, since: performance.now() });
+  const state = useSignal<ContentsState>(begun());
+  const attempt = useSignal(0);
+  const ending = useRef<() => void>(() => undefined);
   useEffect(() => {
+    state.value = begun();
     const abort = new AbortController();
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async (): Promise<void> => {
@@ -38,12 +51,22 @@ export function useContents(session: string): Signal<ContentsState> {
       }
     };
     void ask();
-    return () => {
+    ending.current = () => {
       abort.abort();
       clearTimeout(timer);
     };
-  }, [session]);
-  return state;
+    return ending.current;
+  }, [session, attempt.value]);
+  const cancel = (): void => {
+    ending.current();
+    state.value = { kind: "cancelled" };
+    // Whatever comes of it: without requests the server stops by itself, only later.
+    void fetch(contentsAddress(session), { method: "DELETE" }).catch(() => undefined);
+  };
+  const again = (): void => {
+    attempt.value += 1;
+  };
+  return { state, cancel, again };
 }
 
 /** Shows the contents once they are known, and before that how far finding them out is. */
@@ -54,9 +77,20 @@ export function WhenKnown({
   readonly session: string;
   readonly children: (contents: Contents) => ComponentChildren;
 }) {
-  const now = useContents(session).value;
+  const { state, cancel, again } = useContents(session);
+  const now = state.value;
   if (now.kind === "ready") return <>{children(now.contents)}</>;
   if (now.kind === "failed") return <p role="alert">{now.why}</p>;
+  if (now.kind === "cancelled") {
+    return (
+      <div class="contents-reading">
+        <p class="quiet" role="status">
+          Cancelled.
+        </p>
+        <Button onClick={again}>Go through the recording</Button>
+      </div>
+    );
+  }
   return (
     <div class="contents-reading" role="status">
       <p class="quiet">
@@ -68,6 +102,7 @@ export function WhenKnown({
       <div class={now.progress > 0 ? "progress wide" : "progress waiting wide"} aria-hidden="true">
         <span style={now.progress > 0 ? { transform: `scaleX(${now.progress})` } : undefined} />
       </div>
+      <Button onClick={cancel}>Cancel</Button>
     </div>
   );
 }

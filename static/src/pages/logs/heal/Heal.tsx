@@ -8,12 +8,12 @@ import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
 import { compareWith } from "../compare/sides";
 import { trajectoryLabel } from "../describeLog";
+import { ParameterDetails } from "../ParameterDetails";
 import type { SlamState } from "./api";
 import { Graph } from "./Graph";
 import type { Healing } from "./healing";
 import "./heal.css";
 import { Merge } from "./Merge";
-import { Parameters } from "./Parameters";
 import { Score } from "./Score";
 
 interface HealProps {
@@ -51,7 +51,7 @@ export function Heal({ store, session, healing, comparison, isGuest }: HealProps
                 {healing.failure.value}
               </p>
             )}
-            {!isUnderWay && <Parameters parameters={healing.parameters} />}
+            {!isUnderWay && <ParameterDetails parameters={healing.parameters} name="SLAM" titles={TITLES} />}
             {!isUnderWay && (
               <div class="heal-actions">
                 <Button
@@ -74,6 +74,14 @@ export function Heal({ store, session, healing, comparison, isGuest }: HealProps
     </>
   );
 }
+
+const TITLES: Readonly<Record<string, string>> = {
+  scans: "Scans",
+  "front end": "Each scan with those before it",
+  loops: "Loops",
+  graph: "Graph",
+  refinement: "Refinement",
+};
 
 const STAGES: Readonly<Record<string, string>> = {
   "front end": "Aligning scans",

@@ -17,6 +17,22 @@ interface MergeProps {
 }
 
 const EVERY_MS = 500;
+
+const STAGES: Readonly<Record<string, string>> = {
+  "first log": "SLAM of this log",
+  "second log": "SLAM of the other log",
+  maps: "Searching one map in the other",
+  loops: "Joining the scans of the two",
+  refinement: "Refining all poses",
+  writing: "Writing the log of both",
+};
+
+/** The page of the log of both. */
+const pageOf = ({ log, topic }: NonNullable<MergeState["result"]>): string => {
+  const query = new URLSearchParams({ log });
+  if (topic !== null) query.set("topic", topic);
+  return `/logs.html?${query}`;
+};
 const isUnderWay = (job: MergeState | null): boolean => job?.state === "queued" || job?.state === "running";
 
 export function Merge({ store, session, comparison }: MergeProps) {
@@ -82,6 +98,11 @@ export function Merge({ store, session, comparison }: MergeProps) {
               {now?.result && (
                 <Button onClick={() => now.result && void showBoth(now.result)}>Show both as one map</Button>
               )}
+              {now?.result && (
+                <a class="button" href={pageOf(now.result)}>
+                  Open the log of both
+                </a>
+              )}
             </div>
           </>
         )}
@@ -89,8 +110,8 @@ export function Merge({ store, session, comparison }: MergeProps) {
           <div class="heal-progress">
             <progress max={1} value={now.fraction} aria-label="Merging" />
             <p role="status">
-              {now.state === "queued" ? "Waiting …" : "Merging …"} {Math.floor(100 * now.fraction)} %
-              {now.elapsed_s !== null && ` · ${Math.floor(now.elapsed_s)} s`}
+              {now.state === "queued" ? "Waiting" : (STAGES[now.stage ?? ""] ?? "Preparing")} …{" "}
+              {Math.floor(100 * now.fraction)} %{now.elapsed_s !== null && ` · ${Math.floor(now.elapsed_s)} s`}
             </p>
             <div class="heal-actions">
               <Button icon="close" onClick={() => void ask(cancelMerge(session))}>
@@ -102,7 +123,8 @@ export function Merge({ store, session, comparison }: MergeProps) {
         {now?.result && (
           <p role="status">
             Merged: {now.result.loops} of {now.result.tried} loops between the two logs fit. Both logs have a trajectory
-            “merged” in one frame.
+            “merged” in one frame, and “{now.result.name}” has the scans of both: for its map, its files and its doctor.
+            {now.result.note && ` There ${now.result.note}.`}
           </p>
         )}
         {now?.state === "cancelled" && <p role="status">Merging was cancelled. Both logs are as before.</p>}

@@ -108,10 +108,16 @@ export function Score({ store, session }: { readonly store: Store; readonly sess
   );
 }
 
+/** Author and year, or who measured it: what comes before the title or the log. */
+const shortSource = (source: string): string => source.split(/[,:]/, 1)[0] ?? source;
+
 function Table({ score }: { readonly score: PoseScore }) {
+  const rows = rowsOf(score);
+  const sources = [...new Set(rows.flatMap(({ source }) => (source === null ? [] : [source])))];
   return (
     <>
       <table class="score-table">
+        <caption>Mean errors of position, metres, and of rotation, degrees</caption>
         <thead>
           <tr>
             <th scope="col">Poses</th>
@@ -121,15 +127,15 @@ function Table({ score }: { readonly score: PoseScore }) {
           </tr>
         </thead>
         <tbody>
-          {rowsOf(score).map(({ name, translation, rotation, count, source }) => (
-            <tr key={name} class={source === null ? "score-own" : ""} title={source ?? ""}>
+          {rows.map(({ name, translation, rotation, count, source }) => (
+            <tr key={name} class={source === null ? "score-own" : ""}>
               <th scope="row">
                 {name}
-                {source !== null && <small>{source}</small>}
+                {source !== null && <small>{shortSource(source)}</small>}
               </th>
               <td>{written(translation, 4)}</td>
               <td>{rotation === null ? "–" : written(rotation, 2)}</td>
-              <td>{count ?? "–"}</td>
+              <td>{count?.toLocaleString("en") ?? "–"}</td>
             </tr>
           ))}
         </tbody>
@@ -142,6 +148,13 @@ function Table({ score }: { readonly score: PoseScore }) {
           ` ${score.left_out} of ${score.relations} relations are left out: the log has no record of their times.`}
         {score.published.length === 0 && " The name of the file tells no log with published results."}
       </p>
+      {sources.length > 0 && (
+        <ul class="score-sources quiet">
+          {sources.map((source) => (
+            <li key={source}>{source}</li>
+          ))}
+        </ul>
+      )}
     </>
   );
 }

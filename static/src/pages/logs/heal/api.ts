@@ -53,10 +53,18 @@ export interface MergeState {
   readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly other: string | null;
   readonly fraction: number;
+  /** What is done now: "first log", "second log", "maps", "loops", "refinement" or "writing". */
+  readonly stage: string | null;
   readonly elapsed_s: number | null;
   readonly error: { readonly message: string } | null;
   readonly result: {
     readonly trajectory: string;
+    /** The log of both: its id, its name, and its sensors where they are several. */
+    readonly log: string;
+    readonly name: string;
+    readonly topic: string | null;
+    /** Whether a clock was set in it; empty where none was. */
+    readonly note: string;
     readonly loops: number;
     readonly tried: number;
     readonly score: number;

@@ -7,8 +7,8 @@ import type { Store } from "../../../store/store";
 import { type HillPlace, type LoopHill, pairAt } from "../../../tools/heal/hill";
 import { type Candidate, type Edge, edgeAt, loopAt, type Place, type PoseGraph } from "../../../tools/heal/model";
 import type { Point } from "../../../wire/protocol";
+import { JobParameters } from "../jobParameters";
 import * as api from "./api";
-import { SlamParameters } from "./slamParameters";
 
 /** The layer of the graph. */
 export const LAYER = "graph";
@@ -43,7 +43,7 @@ export class Healing {
   /** The trajectory of the map before it was healed. */
   readonly before: Signal<string | null> = signal(null);
   /** The parameters that the next job is begun with. */
-  readonly parameters = new SlamParameters();
+  readonly parameters = new JobParameters(api.slamParameters);
   #timer = 0;
   #restTimer = 0;
   #pointed: number | null = null;

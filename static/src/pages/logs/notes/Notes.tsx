@@ -3,7 +3,7 @@ import { useEffect, useId, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { clock, written } from "../../../ui/numbers";
-import { Toggle } from "../../../ui/Toggle";
+import { ToggleOf } from "../../../ui/Toggle";
 import { type Note, type Pin, scanOf } from "./noteRecords";
 import "./notes.css";
 import type { NotesState } from "./useNotes";
@@ -158,23 +158,17 @@ function Editor({ store, state, note, onDone }: EditorProps) {
           text.value = event.currentTarget.value;
         }}
       />
-      <Toggle
+      <ToggleOf
         label={hasTime.value && note?.at_s != null ? `At ${clock(note.at_s)}` : `At this moment, ${momentLabel(store)}`}
-        checked={hasTime.value}
-        onChange={(on) => {
-          hasTime.value = on;
-        }}
+        signal={hasTime}
       />
-      <Toggle
+      <ToggleOf
         label={
           hasPlace.value && pin.x !== null && pin.y !== null
             ? `At ${written(pin.x, 1)}, ${written(pin.y, 1)} m on the map`
             : "At the cell that I click on the map"
         }
-        checked={hasPlace.value}
-        onChange={(on) => {
-          hasPlace.value = on;
-        }}
+        signal={hasPlace}
       />
       <div class="actions">
         <Button

@@ -1,41 +1,38 @@
-"""The record of a SLAM job, and its row in the database."""
+"""The record of a job that merges two logs, and its row in the database."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
 from server.library.log_rows import ensure_log
+from server.library.pose_job_record import JobState
 from server.library.records import Failure, Record
-from server.library.tables import slam_jobs
-
-_TEXTS = ("result", "parameters")  # columns of JSON
-
-SlamState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
+from server.library.tables import merge_jobs
 
 
 @dataclass(frozen=True, slots=True)
-class SlamRecord:
-    """A job of ``owner`` that corrects the poses of a log, beginning with those of ``trajectory``.
+class MergeRecord:
+    """A job of ``owner`` that merges a log with the log ``other``; ``topic`` and ``other_topic`` name their sensors.
 
     ``attempts`` counts the runs that the end of the service interrupted; ``result`` is what the HTTP interface shows of
-    a job that is done. ``parameters`` are those of SLAM that differ from the first values.
+    a job that is done.
     """
 
     log_id: str
     owner: str
     topic: str | None
-    trajectory: str | None
-    state: SlamState
+    other: str
+    other_topic: str | None
+    state: JobState
     created_s: float
     attempts: int = 0
     error: Failure | None = None
     result: dict[str, Any] | None = None
-    parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def is_unfinished(self) -> bool:
@@ -45,46 +42,41 @@ class SlamRecord:
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows."""
         return {
-            "log": self.log_id,
-            "topic": self.topic,
-            "odometry": self.trajectory,
-            "parameters": self.parameters,
             "state": self.state,
-            "created_s": self.created_s,
+            "other": self.other or None,
             "error": None if self.error is None else asdict(self.error),
             "result": self.result,
         }
 
 
-def load_slam_records(connection: Connection) -> Sequence[SlamRecord]:
+def load_merge_records(connection: Connection) -> Sequence[MergeRecord]:
     """Return all rows, oldest first."""
     found = []
-    for row in connection.execute(select(slam_jobs).order_by(slam_jobs.c.created_s)):
+    for row in connection.execute(select(merge_jobs).order_by(merge_jobs.c.created_s)):
         values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
-        code, message = values.pop("error_code"), values.pop("error_message")
+        code, message, result = (values.pop(name) for name in ("error_code", "error_message", "result"))
         error = None if code is None else Failure(code, message or "")
-        result, parameters = (None if text is None else json.loads(text) for text in map(values.pop, _TEXTS))
-        found.append(SlamRecord(**values, error=error, result=result, parameters=parameters or {}))
+        found.append(MergeRecord(**values, error=error, result=None if result is None else json.loads(result)))
     return found
 
 
-def put_slam_record(connection: Connection, log: Record, record: SlamRecord) -> None:
+def put_merge_record(connection: Connection, log: Record, record: MergeRecord) -> None:
     """Write the row of a job on ``log`` in the place of the owner's older one."""
     ensure_log(connection, log)
-    of_it = (slam_jobs.c.owner == record.owner, slam_jobs.c.log_id == record.log_id)
-    connection.execute(delete(slam_jobs).where(*of_it))
+    of_it = (merge_jobs.c.owner == record.owner, merge_jobs.c.log_id == record.log_id)
+    connection.execute(delete(merge_jobs).where(*of_it))
     connection.execute(
-        insert(slam_jobs).values(
+        insert(merge_jobs).values(
             log_id=record.log_id,
             owner=record.owner,
             topic=record.topic,
-            trajectory=record.trajectory,
+            other=record.other,
+            other_topic=record.other_topic,
             state=record.state,
             created_s=record.created_s,
             attempts=record.attempts,
             error_code=None if record.error is None else record.error.code,
             error_message=None if record.error is None else record.error.message,
             result=None if record.result is None else json.dumps(record.result),
-            parameters=json.dumps(record.parameters),
         )
     )

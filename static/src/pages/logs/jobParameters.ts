@@ -1,10 +1,16 @@
-/** The parameters of SLAM that a visitor has set for the next job on a log. */
+/** The parameters that a visitor has set for the next job on a log: SLAM, or localization. */
 
 import { signal } from "@preact/signals";
-import type { Parameter, Value, Values } from "../../../wire/protocol";
-import * as api from "./api";
+import type { Parameter, Value, Values } from "../../wire/protocol";
 
-export class SlamParameters {
+export class JobParameters {
+  readonly #ask: () => Promise<readonly Parameter[]>;
+
+  /** `ask` asks the server for the table. */
+  constructor(ask: () => Promise<readonly Parameter[]>) {
+    this.#ask = ask;
+  }
+
   /** The table; empty until it was asked for. */
   readonly table = signal<readonly Parameter[]>([]);
   /** Those that were set, by name. */
@@ -14,7 +20,7 @@ export class SlamParameters {
   async load(): Promise<void> {
     if (this.table.peek().length > 0) return;
     try {
-      this.table.value = await api.slamParameters();
+      this.table.value = await this.#ask();
     } catch {
       // The server does not answer: when it is opened again.
     }

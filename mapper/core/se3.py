@@ -1,0 +1,40 @@
+"""Rigid motions in space, SE(3), as matrices (4, 4): ``T_a_b`` takes coordinates in frame b to those in frame a.
+
+Source: Barfoot, State Estimation for Robotics, chapter 7; REP 103 (roll, pitch and yaw about fixed axes x, y, z).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float64Array = NDArray[np.float64]
+
+
+def from_quaternion(translation: Sequence[float], x: float, y: float, z: float, w: float) -> Float64Array:
+    """Return the motion (4, 4) of a translation (3,), metres, and a unit quaternion."""
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    pose[:3, 3] = translation
+    return pose
+
+
+def from_euler(translation: Sequence[float], roll: float, pitch: float, yaw: float) -> Float64Array:
+    """Return the motion (4, 4) of a translation (3,), metres, and finite angles, radians: first roll, last yaw."""
+    sr, sp, sy = math.sin(roll), math.sin(pitch), math.sin(yaw)
+    cr, cp, cy = math.cos(roll), math.cos(pitch), math.cos(yaw)
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    pose[:3, 3] = translation
+    return pose

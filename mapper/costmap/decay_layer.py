@@ -1,0 +1,110 @@
+"""Obstacles with a lifetime."""
+
+from __future__ import annotations
+
+import heapq
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.costmap.costs import LETHAL, NO_INFORMATION
+from mapper.costmap.kernels.observation import lay_over
+from mapper.costmap.layers import Observation, Robot, box_of, clear, clear_footprint, mark, no_bounds, part_of
+from mapper.costmap.parameters import COMBINATIONS, CostmapConfig, DecayConfig
+from mapper.grid.cell_box import CellBox
+from mapper.grid.occupancy_grid import GridGeometry
+
+
+class DecayLayer:
+    """Obstacles with a lifetime: what is not seen again within ``lifetime`` seconds is forgotten.
+
+    Nav2 has no such layer of its own; its documentation refers to the spatio-temporal voxel layer, whose voxels
+    decay in time.
+    """
+
+    name = "dynamic_layer"
+
+    def __init__(self, geometry: GridGeometry, config: DecayConfig, general: CostmapConfig) -> None:
+        del general
+        self._geometry, self._config = geometry, config
+        self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
+        self._marked: Float64Array = np.full(geometry.shape, -np.inf)  #: when, s
+        self._now = -np.inf
+        self._bounds = no_bounds()
+        self._waiting: list[tuple[float, int, CellBox]] = []  #: stamp, number and box of what has not expired
+        self._n = 0
+
+    def configure(self, config: DecayConfig) -> None:
+        """Take other parameters; what was marked stays, and is forgotten or remembered by the new lifetime."""
+        self._config = config
+        self._wait_for_all()
+
+    def observe(self, observation: Observation) -> None:
+        """Clear what the beams of an observation passed, then mark its end points with its stamp."""
+        marked = no_bounds()
+        clear(self._geometry, self._config, observation, -np.inf, self._marked, self._bounds)
+        mark(self._geometry, self._config, observation, observation.stamp, self._marked, marked)
+        box = box_of(marked)
+        if box is not None:
+            self._touch(box)
+            heapq.heappush(self._waiting, (observation.stamp, self._n, box))
+            self._n += 1
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Forget what is older than the lifetime at ``now``, in seconds; return the box of what changed.
+
+        Only the boxes of observations since the last call and of those that expired are looked at, unless ``now`` is
+        before that of the last call.
+        """
+        if robot is not None and self._config.footprint_clearing_enabled:
+            clear_footprint(self._geometry, robot, -np.inf, self._marked, self._bounds)
+        oldest = now - self._config.lifetime
+        if now < self._now:
+            self._wait_for_all()
+        while self._waiting and self._waiting[0][0] < oldest:
+            self._touch(heapq.heappop(self._waiting)[2])
+        self._now = now
+        box, self._bounds = box_of(self._bounds), no_bounds()
+        if box is None:
+            return None
+        costs = self.costs[part_of(box)]
+        alive = self._marked[part_of(box)] >= oldest
+        rows, cols = np.nonzero(alive != (costs == LETHAL))
+        costs[...] = np.where(alive, np.uint8(LETHAL), np.uint8(NO_INFORMATION))
+        if len(rows) == 0:
+            return None
+        return CellBox(
+            box.row0 + int(rows.min()),
+            box.row0 + int(rows.max()) + 1,
+            box.col0 + int(cols.min()),
+            box.col0 + int(cols.max()) + 1,
+        )
+
+    def _wait_for_all(self) -> None:
+        """Look at the whole grid at the next update, and at each stamp's end."""
+        everything = CellBox(0, self._geometry.rows, 0, self._geometry.cols)
+        self._touch(everything)
+        stamps = np.unique(self._marked[np.isfinite(self._marked)])
+        self._waiting = [(float(stamp), k, everything) for k, stamp in enumerate(stamps)]
+        self._n = len(stamps)
+
+    def _touch(self, box: CellBox) -> None:
+        bounds = self._bounds
+        bounds[0], bounds[1] = min(int(bounds[0]), box.row0), max(int(bounds[1]), box.row1)
+        bounds[2], bounds[3] = min(int(bounds[2]), box.col0), max(int(bounds[3]), box.col1)
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Lay the obstacles that are still remembered over the master."""
+        if self._config.enabled:
+            lay_over(
+                self.costs[part_of(box)], COMBINATIONS.index(self._config.combination_method), master[part_of(box)]
+            )
+
+    def why(self, row: int, col: int) -> str:
+        """Say when the cell was marked last."""
+        marked = float(self._marked[row, col])
+        if marked == -np.inf:
+            return "No obstacle was seen here, or a beam passed through since."
+        age = self._now - marked
+        kept = "kept" if self.costs[row, col] == LETHAL else "forgotten"
+        return f"Marked {age:.1f} s ago and {kept}: the lifetime is {self._config.lifetime:g} s."

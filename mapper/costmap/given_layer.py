@@ -1,0 +1,65 @@
+"""A layer whose costs another module computes, such as those of a terrain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from mapper.core.array_types import UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap.costs import NO_INFORMATION, name_of_cost
+from mapper.costmap.kernels.observation import lay_over
+from mapper.costmap.layers import Robot, part_of
+from mapper.costmap.parameters import COMBINATIONS
+from mapper.grid.cell_box import CellBox
+from mapper.grid.occupancy_grid import GridGeometry
+
+
+class GivenLayer:
+    """Costs (rows, cols) uint8 that are given, laid over the layers before where they are greater.
+
+    ``reason`` says in one sentence why a cell (row, col) has its cost. Cells are 255 until they are set.
+    """
+
+    def __init__(self, geometry: GridGeometry, name: str, reason: Callable[[int, int], str] | None = None) -> None:
+        self.name = name
+        self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
+        self._reason = reason
+        self._changed: CellBox | None = None
+
+    def set(self, costs: UInt8Array, row: int = 0, col: int = 0) -> None:
+        """Set the costs of a rectangle whose first cell is (row, col).
+
+        Raises :class:`ConfigError` for another type than uint8, and for a rectangle that is not within the layer.
+        """
+        if costs.dtype != np.uint8 or costs.ndim != 2:
+            raise ConfigError("costmap.given", f"Costs must be a uint8 array (rows, cols), not {costs.dtype}.")
+        rows, cols = costs.shape
+        if not (0 <= row <= self.costs.shape[0] - rows and 0 <= col <= self.costs.shape[1] - cols):
+            raise ConfigError(
+                "costmap.shape",
+                f"The costs {costs.shape} at ({row}, {col}) are not within the {self.costs.shape} cells of "
+                f"{self.name!r}.",
+            )
+        if costs.size == 0:
+            return
+        self.costs[row : row + rows, col : col + cols] = costs
+        box = CellBox(row, row + rows, col, col + cols)
+        self._changed = box if self._changed is None else self._changed | box
+
+    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
+        """Return what was set since the last call."""
+        del now, robot
+        box, self._changed = self._changed, None
+        return box
+
+    def lay(self, master: UInt8Array, box: CellBox) -> None:
+        """Keep the greater of both costs."""
+        lay_over(self.costs[part_of(box)], COMBINATIONS.index("max"), master[part_of(box)])
+
+    def why(self, row: int, col: int) -> str:
+        """Say the cost, by the given reason where there is one."""
+        if self._reason is not None:
+            return self._reason(row, col)
+        return f"Given: {name_of_cost(int(self.costs[row, col]))}."

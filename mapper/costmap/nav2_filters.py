@@ -1,0 +1,124 @@
+"""Costmap filters of a Nav2 parameter file: a filter, the server of its information and the server of its mask.
+
+Source: the Nav2 documentation, Navigating with Keepout Zones and with Speed Limits: a filter names the topic of a
+costmap filter info server, that server names the topic of the mask, and a map server of that topic names the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mapper.core.errors import ConfigError
+
+KINDS = {"KeepoutFilter": "keepout", "SpeedFilter": "speed", "BinaryFilter": "binary"}
+_PLUGIN_OF = {kind: plugin for plugin, kind in KINDS.items()}
+_DEFAULT_TOPIC = "/costmap_filter_info"
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFilter:
+    """A filter of a parameter file.
+
+    ``kind`` is keepout, speed or binary; ``mask`` the file name of its mask, None where the file names none. ``type``,
+    ``base`` and ``multiplier`` are those of nav2_msgs/CostmapFilterInfo. ``below`` is how many layers lie below the
+    filter, None for a filter above all of them.
+    """
+
+    name: str
+    kind: str
+    mask: str | None = None
+    type: int = 0
+    base: float = 0.0
+    multiplier: float = 1.0
+    enabled: bool = True
+    below: int | None = None
+
+
+def is_filter(block: object) -> bool:
+    """Return whether a block of parameters is that of a filter."""
+    return isinstance(block, dict) and kind_of(block) is not None
+
+
+def kind_of(block: Mapping[str, Any]) -> str | None:
+    """Return the kind of filter that a block's plugin names, or None."""
+    return KINDS.get(str(block.get("plugin", "")).replace("/", "::").split("::")[-1])
+
+
+def named_filter(root: Mapping[str, Any], name: str, block: object, where: str, below: int | None) -> NamedFilter:
+    """Return the filter ``name`` with what its servers say in a whole file's mapping ``root``.
+
+    Raises :class:`ConfigError` for a block that is no filter, and for impossible values of its servers.
+    """
+    kind = kind_of(block) if isinstance(block, dict) else None
+    if not isinstance(block, dict) or kind is None:
+        known = ", ".join(KINDS)
+        raise ConfigError("nav2.filter", f"{where}: The filter has no 'plugin' that is one of {known}.")
+    enabled = block.get("enabled", True)
+    if not isinstance(enabled, bool):
+        raise ConfigError("nav2.value", f"{where}.enabled must be true or false, not {enabled!r:.40}.")
+    topic = _topic(block.get("filter_info_topic", _DEFAULT_TOPIC))
+    for node, info in _nodes(root):
+        if "mask_topic" in info and _topic(info.get("filter_info_topic", _DEFAULT_TOPIC)) == topic:
+            return NamedFilter(name, kind, _mask_file(root, info["mask_topic"]), *_info(info, node), enabled, below)
+    return NamedFilter(name, kind, None, 1 if kind == "speed" else 0, enabled=enabled, below=below)
+
+
+def filter_nodes(found: NamedFilter) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return a filter's block of the costmap, and the nodes of its servers, as :func:`named_filter` reads them."""
+    info_topic = f"/{found.name}_info"
+    block = {
+        "plugin": f"nav2_costmap_2d::{_PLUGIN_OF[found.kind]}",
+        "enabled": found.enabled,
+        "filter_info_topic": info_topic,
+    }
+    if found.mask is None:
+        return block, {}
+    mask_topic = f"/{found.name}_mask"
+    info = {
+        "type": found.type,
+        "filter_info_topic": info_topic,
+        "mask_topic": mask_topic,
+        "base": found.base,
+        "multiplier": found.multiplier,
+    }
+    server = {"topic_name": mask_topic, "yaml_filename": found.mask}
+    return block, {
+        f"{found.name}_info_server": {"ros__parameters": info},
+        f"{found.name}_mask_server": {"ros__parameters": server},
+    }
+
+
+def _topic(value: object) -> str:
+    return str(value).strip("/")
+
+
+def _nodes(root: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the name and the parameters of each node of a file."""
+    for name, value in root.items():
+        if isinstance(value, dict):
+            inner = value.get("ros__parameters")
+            if isinstance(inner, dict):
+                yield str(name), inner
+            yield from _nodes(value)
+
+
+def _mask_file(root: Mapping[str, Any], mask_topic: object) -> str | None:
+    for node, given in _nodes(root):
+        if "yaml_filename" in given and _topic(given.get("topic_name", "map")) == _topic(mask_topic):
+            path = given["yaml_filename"]
+            if not isinstance(path, str):
+                raise ConfigError("nav2.mask", f"{node}.yaml_filename must be the name of a file, not {path!r:.80}.")
+            return path or None
+    return None
+
+
+def _info(info: Mapping[str, Any], node: str) -> tuple[int, float, float]:
+    kind, base, multiplier = info.get("type", 0), info.get("base", 0.0), info.get("multiplier", 1.0)
+    if isinstance(kind, bool) or kind not in (0, 1, 2, 3):
+        raise ConfigError("nav2.value", f"{node}.type must be 0, 1, 2 or 3, not {kind!r:.40}.")
+    for name, value in (("base", base), ("multiplier", multiplier)):
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e6:
+            raise ConfigError("nav2.value", f"{node}.{name} must be a number, not {value!r:.40}.")
+    return int(kind), float(base), float(multiplier)

@@ -1,0 +1,257 @@
+"""A map with the edits that were made to it, which can be undone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+
+from mapper.core.array_types import BoolArray, Float64Array, Int8Array
+from mapper.core.errors import ConfigError, LimitError
+from mapper.core.se2 import compose, inverse, transform_points
+from mapper.editing.operations import (
+    VALUES,
+    Crop,
+    Despeckle,
+    Fill,
+    Keepout,
+    Operation,
+    Origin,
+    Paint,
+    Rotate,
+)
+from mapper.grid.cell_box import CellBox
+from mapper.grid.occupancy_grid import GridGeometry
+
+MAX_EDITS = 2000
+_EVERY = 20  #: edits between two kept states
+_EDGE = 1e-6  #: cells; so that a turn by 90° does not add a row for the sake of a rounding error
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    """A map between two edits: ``values`` and ``keepout`` (rows, cols) int8; they are not written to."""
+
+    geometry: GridGeometry
+    values: Int8Array
+    keepout: Int8Array
+
+
+class EditedMap:
+    """A map of ``values`` (rows, cols) int8, 0 … 100 or −1 unknown as in nav_msgs/OccupancyGrid, and its edits.
+
+    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden.
+    """
+
+    def __init__(self, geometry: GridGeometry, values: Int8Array) -> None:
+        if values.shape != geometry.shape:
+            raise ConfigError("edit.shape", f"The map has {values.shape} values for {geometry.shape} cells.")
+        first = _State(geometry, values.astype(np.int8), np.zeros(geometry.shape, dtype=np.int8))
+        self._kept: dict[int, _State] = {0: first}
+        self._state = first
+        self._operations: list[Operation] = []
+        self._n = 0
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Where the cells are."""
+        return self._state.geometry
+
+    @property
+    def values(self) -> Int8Array:
+        """The values (rows, cols) after all edits that are not undone."""
+        return self._state.values
+
+    @property
+    def keepout(self) -> Int8Array:
+        """The keepout mask (rows, cols)."""
+        return self._state.keepout
+
+    @property
+    def source(self) -> GridGeometry:
+        """Where the cells of the map were before the first edit."""
+        return self._kept[0].geometry
+
+    @property
+    def operations(self) -> Sequence[Operation]:
+        """The edits that are not undone, in their order."""
+        return tuple(self._operations[: self._n])
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an edit was undone and none was made since."""
+        return self._n < len(self._operations)
+
+    def apply(self, operation: Operation) -> None:
+        """Make an edit; what was undone before is gone.
+
+        Raises :class:`ConfigError` for an edit that leaves no cell or changes nothing that there is, and
+        :class:`LimitError` for more than 2,000 edits; then nothing has changed.
+        """
+        if self._n >= MAX_EDITS:
+            raise LimitError(
+                "edit.too_many", f"A map can have at most {MAX_EDITS} edits; save it, and edit the result."
+            )
+        self._state = _APPLY[type(operation)](self._state, operation)
+        del self._operations[self._n :]
+        self._operations.append(operation)
+        self._n += 1
+        for n in [n for n in self._kept if n >= self._n]:
+            del self._kept[n]
+        if self._n % _EVERY == 0:
+            self._kept[self._n] = self._state
+
+    def undo(self) -> bool:
+        """Undo the last edit; return whether there was one."""
+        if self._n == 0:
+            return False
+        self._go_to(self._n - 1)
+        return True
+
+    def redo(self) -> bool:
+        """Make the edit again that was undone last; return whether there was one."""
+        if not self.can_redo:
+            return False
+        self._go_to(self._n + 1)
+        return True
+
+    def _go_to(self, n: int) -> None:
+        begin = max(k for k in self._kept if k <= n) if n < self._n else self._n
+        state = self._kept[begin] if n < self._n else self._state
+        for operation in self._operations[begin:n]:
+            state = _APPLY[type(operation)](state, operation)
+        self._state, self._n = state, n
+
+
+def _from_lattice(geometry: GridGeometry, lattice: list[tuple[float, float]]) -> Float64Array:
+    """Return lattice coordinates (n, 2), (column, row), as map points (n, 2)."""
+    return transform_points(geometry.origin, np.array(lattice, dtype=np.float64) * geometry.resolution)
+
+
+def _box_around(geometry: GridGeometry, points_xy: Float64Array, reach: float) -> CellBox | None:
+    """Return the cells whose centres can be within ``reach`` m of the points' bounding box; None outside the map."""
+    lattice = geometry.to_lattice(points_xy)
+    margin = reach / geometry.resolution
+    low, high = np.floor(lattice.min(axis=0) - margin - 1.0), np.ceil(lattice.max(axis=0) + margin + 1.0)
+    col0, row0 = (int(v) for v in np.maximum(low, 0))
+    col1, row1 = (int(v) for v in np.minimum(high, (geometry.cols, geometry.rows)))
+    return CellBox(row0, row1, col0, col1) if row0 < row1 and col0 < col1 else None
+
+
+def _within(geometry: GridGeometry, points: Float64Array, width: float) -> tuple[CellBox, BoolArray] | None:
+    """Return a box and which of its cells (rows, cols) are within half a width of the line through ``points``."""
+    box = _box_around(geometry, points, width / 2.0)
+    if box is None:
+        return None
+    lattice = geometry.to_lattice(points)
+    u, v = np.meshgrid(np.arange(box.col0, box.col1) + 0.5, np.arange(box.row0, box.row1) + 0.5)
+    near = np.zeros(u.shape, dtype=np.bool_)
+    squared_reach = (width / 2.0 / geometry.resolution) ** 2
+    for (a_u, a_v), (b_u, b_v) in zip(lattice, [*lattice[1:], lattice[-1]], strict=True):
+        d_u, d_v = b_u - a_u, b_v - a_v
+        length = d_u * d_u + d_v * d_v
+        share = 0.0 if length == 0.0 else np.clip(((u - a_u) * d_u + (v - a_v) * d_v) / length, 0.0, 1.0)
+        near |= (u - a_u - share * d_u) ** 2 + (v - a_v - share * d_v) ** 2 <= squared_reach
+        row, col = math.floor(a_v) - box.row0, math.floor(a_u) - box.col0
+        if 0 <= row < near.shape[0] and 0 <= col < near.shape[1]:
+            near[row, col] = True
+    return box, near
+
+
+def _inside(geometry: GridGeometry, polygon: Float64Array) -> tuple[CellBox, BoolArray] | None:
+    """Return a box and which of its cells (rows, cols) have their centres in a polygon, by the even-odd rule."""
+    box = _box_around(geometry, polygon, 0.0)
+    if box is None:
+        return None
+    lattice = geometry.to_lattice(polygon)
+    u, v = np.meshgrid(np.arange(box.col0, box.col1) + 0.5, np.arange(box.row0, box.row1) + 0.5)
+    inside = np.zeros(u.shape, dtype=np.bool_)
+    for (a_u, a_v), (b_u, b_v) in zip(lattice, np.roll(lattice, -1, axis=0), strict=True):
+        if a_v != b_v:
+            crosses = (a_v > v) != (b_v > v)
+            inside ^= crosses & (u < a_u + (v - a_v) / (b_v - a_v) * (b_u - a_u))
+    return box, inside
+
+
+def _with(old: Int8Array, found: tuple[CellBox, BoolArray] | None, value: int, what: str) -> Int8Array:
+    if found is None:
+        raise ConfigError("edit.outside", f"{what} is outside the map.")
+    box, cells = found
+    new = old.copy()
+    new[box.row0 : box.row1, box.col0 : box.col1][cells] = value
+    return new
+
+
+def _paint(state: _State, edit: Paint) -> _State:
+    found = _within(state.geometry, np.array(edit.points), edit.width)
+    return _State(state.geometry, _with(state.values, found, VALUES[edit.state], "The stroke"), state.keepout)
+
+
+def _fill(state: _State, edit: Fill) -> _State:
+    found = _inside(state.geometry, np.array(edit.polygon))
+    return _State(state.geometry, _with(state.values, found, VALUES[edit.state], "The area"), state.keepout)
+
+
+def _keepout(state: _State, edit: Keepout) -> _State:
+    found = _inside(state.geometry, np.array(edit.polygon))
+    return _State(state.geometry, state.values, _with(state.keepout, found, int(edit.value), "The keepout zone"))
+
+
+def _despeckle(state: _State, edit: Despeckle) -> _State:
+    groups, _ = ndimage.label(state.values == VALUES["occupied"], structure=np.ones((3, 3)))
+    sizes = np.bincount(groups.ravel())
+    small = sizes <= edit.cells
+    small[0] = False
+    values = np.where(small[groups], np.int8(VALUES["free"]), state.values)
+    return _State(state.geometry, values, state.keepout)
+
+
+def _rotate(state: _State, edit: Rotate) -> _State:
+    old = state.geometry
+    x, y, yaw = compose((0.0, 0.0, edit.angle), old.origin)
+    turned = GridGeometry(old.resolution, old.rows, old.cols, (float(x), float(y), float(yaw)), old.limits)
+    corners = _from_lattice(turned, [(u, v) for u in (0.0, old.cols) for v in (0.0, old.rows)])
+    low = corners.min(axis=0)
+    cols, rows = (max(1, math.ceil(side - _EDGE)) for side in (corners.max(axis=0) - low) / old.resolution)
+    new = GridGeometry(old.resolution, rows, cols, (float(low[0]), float(low[1]), 0.0), old.limits)
+    values: Int8Array = np.full(new.shape, VALUES["unknown"], dtype=np.int8)
+    keepout: Int8Array = np.zeros(new.shape, dtype=np.int8)
+    of_row = np.arange(cols)
+    for row in range(rows):
+        at = turned.world_to_cell(new.cell_to_world(np.column_stack([np.full_like(of_row, row), of_row])))
+        held = ((at >= 0) & (at < old.shape)).all(axis=1)
+        source = at[held, 0], at[held, 1]
+        values[row, held], keepout[row, held] = state.values[source], state.keepout[source]
+    return _State(new, values, keepout)
+
+
+def _crop(state: _State, edit: Crop) -> _State:
+    (x0, y0), (x1, y1) = edit.corners
+    box = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+    old = state.geometry
+    lattice = old.to_lattice(box)
+    col0, row0 = (int(v) for v in np.maximum(np.floor(lattice.min(axis=0) + _EDGE), 0))
+    col1, row1 = (int(v) for v in np.minimum(np.ceil(lattice.max(axis=0) - _EDGE), (old.cols, old.rows)))
+    if row0 >= row1 or col0 >= col1:
+        raise ConfigError("edit.empty", "The rectangle holds no cell of the map: nothing would be left.")
+    x, y = (float(value) for value in _from_lattice(old, [(col0, row0)])[0])
+    new = GridGeometry(old.resolution, row1 - row0, col1 - col0, (x, y, old.origin[2]), old.limits)
+    part = np.s_[row0:row1, col0:col1]
+    return _State(new, state.values[part].copy(), state.keepout[part].copy())
+
+
+def _origin(state: _State, edit: Origin) -> _State:
+    old = state.geometry
+    x, y, yaw = (float(v) for v in compose(inverse((edit.x, edit.y, edit.yaw)), old.origin))
+    return _State(
+        GridGeometry(old.resolution, old.rows, old.cols, (x, y, yaw), old.limits), state.values, state.keepout
+    )
+
+
+_APPLY: dict[type[Operation], Callable[[_State, Any], _State]] = {
+    Paint: _paint, Fill: _fill, Keepout: _keepout, Despeckle: _despeckle, Rotate: _rotate, Crop: _crop, Origin: _origin,
+}  # fmt: skip

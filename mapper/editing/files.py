@@ -1,0 +1,161 @@
+"""Edited maps and their edits as files."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mapper.core.array_types import Int8Array
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.editing.edited_map import MAX_EDITS, EditedMap
+from mapper.editing.operations import Operation, operation_dict, parse_operation
+from mapper.grid.occupancy_grid import GridGeometry
+from mapper.io.maps import yaml_text
+
+FORMAT = "gridbloom map edits"
+VERSION = 1
+MAX_BYTES = 16 << 20  #: of a file of edits
+
+
+def edits_text(edited: EditedMap, source: str = "") -> str:
+    """Return the edits as JSON: one operation a line. ``source`` names the map that was edited."""
+    geometry = edited.source
+    head = {
+        "format": FORMAT,
+        "version": VERSION,
+        "source": {
+            "map": source,
+            "width": geometry.cols,
+            "height": geometry.rows,
+            "resolution": geometry.resolution,
+            "origin": list(geometry.origin),
+        },
+    }
+    lines = ",\n  ".join(json.dumps(operation_dict(one)) for one in edited.operations)
+    return f'{json.dumps(head)[:-1]}, "edits": [\n  {lines}\n]}}\n'
+
+
+def read_edits(path: str | os.PathLike[str]) -> tuple[dict[str, Any], list[Operation]]:
+    """Return the edits in a file as :func:`parse_edits`; also raises :class:`ReadError` where it cannot be read."""
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        message = f"The file {Path(path).name!r} cannot be read: {error.strerror}."
+        raise ReadError("edits.unreadable", message) from error
+    return parse_edits(data)
+
+
+def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
+    """Return what a file of edits says of its source, and its operations.
+
+    Raises :class:`ReadError` for bytes that are none, :class:`ConfigError` for an impossible edit, with its number, and
+    :class:`LimitError` for more than 16 MiB or 2,000 edits.
+    """
+    if len(data) > MAX_BYTES:
+        raise LimitError("edits.too_large", f"A file of edits may have {MAX_BYTES >> 20} MiB.")
+    try:
+        found = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise ReadError("edits.json", f"The edits are no JSON: {error}.") from error
+    if not isinstance(found, dict) or found.get("format") != FORMAT or not isinstance(found.get("edits"), list):
+        raise ReadError("edits.format", f"The file holds no edits: its 'format' is not {FORMAT!r}.")
+    if found.get("version") != VERSION:
+        raise ReadError("edits.version", f"The edits are of version {found.get('version')!r:.20}, not {VERSION}.")
+    if len(found["edits"]) > MAX_EDITS:
+        raise LimitError("edit.too_many", f"A map can have at most {MAX_EDITS} edits.")
+    operations = []
+    for k, given in enumerate(found["edits"]):
+        try:
+            operations.append(parse_operation(given))
+        except ConfigError as error:
+            raise ConfigError(error.code, f"Edit {k + 1}: {error.message}") from error
+    source = found.get("source")
+    return (source if isinstance(source, dict) else {}), operations
+
+
+def apply_edits(edited: EditedMap, source: dict[str, Any], operations: Sequence[Operation]) -> None:
+    """Carry out the operations of a file of edits.
+
+    Raises :class:`ConfigError` for edits of a map of another size or place, and, with the edit's number, as
+    :meth:`EditedMap.apply`.
+    """
+    geometry = edited.source
+    size = [source.get("width", geometry.cols), source.get("height", geometry.rows)]
+    if size != [geometry.cols, geometry.rows]:
+        raise ConfigError(
+            "edits.other_map",
+            f"The edits are of a map of {size[0]!r:.10} × {size[1]!r:.10} cells, but this one has "
+            f"{geometry.size_text}.",
+        )
+    place = [source.get("resolution", geometry.resolution), *source.get("origin", geometry.origin)]
+    try:
+        is_same = np.allclose(np.asarray(place, dtype=np.float64), [geometry.resolution, *geometry.origin], atol=1e-6)
+    except (TypeError, ValueError):
+        is_same = False
+    if not is_same:
+        raise ConfigError("edits.other_map", "The edits are of a map with another resolution or origin than this one.")
+    for k, operation in enumerate(operations):
+        try:
+            edited.apply(operation)
+        except ConfigError as error:
+            raise ConfigError(error.code, f"Edit {k + 1}: {error.message}") from error
+
+
+def image_of(values: Int8Array) -> tuple[str, bytes]:
+    """Return the mode and the PGM of values (rows, cols): trinary where there are only 0, 100 and −1, else raw."""
+    is_trinary = bool(np.isin(values, (-1, 0, 100)).all())
+    table = np.arange(256, dtype=np.uint8)
+    table[255] = 255
+    if is_trinary:
+        table[[0, 100, 255]] = 254, 0, 205
+    rows, cols = values.shape
+    pixels = table[GridGeometry.to_image(values).view(np.uint8)]
+    return ("trinary" if is_trinary else "raw"), f"P5\n{cols} {rows}\n255\n".encode() + pixels.tobytes()
+
+
+def map_files(edited: EditedMap, stem: str, source: str = "", frame: str | None = None) -> Iterator[tuple[str, bytes]]:
+    """Yield the names and the contents of the files of an edited map.
+
+    The image and its yaml; where there are keepout zones those of their mask, ``stem_keepout``; and the edits,
+    ``stem.edits.json``. The keepout mask is of mode raw, as Nav2's keepout filter expects: its greys are its values.
+    """
+    mode, image = image_of(edited.values)
+    yield f"{stem}.pgm", image
+    yield f"{stem}.yaml", yaml_text(edited.geometry, f"{stem}.pgm", mode, frame=frame).encode()  # type: ignore[arg-type]
+    if edited.keepout.any():
+        rows, cols = edited.keepout.shape
+        pixels = GridGeometry.to_image(edited.keepout).view(np.uint8)
+        yield f"{stem}_keepout.pgm", f"P5\n{cols} {rows}\n255\n".encode() + pixels.tobytes()
+        yield f"{stem}_keepout.yaml", yaml_text(edited.geometry, f"{stem}_keepout.pgm", "raw", frame=frame).encode()
+    yield f"{stem}.edits.json", edits_text(edited, source).encode()
+
+
+def save_edited(
+    edited: EditedMap, prefix: str | os.PathLike[str], source: str = "", frame: str | None = None
+) -> list[Path]:
+    """Write the files of an edited map beside ``prefix``; return their paths. Each appears whole or not at all.
+
+    Raises :class:`ConfigError` where one cannot be written.
+    """
+    base = Path(prefix)
+    if not base.name:
+        raise ConfigError("map.prefix", f"A map needs a file name, which {str(prefix)!r} lacks.")
+    paths = []
+    try:
+        base.parent.mkdir(parents=True, exist_ok=True)
+        for name, data in map_files(edited, base.name, source, frame):
+            path = base.with_name(name)
+            with atomic_write(path) as file:
+                file.write(data)
+            paths.append(path)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ConfigError("map.unwritable", f"The map {base.name!r} cannot be written: {reason}.") from error
+    return paths

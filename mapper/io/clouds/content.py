@@ -1,0 +1,100 @@
+"""The bytes of a cloud's file, and what all readers of clouds check of its points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.clouds.fields import standard_fields
+from mapper.io.logs.cloud_messages import times_of
+from mapper.io.logs.unpacking import Progress, Unpacked, opened
+from mapper.sensors.point_cloud import PointCloud
+
+COARSE_STEP_M = 0.001  #: a cloud whose coordinates are rounded to more than this has a note about it
+
+
+def content(path: Path, limits: Limits, progress: Progress | None = None) -> bytes:
+    """Return the bytes of the file at ``path``, out of gzip or Zstandard where it is packed.
+
+    Raises :class:`ReadError` for a file that cannot be read, is empty or holds damaged packed data, and
+    :class:`LimitError` for one of more bytes than ``limits`` allow.
+    """
+    parts: list[bytes] = []
+    size = 0
+    with opened(path) as file:
+        unpacked = Unpacked(file, lambda: f"after byte {size}", limits, progress)
+        for piece in unpacked:
+            size += len(piece)
+            if size > limits.max_cloud_bytes:
+                raise LimitError(
+                    "cloud.too_many_bytes",
+                    f"{path.name!r} has more than {limits.max_cloud_bytes} bytes, the limit of one cloud.",
+                )
+            parts.append(piece)
+        if unpacked.broken is not None:
+            raise ReadError("cloud.truncated", f"The {unpacked.packing} data {unpacked.broken}, after byte {size}.")
+    return b"".join(parts)
+
+
+def check_count(n: int, limits: Limits) -> None:
+    """Raise :class:`ReadError` for a negative number of points and :class:`LimitError` for too many."""
+    if n < 0:
+        raise ReadError("cloud.count", f"The header says that the cloud has {n} points.")
+    if n > limits.max_points:
+        raise LimitError(
+            "cloud.too_many_points", f"The header says {n} points, more than the limit of {limits.max_points}."
+        )
+
+
+def made_cloud(
+    points: NDArray[Any],
+    columns: Mapping[str, NDArray[Any]],
+    limits: Limits,
+    shape: tuple[int, int] | None = None,
+    sensor_pose: NDArray[np.float64] | None = None,
+) -> PointCloud:
+    """Return the cloud of ``points`` (n, 3) with ``columns`` as fields, by their standard names.
+
+    Points that are not finite, and those beyond ``max_coordinate``, which become NaN, are counted in its notes, as is
+    the step of coordinates that are too large for their float32. Raises :class:`ReadError` for a cloud without points.
+    """
+    n = len(points)
+    if n == 0:
+        raise ReadError("cloud.empty", "The file holds no points.")
+    places = np.array(points, dtype=np.float64, order="C")
+    notes = []
+    finite = np.asarray(np.isfinite(places).all(axis=1))
+    if not finite.any():
+        raise ReadError("cloud.no_places", f"None of the {n} points is finite.")
+    if not finite.all():
+        first = int(np.argmin(finite))
+        notes.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
+    far: NDArray[np.bool_] = np.abs(np.where(finite[:, np.newaxis], places, 0.0)).max(axis=1) > limits.max_coordinate
+    if far.any():
+        first = int(np.argmax(far))
+        notes.append(
+            f"{int(far.sum())} of {n} points are more than {limits.max_coordinate:g} m from the origin and are left "
+            f"out, the first at index {first}: {', '.join(f'{value:g}' for value in places[first])}."
+        )
+        places[far] = np.nan
+        if not (finite & ~far).any():
+            raise ReadError(
+                "cloud.no_places",
+                f"None of the {n} points is finite and within {limits.max_coordinate:g} m of the origin.",
+            )
+    if points.dtype == np.float32:
+        farthest = np.float32(np.nanmax(np.where(finite[:, np.newaxis], np.abs(places), 0.0)))
+        step = float(np.spacing(farthest))
+        if step > COARSE_STEP_M:
+            notes.append(
+                f"The coordinates are 32-bit numbers: at {farthest:.0f} m they have steps of {step:g} m. Subtract an "
+                "offset before saving, or save them as 64-bit numbers, to keep what is finer."
+            )
+    fields = standard_fields(columns)
+    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(notes))

@@ -1,0 +1,133 @@
+"""Folders of depth images with poses and intrinsics: those of 7-Scenes, and those of the TUM RGB-D benchmark.
+
+Source: the page of Microsoft's 7-Scenes (``frame-XXXXXX.depth.png``, millimetres, 65535 invalid;
+``frame-XXXXXX.pose.txt``, camera to world, 4 × 4; principal point (320, 240), focal length 585); the TUM RGB-D
+benchmark's "File Formats" (``depth.txt``: timestamp and file name; 5000 steps a metre, 0 invalid; ``groundtruth.txt``)
+and "Intrinsic Camera Calibration" (of the ROS default 525, 525, 319.5, 239.5).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.clouds.content import content
+from mapper.io.clouds.depth_images import image_size, read_depth
+from mapper.io.clouds.numbers import table
+from mapper.io.clouds.tum_poses import tum_frames
+from mapper.sensors.camera import Intrinsics
+from mapper.sensors.depth_folder import DepthFolder, DepthFrame
+
+DEPTH_END, POSE_END = ".depth.png", ".pose.txt"
+SEVEN_SCENES_UNIT, TUM_UNIT = 0.001, 1.0 / 5000.0  #: metres of one step
+INTRINSICS = ("camera-intrinsics.txt", "intrinsics.txt", "camera.txt")
+USUAL_SIZE = (640, 480)
+SEVEN_SCENES_CAMERA, TUM_CAMERA = (585.0, 585.0, 320.0, 240.0), (525.0, 525.0, 319.5, 239.5)
+TAKEN_NOTE = "The folder has no {}: the data set's own are taken, fx fy cx cy = {}."
+NO_POSE_NOTE = "{n} of {all} depth images have no pose and are left out, the first {first}."
+
+
+def is_depth_folder(path: Path) -> bool:
+    """Return whether a folder has depth images as :func:`read_depth_folder` reads them."""
+    return path.is_dir() and ((path / "depth.txt").is_file() or any(path.glob(f"*{DEPTH_END}")))
+
+
+def read_depth_folder(path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS) -> DepthFolder:
+    """Return the depth images of the folder ``path``, with poses and intrinsics; an image is read when it is asked for.
+
+    Intrinsics are those of one of :data:`INTRINSICS`, a matrix 3 × 3 or the four numbers fx fy cx cy; without that file
+    those that the data set's page states, which a note says. Raises :class:`ReadError` for a folder without depth
+    images, for intrinsics that are none and for poses that are no rotations, and :class:`LimitError`.
+    """
+    folder = Path(path)
+    if not folder.is_dir():
+        raise ReadError("depth.folder", f"There is no folder {folder.name!r}.")
+    if (folder / "depth.txt").is_file():
+        found, usual, unit = tum_frames(folder, limits), TUM_CAMERA, TUM_UNIT
+    else:
+        found, usual, unit = _seven_scenes(folder, limits), SEVEN_SCENES_CAMERA, SEVEN_SCENES_UNIT
+    images, notes = found
+    width, height = image_size(images[0][0])
+    camera, said = _camera(folder, (width, height), usual, limits)
+    frames = []
+    for image, stamp_ns, pose in images:
+        try:
+            frames.append(DepthFrame(image.name, stamp_ns, pose, partial(read_depth, image, camera, unit, limits)))
+        except ConfigError as error:
+            raise ReadError("depth.pose", error.message) from error
+    return DepthFolder(camera, tuple(frames), (*said, *notes))
+
+
+Found = tuple[list[tuple[Path, int, NDArray[np.float64]]], list[str]]
+
+
+def _seven_scenes(folder: Path, limits: Limits) -> Found:
+    images = sorted(folder.glob(f"*{DEPTH_END}"))
+    if not images:
+        raise ReadError("depth.none", f"The folder {folder.name!r} has no depth images (*{DEPTH_END}, or depth.txt).")
+    if len(images) > limits.max_depth_frames:
+        raise LimitError("depth.too_many", f"The folder has more than {limits.max_depth_frames} depth images.")
+    found, without = [], []
+    for image in images:
+        pose_file = image.with_name(image.name.removesuffix(DEPTH_END) + POSE_END)
+        if not pose_file.is_file():
+            without.append(image.name)
+            continue
+        found.append((image, 0, _matrix(pose_file, 4, limits)))
+    if not found:
+        raise ReadError("depth.no_poses", f"None of the folder's {len(images)} depth images has a pose (*{POSE_END}).")
+    notes = [NO_POSE_NOTE.format(n=len(without), all=len(images), first=without[0])] if without else []
+    return found, notes
+
+
+def _matrix(path: Path, side: int, limits: Limits) -> NDArray[np.float64]:
+    try:
+        matrix = table(content(path, limits), None, None, None, limits)
+    except ReadError as error:
+        raise ReadError(error.code, f"{path.name}: {error.message}") from error
+    if matrix.shape != (side, side):
+        raise ReadError(
+            "depth.matrix", f"{path.name} holds {matrix.shape[0]} × {matrix.shape[1]} numbers, not {side} × {side}."
+        )
+    return matrix
+
+
+def _camera(
+    folder: Path, size: tuple[int, int], usual: tuple[float, float, float, float], limits: Limits
+) -> tuple[Intrinsics, list[str]]:
+    file = next((folder / name for name in INTRINSICS if (folder / name).is_file()), None)
+    if file is None:
+        if size != USUAL_SIZE:
+            raise ReadError(
+                "depth.no_intrinsics",
+                f"The folder has no {INTRINSICS[0]}, and for images of {size[0]} × {size[1]} pixels none are known.",
+            )
+        return Intrinsics(*size, *usual), [TAKEN_NOTE.format(INTRINSICS[0], ", ".join(f"{value:g}" for value in usual))]
+    try:
+        numbers = table(content(file, limits), None, None, None, limits)
+    except ReadError as error:
+        raise ReadError(error.code, f"{file.name}: {error.message}") from error
+    if numbers.shape == (3, 3):
+        fx, fy, cx, cy = numbers[0, 0], numbers[1, 1], numbers[0, 2], numbers[1, 2]
+    elif numbers.size >= 4 and numbers.shape[0] == 1:
+        fx, fy, cx, cy = numbers[0, :4]
+    else:
+        raise ReadError("depth.intrinsics", f"{file.name} is neither a matrix of 3 × 3 nor the numbers fx fy cx cy.")
+    try:
+        camera = Intrinsics(*size, float(fx), float(fy), float(cx), float(cy))
+    except ConfigError as error:
+        raise ReadError("depth.intrinsics", f"{file.name}: {error.message}") from error
+    if not (0.0 <= cx <= size[0] and 0.0 <= cy <= size[1]) or math.hypot(fx, fy) > 1e5:
+        raise ReadError(
+            "depth.intrinsics",
+            f"{file.name} is of images of another size: its centre {cx:g}, {cy:g} is outside of the "
+            f"{size[0]} × {size[1]} pixels of {folder.name}'s images.",
+        )
+    return camera, []

@@ -1,0 +1,54 @@
+"""Tables of numbers in text: as many on each line."""
+
+from __future__ import annotations
+
+import io
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.names import printable
+
+_ROW = re.compile(r" at row (\d+)")
+_CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
+
+
+def table(
+    text: bytes, separator: str | None, n: int | None, columns: int | None, limits: Limits, first_line: int = 1
+) -> NDArray[np.float64]:
+    """Return the numbers of ``text`` (rows, columns): ``nan`` and ``inf`` count, empty lines and ``#`` remarks do not.
+
+    ``separator`` is a character, or None for blanks. ``n`` and ``columns`` are how many there must be, None where
+    that is open; ``first_line`` is the number of the text's first line in its file. Raises :class:`ReadError` for what
+    is no number, another number of values, and fewer rows; :class:`LimitError` for too many.
+    """
+    most = limits.max_points
+    if n is None and text.count(b"\n") > most:
+        raise LimitError("cloud.too_many_points", f"The file holds more lines than the limit of {most} points.")
+    if _CONTENT.search(text) is None:
+        rows = np.zeros((0, columns or 0))
+    else:
+        try:
+            rows = np.loadtxt(io.BytesIO(text), delimiter=separator, ndmin=2, comments="#", encoding="latin-1")
+        except (ValueError, OverflowError) as error:
+            raise ReadError("cloud.numbers", _said(str(error), first_line)) from error
+    if columns is not None and len(rows) and rows.shape[1] != columns:
+        raise ReadError(
+            "cloud.numbers", f"The points have {rows.shape[1]} numbers each, but the header says {columns}."
+        )
+    if n is not None and len(rows) < n:
+        raise ReadError("cloud.truncated", f"The file ends early: {n} points claimed, {len(rows)} there.")
+    return rows[:n] if n is not None else rows
+
+
+def _said(error: str, first_line: int) -> str:
+    """Return what NumPy says of a row, as a sentence with the line in the file, remarks and empty lines not counted."""
+    found = _ROW.search(error)
+    where = f"near line {int(found.group(1)) + first_line}" if found else "in the points"
+    if "columns changed" in error or "number of columns" in error:
+        return f"The number of values changes {where}: all points must have as many."
+    word = error.split("'")[1] if error.count("'") > 1 else ""
+    return f"{printable(word[:40])!r} {where} is not a number." if word else f"A value {where} is not a number."

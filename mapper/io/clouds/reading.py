@@ -1,0 +1,99 @@
+"""A cloud's format recognised from its first bytes, and its reader called."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.clouds.content import content
+from mapper.io.clouds.graph import graph_nodes, looks_like_graph
+from mapper.io.clouds.las import read_las
+from mapper.io.clouds.pcd import read_pcd
+from mapper.io.clouds.ply import read_ply
+from mapper.io.clouds.text import looks_like_text, read_text
+from mapper.io.clouds.vtk import read_vtk
+from mapper.io.logs.unpacking import Progress, Unpacked, opened
+from mapper.sensors.point_cloud import PointCloud, PosedCloud
+
+Reader = Callable[[bytes, Limits], PointCloud]
+
+#: name of the format → how its first bytes (without blanks and remarks of PCD) begin, and its reader
+FORMATS: dict[str, tuple[tuple[bytes, ...], Reader]] = {
+    "PCD": ((b"# .PCD", b"VERSION ", b"FIELDS "), read_pcd),
+    "PLY": ((b"ply\n", b"ply\r\n", b"ply "), read_ply),
+    "VTK": ((b"# vtk DataFile",), read_vtk),
+    "LAS": ((b"LASF",), read_las),
+}
+TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
+HEAD_BYTES = 1 << 12
+
+
+def cloud_format(head: bytes) -> str | None:
+    """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
+    if looks_like_graph(head):
+        return "scan graph"
+    known = next((name for name, (begins, _) in FORMATS.items() if head.startswith(begins)), None)
+    return TEXT if known is None and looks_like_text(head) else known
+
+
+def format_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> str | None:
+    """Return :func:`cloud_format` of a file, plain or packed. Raises :class:`ReadError` where it cannot be read."""
+    with opened(path) as file:
+        pieces = Unpacked(file, lambda: "at its beginning", limits)
+        return cloud_format(next(iter(pieces), b"")[:HEAD_BYTES])
+
+
+def read_cloud(
+    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> PointCloud:
+    """Return the points of the file at ``path``, plain or packed with gzip or Zstandard, float64, in the file's order.
+
+    PCD, PLY, legacy VTK, LAS, LAZ, text (XYZ, PTS, CSV), or OctoMap's scan graph, whose scans are joined in the map's
+    frame. Points that are not finite stay where they
+    are, so that rows agree with the file's. Raises :class:`ReadError`, saying what is wrong and where, and
+    :class:`LimitError`.
+    """
+    data = content(Path(path), limits, progress)
+    kind = cloud_format(data[:HEAD_BYTES])
+    if kind == "scan graph":
+        return _joined(graph_nodes(data, limits), limits)
+    if kind is None:
+        raise ReadError("cloud.format", f"The file {Path(path).name!r} is none of the known formats: {_known()}.")
+    return (read_text if kind == TEXT else FORMATS[kind][1])(data, limits)
+
+
+def read_scan_graph(
+    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> Iterator[PosedCloud]:
+    """Yield the scans of OctoMap's scan graph at ``path``, binary or text, plain or packed, each with its pose.
+
+    Raises as :func:`read_cloud`.
+    """
+    data = content(Path(path), limits, progress)
+    if cloud_format(data[:HEAD_BYTES]) != "scan graph" and not data.lstrip().startswith(b"#"):
+        raise ReadError("cloud.format", f"The file {Path(path).name!r} is no scan graph of OctoMap.")
+    yield from graph_nodes(data, limits)
+
+
+def _joined(nodes: Iterator[PosedCloud], limits: Limits) -> PointCloud:
+    parts: list[PosedCloud] = []
+    n = 0
+    for node in nodes:
+        n += len(node.cloud)
+        if n > limits.max_points:
+            raise LimitError("cloud.too_many_points", f"The scans have more than {limits.max_points} points together.")
+        parts.append(node)
+    if n == 0:
+        raise ReadError("cloud.empty", "The file holds no points.")
+    points = np.concatenate([part.points_in_map() for part in parts])
+    pose = parts[0].pose if len(parts) == 1 else None
+    return PointCloud(points, sensor_pose=pose, notes=tuple(note for part in parts for note in part.cloud.notes))
+
+
+def _known() -> str:
+    return ", ".join([*FORMATS, "LAZ, scan graph (OctoMap), XYZ, PTS, CSV"])

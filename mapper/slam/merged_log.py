@@ -1,0 +1,79 @@
+"""The scans of two merged logs as one log, along their poses in one frame."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.sensors.joint_log import JointLog, sensor_of_scan, sensors_of
+from mapper.sensors.scan import ScanLog, Trajectory
+
+_NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9_/]")  #: of a topic of ROS 2
+Float64Array = NDArray[np.float64]
+
+MERGED = "merged"  #: name of the trajectory
+BETWEEN_NS = 1_000_000_000  #: from the last scan of one log to the first of the next, where a clock is set
+#: What two lidars have in common if their scans may be rows of one log.
+_SAME = (
+    "n_beams", "angle_min", "angle_increment", "range_min", "range_max", "mount", "beam_width", "upside_down",
+    "time_increment", "scan_time",
+)  # fmt: skip
+
+
+def merged_log(logs: tuple[ScanLog, ScanLog], poses: tuple[Float64Array, Float64Array]) -> tuple[ScanLog, str]:
+    """Return the scans of both logs, the earlier log's before the other's, with the one trajectory :data:`MERGED`.
+
+    ``poses`` are (n_scans, 3) each, ``T_map_base`` in one frame. If each log has one lidar, and they are alike, they
+    one sensor on ``/scan``; otherwise each remains a sensor, on its topic behind ``/first`` or ``/second``.
+    Where they overlap in time, the second log's clock is set so that it begins a second after the first log's end; the
+    text says so, else it is empty.
+    """
+    (start, end), (other_start, other_end) = ((int(log.stamps_ns.min()), int(log.stamps_ns.max())) for log in logs)
+    shift = end + BETWEEN_NS - other_start if start <= other_end and other_start <= end else 0
+    parts = [*_sensors(logs[0], poses[0], "/first", 0), *_sensors(logs[1], poses[1], "/second", shift)]
+    if other_end < start:
+        parts.reverse()
+    said = ""
+    if shift:
+        said = f"the second log's clock is set {shift / 1e9:+.3f} s, so that it follows the first log"
+    if len(parts) == 2 and _are_alike(*parts):
+        return _one_after_the_other(*parts), said
+    return JointLog.of(parts), said
+
+
+def _sensors(log: ScanLog, poses: Float64Array, name: str, shift: int) -> list[ScanLog]:
+    """Return the sensors of a log, with nothing else than their scans along ``poses`` (n_scans, 3) of all of them."""
+    owner = sensor_of_scan(log)
+    return [
+        replace(
+            part,
+            stamps_ns=part.stamps_ns + shift,
+            trajectories={MERGED: Trajectory(poses[owner == number], "poses of two merged logs", "map")},
+            topic=f"{name}/{_NO_PART_OF_A_NAME.sub('_', part.topic).strip('/') or f'scan_{number}'}",
+            frame_id=f"{name.strip('/')}_{part.frame_id.strip('/')}",
+            odometry=None,
+            topics=(),
+            notes=(),
+        )
+        for number, part in enumerate(sensors_of(log))
+    ]
+
+
+def _are_alike(first: ScanLog, second: ScanLog) -> bool:
+    is_plain = all(one.bearings is None and one.mounts is None for one in (first, second))
+    return is_plain and all(getattr(first, name) == getattr(second, name) for name in _SAME)
+
+
+def _one_after_the_other(first: ScanLog, second: ScanLog) -> ScanLog:
+    way = first.trajectories[MERGED]
+    both = np.concatenate([way.poses, second.trajectories[MERGED].poses])
+    return replace(
+        first,
+        ranges=np.concatenate([first.ranges, second.ranges]),
+        stamps_ns=np.concatenate([first.stamps_ns, second.stamps_ns]),
+        trajectories={MERGED: replace(way, poses=both)},
+        topic="/scan",
+    )

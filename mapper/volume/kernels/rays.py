@@ -1,0 +1,172 @@
+"""Rays through voxels: the marks of a scan's free voxels, and casts through a map.
+
+Numba twins of :func:`mapper.volume.textbook.seen_voxels` and :func:`mapper.volume.textbook.cast_ray`. Source:
+Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987, with the number types and the order of ties of
+octomap's computeRayKeys and castRay.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Int64Array, UInt8Array
+from mapper.core.jit import jit
+from mapper.volume.kernels.blocks import block_code, slot_of
+from mapper.volume.kernels.types import Belief, Box, CastRule
+
+CENTRE = 32768
+PASSED, ENDED = np.uint8(1), np.uint8(2)  #: marks of a voxel
+HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
+
+
+@jit
+def _norm(x: float, y: float, z: float) -> float:
+    return sqrt(float(x * x + y * y + z * z))
+
+
+@jit
+def _crossing(key: int, origin: float, along: float, resolution: float, half: float) -> tuple[int, float, float]:
+    """Return the step, the distance to the first border and the distance between borders, of one axis."""
+    if along == 0.0:
+        return 0, np.inf, np.inf
+    step = 1 if along > 0.0 else -1
+    border = (key - CENTRE + 0.5) * resolution + step * half
+    return step, (border - float(origin)) / float(along), resolution / abs(float(along))
+
+
+@jit
+def mark_rays(
+    origin: Float32Array, ends: Float32Array, first: Int64Array, lasts: Int64Array, resolution: float, box: Box,
+    marks: UInt8Array,
+) -> None:  # fmt: skip
+    """Mark the voxels of a box (nz, ny, nx) that rays pass, from ``origin`` (3,) to ``ends`` (n, 3), metres.
+
+    ``first`` (3,) and ``lasts`` (n, 3) are the keys of their voxels; the last voxel of a ray is not marked. Several
+    threads may mark one box.
+    """
+    half = float(np.float32(resolution * 0.5))
+    top_x, top_y, top_z = box.x + box.nx, box.y + box.ny, box.z + box.nz
+    for i in range(ends.shape[0]):
+        x, y, z = first[0], first[1], first[2]
+        last_x, last_y, last_z = lasts[i, 0], lasts[i, 1], lasts[i, 2]
+        if x == last_x and y == last_y and z == last_z:
+            continue
+        # A ray that ends a voxel too far for rounding is still within these bounds.
+        if max(x, last_x) + 1 < box.x or max(y, last_y) + 1 < box.y or max(z, last_z) + 1 < box.z:
+            continue
+        if min(x, last_x) - 1 >= top_x or min(y, last_y) - 1 >= top_y or min(z, last_z) - 1 >= top_z:
+            continue
+        dx, dy, dz = ends[i, 0] - origin[0], ends[i, 1] - origin[1], ends[i, 2] - origin[2]
+        length = np.float32(_norm(dx, dy, dz))
+        step_x, tx, apart_x = _crossing(x, origin[0], dx / length, resolution, half)
+        step_y, ty, apart_y = _crossing(y, origin[1], dy / length, resolution, half)
+        step_z, tz, apart_z = _crossing(z, origin[2], dz / length, resolution, half)
+        limit = float(length)
+        x, y, z, last_x, last_y, last_z = (
+            x - box.x,
+            y - box.y,
+            z - box.z,
+            last_x - box.x,
+            last_y - box.y,
+            last_z - box.z,
+        )
+        # Without branches: which axis comes next cannot be predicted.
+        while True:
+            if (x >= 0) & (x < box.nx) & (y >= 0) & (y < box.ny) & (z >= 0) & (z < box.nz):
+                marks[(z * box.ny + y) * box.nx + x] = PASSED
+            x_first = tx < ty
+            not_z = min(tx, ty) < tz
+            x_next, y_next = x_first & not_z, (not x_first) & not_z
+            x += step_x if x_next else 0
+            y += step_y if y_next else 0
+            z += 0 if not_z else step_z
+            after_x, after_y, after_z = tx + apart_x, ty + apart_y, tz + apart_z
+            tx = after_x if x_next else tx
+            ty = after_y if y_next else ty
+            tz = tz if not_z else after_z
+            if ((x == last_x) & (y == last_y) & (z == last_z)) | (min(tx, ty, tz) > limit):
+                break
+
+
+@jit
+def mark_ends(keys: Int64Array, box: Box, marks: UInt8Array) -> None:
+    """Mark the voxels of a box in which beams end; ``keys`` (n, 3)."""
+    for i in range(keys.shape[0]):
+        x, y, z = keys[i, 0] - box.x, keys[i, 1] - box.y, keys[i, 2] - box.z
+        if x >= 0 and x < box.nx and y >= 0 and y < box.ny and z >= 0 and z < box.nz:
+            marks[(z * box.ny + y) * box.nx + x] = ENDED
+
+
+@jit
+def cast_rays(
+    belief: Belief, origins: Float32Array, directions: Float32Array, firsts: Int64Array, rule: CastRule,
+    out_keys: Int64Array, out_ends: UInt8Array,
+) -> None:  # fmt: skip
+    """Write the last voxels (n, 3) of rays and how they end (n,).
+
+    ``firsts`` (n, 3) are the keys of the voxels of the ``origins`` (n, 3); ``directions`` (n, 3) float32 are of any
+    length but 0. Voxels of a block are looked up only where it has an occupied voxel or, unless
+    ``rule.through_unknown``, unknown ones.
+    """
+    resolution, reach = rule.resolution, rule.range_max * rule.range_max
+    limited = rule.range_max > 0.0
+    for i in range(origins.shape[0]):
+        ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
+        x, y, z = firsts[i, 0], firsts[i, 1], firsts[i, 2]
+        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
+        length = np.float32(_norm(dx, dy, dz))
+        step_x, tx, apart_x = _crossing(x, ox, dx / length, resolution, resolution * 0.5)
+        step_y, ty, apart_y = _crossing(y, oy, dy / length, resolution, resolution * 0.5)
+        step_z, tz, apart_z = _crossing(z, oz, dz / length, resolution, resolution * 0.5)
+        code, slot, search, absent = -1, -1, False, False
+        while True:
+            here = block_code(x, y, z)
+            if here != code:
+                code = here
+                slot = slot_of(belief.table, code)
+                absent = slot < 0
+                search = not absent and (
+                    belief.maxima[slot] >= rule.occupied or (not rule.through_unknown and belief.known[slot] < 512)
+                )
+            if absent:
+                if not rule.through_unknown:
+                    end = UNKNOWN
+                    break
+            elif search:
+                value = belief.values[slot, z & 7, y & 7, x & 7]
+                if value >= rule.occupied:
+                    end = HIT
+                    break
+                if not rule.through_unknown and np.isnan(value):
+                    end = UNKNOWN
+                    break
+            x_first = tx < ty
+            not_z = min(tx, ty) < tz
+            if x_first & not_z:
+                if x + step_x < 0 or x + step_x >= 2 * CENTRE:
+                    end = OUTSIDE
+                    break
+                x += step_x
+                tx += apart_x
+            elif not_z:
+                if y + step_y < 0 or y + step_y >= 2 * CENTRE:
+                    end = OUTSIDE
+                    break
+                y += step_y
+                ty += apart_y
+            else:
+                if z + step_z < 0 or z + step_z >= 2 * CENTRE:
+                    end = OUTSIDE
+                    break
+                z += step_z
+                tz += apart_z
+            if limited:
+                ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
+                ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
+                az = np.float32((z - CENTRE + 0.5) * resolution) - oz
+                if float(ax * ax) + float(ay * ay) + float(az * az) > reach:
+                    end = TOO_FAR
+                    break
+        out_keys[i, 0], out_keys[i, 1], out_keys[i, 2], out_ends[i] = x, y, z, end

@@ -1,0 +1,91 @@
+"""The update of a map by the marks of one scan, and its decay: each voxel once.
+
+Numba twins of :func:`mapper.volume.textbook.insert_scan` and :func:`mapper.volume.textbook.decay`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Int32Array, Int64Array, UInt8Array
+from mapper.core.jit import jit
+from mapper.volume.kernels.blocks import block_code
+from mapper.volume.kernels.rays import ENDED
+from mapper.volume.kernels.types import Box, Updates
+
+
+@jit
+def marked_blocks(words: Int64Array, box: Box, z0: int, z1: int, codes: Int64Array, corners: Int64Array) -> int:
+    """Write the codes (n,) of the blocks that have marks and where they begin in the marks (n,); return n.
+
+    ``words`` are the marks of the box (nz, ny, nx) as words of eight; only layers of blocks ``z0`` … ``z1`` − 1 are
+    looked at.
+    """
+    row, n = box.nx // 8, 0
+    for bz in range(z0, z1):
+        for by in range(box.ny // 8):
+            for bx in range(row):
+                corner = (bz * 8 * box.ny + by * 8) * row + bx
+                found = np.int64(0)
+                for k in range(64):
+                    found |= words[corner + ((k >> 3) * box.ny + (k & 7)) * row]
+                if found != 0:
+                    codes[n] = block_code(box.x + bx * 8, box.y + by * 8, box.z + bz * 8)
+                    corners[n] = corner
+                    n += 1
+    return n
+
+
+@jit
+def apply_marks(
+    marks: UInt8Array, words: Int64Array, box: Box, corners: Int64Array, slots: Int32Array, updates: Updates,
+    values: Float32Array, maxima: Float32Array, known: Int32Array,
+) -> None:  # fmt: skip
+    """Add the updates to the log-odds of the marked voxels of blocks, clamp them, and take the marks away.
+
+    ``marks`` and ``words`` are the same memory, as :func:`marked_blocks` takes it. ``maxima`` and ``known`` are written
+    for each block.
+    """
+    row = box.nx // 8
+    zero = np.float32(0.0)
+    miss, hit, least, greatest = updates.miss, updates.hit, updates.least, updates.greatest
+    for i in range(slots.shape[0]):
+        block = values[slots[i]].reshape(64, 8)
+        top, count = np.float32(-np.inf), 0
+        for k in range(64):
+            word = corners[i] + ((k >> 3) * box.ny + (k & 7)) * row
+            line, mark = block[k], marks[word * 8 : word * 8 + 8]
+            for x in range(8):
+                old = line[x]
+                new = (zero if np.isnan(old) else old) + (hit if mark[x] == ENDED else miss)
+                new = min(max(new, least), greatest)
+                new = old if mark[x] == 0 else new
+                line[x] = new
+                unknown = np.isnan(new)
+                count += 0 if unknown else 1
+                top = top if unknown else max(top, new)
+            words[word] = 0
+        maxima[slots[i]], known[slots[i]] = top, count
+
+
+@jit
+def summarise_blocks(values: Float32Array, maxima: Float32Array, known: Int32Array) -> None:
+    """Write of each block (n, 8, 8, 8) the greatest log-odds, −Inf without any, and the number of known voxels."""
+    for i in range(values.shape[0]):
+        flat = values[i].reshape(512)
+        top, count = np.float32(-np.inf), 0
+        for k in range(512):
+            value = flat[k]
+            unknown = np.isnan(value)
+            count += 0 if unknown else 1
+            top = top if unknown else max(top, value)
+        maxima[i], known[i] = top, count
+
+
+@jit
+def decay_blocks(values: Float32Array, factor: np.float32, forget_below: np.float32) -> None:
+    """Multiply the log-odds (n, 8, 8, 8) by ``factor``; those nearer to 0 than ``forget_below`` become unknown."""
+    flat = values.reshape(-1)
+    for k in range(flat.shape[0]):
+        value = flat[k] * factor
+        flat[k] = np.float32(np.nan) if abs(value) < forget_below else value

@@ -1,0 +1,89 @@
+"""Sessions that follow a job which gives their log another trajectory."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
+from numpy.typing import NDArray
+
+from mapper.core.errors import MapperError
+from server.http.routes.trajectories import update_sessions
+from server.library import Library
+from server.library.pose_jobs import PoseJobs
+from server.sessions import SessionRegistry
+from server.sessions.host import SessionHost
+from server.stream.protocol import ProtocolError
+
+_tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
+
+
+class Report(Protocol):
+    """The poses (k, 3), ``T_map_base``, of the first k scans so far."""
+
+    @property
+    def fraction(self) -> float:
+        """How much of the job is done, from 0 to 1."""
+
+    @property
+    def poses(self) -> NDArray[Any]:
+        """The poses."""
+
+
+R = TypeVar("R", bound=Report)
+T = TypeVar("T")
+
+
+def follow(
+    session: SessionHost,
+    jobs: PoseJobs[R, T],
+    log_id: str,
+    name: str,
+    more: Callable[[R], dict[str, Any]] = lambda _: {},
+) -> None:
+    """Have a session show the map along the poses so far, as the trajectory ``name``.
+
+    ``more`` returns what else of a report the session is told.
+    """
+    session.enqueue({"type": "follow_poses", "name": name})
+
+    def told(report: R | None) -> None:
+        # Of reports that come faster than the map is made, the newest counts: there is another one soon.
+        if report is not None and not session.closed and not session.has_queued_commands:
+            session.enqueue({"type": "poses_so_far", "poses": report.poses, **more(report)})
+
+    session.on_close.append(jobs.listen(session.owner, log_id, told))
+
+
+def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T], owner: str, log_id: str) -> None:
+    """When the job has ended, let the owner's sessions on the log have its trajectory, and show it if they follow."""
+
+    async def tell() -> None:
+        found = jobs.state(owner, log_id)
+        trajectory = found["result"]["trajectory"] if found["state"] == "done" else None
+        if trajectory is None:  # first back to the poses from before: those of the job are none of the library's
+            end(None)
+        await update_sessions(library, sessions, owner, log_id)
+        if trajectory is not None:
+            end(trajectory)
+
+    def end(trajectory: str | None) -> None:
+        for session in sessions.all():
+            recording = session.model.recording
+            if recording is not None and recording.log_id == log_id and session.owner == owner:
+                session.enqueue({"type": "poses_ended", "trajectory": trajectory})
+
+    async def quietly() -> None:
+        try:
+            await tell()
+        except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session takes no more commands
+            return
+
+    def told(report: R | None) -> None:
+        if report is None:
+            task = asyncio.create_task(quietly())
+            _tasks.add(task)
+            task.add_done_callback(_tasks.discard)
+
+    jobs.listen(owner, log_id, told)

@@ -1,0 +1,199 @@
+"""``/api/sessions/{id}/localization``: find the robot of a log in a given map, by Monte Carlo localization."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Annotated, Any
+
+from fastapi import APIRouter, Body, Query, Request
+from fastapi.responses import PlainTextResponse
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from starlette.requests import ClientDisconnect
+
+from mapper.core.errors import LimitError, MapperError
+from server.http.following import follow, tell_at_end
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import client_address
+from server.http.services import Logs, Sessions
+from server.http.session_access import session_of_log, writable_session
+from server.library.localize_job import check_one_sensor
+from server.library.localize_jobs import NAME, parameter_table
+
+if TYPE_CHECKING:
+    from server.library.given_map import GivenMap
+    from server.sessions import SessionHost
+
+router = APIRouter(prefix="/api", tags=["logs"])
+
+MOST_YAML_BYTES = 1 << 16
+
+
+class MapOfLog(BaseModel):
+    """The map of a log: of the session's own or of another one."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
+    topic: str | None = Field(None, max_length=400, description="Sensor of that log, if it has several.")
+    trajectory: str | None = Field(None, max_length=200, description="Trajectory to map it with; else its first.")
+
+
+class NewLocalization(BaseModel):
+    """A localization of a session's log in the map that was chosen."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    initial_pose: tuple[FiniteFloat, FiniteFloat, FiniteFloat] | None = Field(
+        None, description="Where in the map the robot starts: x, y (m) and yaw (rad); else anywhere."
+    )
+    odometry: str | None = Field(None, max_length=200, description="Trajectory that is the odometry; else the log's.")
+    parameters: dict[str, Any] = Field(
+        default_factory=dict, max_length=50,
+        description="Parameters, as GET /api/localization/parameters names them.",
+    )  # fmt: skip
+
+
+@router.get("/localization/parameters")
+async def parameters() -> dict[str, Any]:
+    """Return the table of localization's parameters, which are AMCL's."""
+    return {"table": await asyncio.to_thread(parameter_table)}
+
+
+@router.put("/localization/parameters")
+async def of_yaml(request: Request) -> dict[str, Any]:
+    """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
+
+    ``ignored`` are the names that do not change where the robot is found.
+    """
+    text = bytearray()
+    async for chunk in request.stream():
+        text += chunk
+        if len(text) > MOST_YAML_BYTES:
+            raise LimitError("amcl.size", f"A yaml of parameters has at most {MOST_YAML_BYTES >> 10} KiB here.")
+
+    def read() -> dict[str, Any]:
+        from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
+        from server.library.localize_jobs import changed_values  # noqa: PLC0415
+
+        found = parse_amcl_yaml(bytes(text))
+        return {"values": changed_values(found.config.as_dict()), "ignored": list(found.ignored)}
+
+    return await asyncio.to_thread(read)
+
+
+@router.post("/localization/amcl.yaml")
+async def as_yaml(values: Annotated[dict[str, Any], Body(max_length=50)]) -> PlainTextResponse:
+    """Return parameters, those that differ from the first values, as the yaml of Nav2's AMCL."""
+
+    def write() -> str:
+        from mapper.localization import LocalizationConfig, amcl_yaml  # noqa: PLC0415 - few visitors want one
+
+        return amcl_yaml(LocalizationConfig().with_values(values))
+
+    text = await asyncio.to_thread(write)
+    return PlainTextResponse(text, headers={"Content-Disposition": 'attachment; filename="amcl.yaml"'})
+
+
+@router.put("/sessions/{session_id}/localization/map")
+async def map_of_log(library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog) -> dict[str, Any]:
+    """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
+    of_log = writable_session(sessions, session_id)
+    _check_idle(library.localization.state(of_log.owner, of_log.log_id))
+    made = await library.maps.of_log(of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory)
+    return _show(of_log.session, made)
+
+
+@router.put("/sessions/{session_id}/localization/map-files")
+async def map_of_files(
+    request: Request,
+    library: Logs,
+    sessions: Sessions,
+    session_id: str,
+    name: Annotated[str, Query(max_length=200, description="Title of the map.")] = "map",
+) -> dict[str, Any]:
+    """Choose the map to localize the session's log in: the body is a tar archive of a yaml and its image.
+
+    Or a map of CMU's course.
+    """
+    of_log = writable_session(sessions, session_id)
+    _check_idle(library.localization.state(of_log.owner, of_log.log_id))
+    try:
+        made = await library.choose_map(
+            of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
+        )
+    except ClientDisconnect:
+        return {"map": None}  # nobody is there to read it
+    return _show(of_log.session, made)
+
+
+@router.get("/sessions/{session_id}/localization/map")
+async def given_map(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return the map that was chosen, and show it as a layer of the session; ``map`` is null where none was."""
+    of_log = writable_session(sessions, session_id)
+    try:
+        return _show(of_log.session, await library.maps.get(of_log.owner, of_log.log_id))
+    except MapperError as error:
+        if error.code != "localization.no_map":
+            raise
+        return {"map": None}
+
+
+@router.post("/sessions/{session_id}/localization", status_code=202)
+async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewLocalization) -> dict[str, Any]:
+    """Find the robot of the session's log in the map that was chosen, as a job, and show the poses so far.
+
+    A job that is under way goes on, and the session follows it. The log then has a trajectory ``localized``.
+    """
+    of_log = writable_session(sessions, session_id)
+    owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
+    check_one_sensor(of_log.recording.log)
+    await library.maps.get(owner, log_id)
+    values = {"values": wanted.parameters, "initial_pose": wanted.initial_pose}
+    topic = of_log.recording.view().topic
+    state = await library.localization.begin(owner, log_id, topic, wanted.odometry, values)
+    follow(session, library.localization, log_id, NAME, lambda report: {"report": report})
+    tell_at_end(library, sessions, library.localization, owner, log_id)
+    return state
+
+
+@router.get("/sessions/{session_id}/localization")
+async def state(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return how far the localization of the session's log is, and what came of it."""
+    of_log = writable_session(sessions, session_id)
+    return library.localization.state(of_log.owner, of_log.log_id)
+
+
+@router.delete("/sessions/{session_id}/localization")
+async def cancel(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Cancel the localization of the session's log, if it is queued or running."""
+    of_log = writable_session(sessions, session_id)
+    return await library.localization.cancel(of_log.owner, of_log.log_id)
+
+
+@router.get("/sessions/{session_id}/localization/course")
+@guests_may(GuestRight.LINKED_SESSION)
+async def course(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return how certain the poses in use are along the log; particles and the map become layers of the session.
+
+    ``course`` is null for poses that do not come from a localization.
+    """
+    of_log = session_of_log(sessions, session_id)
+    session, log_id = of_log.session, of_log.log_id
+    owner = session.owner if session.link is None else library.links.get(session.link).owner
+    localization = session.model.localization
+
+    async def source(trajectory: str) -> bytes | None:
+        known = any(one.name == trajectory for one in library.trajectories.of(owner, log_id))
+        return await library.trajectories.course(owner, log_id, trajectory) if known else None
+
+    return {"course": None if localization is None else await localization.public(source)}
+
+
+def _check_idle(job: dict[str, Any]) -> None:
+    if job["state"] in ("queued", "running"):
+        raise MapperError("localization.under_way", "This log is being localized: wait, or cancel it.")
+
+
+def _show(session: SessionHost, given: GivenMap) -> dict[str, Any]:
+    session.enqueue({"type": "show_given_map", "map": given})
+    return {"map": given.public()}

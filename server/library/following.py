@@ -1,0 +1,42 @@
+"""Waiting for a long job in its process, while somebody looks how far it is."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from concurrent.futures import BrokenExecutor
+from typing import TypeVar
+
+from mapper.core.errors import ReadError
+from server.library.job import WorkerJob
+from server.library.workers import GRACE_S, Worker
+
+LOOK_S = 0.2  #: how often a running job is looked at
+
+T = TypeVar("T")
+
+
+async def followed(worker: Worker, job: WorkerJob[T], look: Callable[[], Awaitable[None]], code: str) -> T:
+    """Have ``worker`` do ``job``, and call ``look`` every :data:`LOOK_S` seconds while it does.
+
+    Raises what the job raises, its error of time, and :class:`ReadError` with the ``code`` where its process was ended.
+    After an error or when it is cancelled the process is ended.
+    """
+    try:
+        done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
+        deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
+        while not done.done():
+            await asyncio.wait([done], timeout=LOOK_S)
+            await look()
+            if time.monotonic() > deadline:
+                worker.end()
+                raise job.time_error()
+        return done.result()
+    except BrokenExecutor:
+        worker.end()
+        message = "The process of this job was ended, most likely because the log needs too much memory."
+        raise ReadError(code, message) from None
+    except asyncio.CancelledError:
+        worker.end()
+        raise

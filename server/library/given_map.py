@@ -1,0 +1,82 @@
+"""A map that a log is localized in, and its file of arrays."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.atomic_file import atomic_write
+from mapper.core.errors import ConfigError
+from mapper.grid import GridGeometry
+
+VERSION = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GivenMap:
+    """``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. ``title`` is for people.
+
+    ``notes`` are those of its reader.
+    """
+
+    title: str
+    geometry: GridGeometry
+    values: NDArray[np.int8]
+    notes: tuple[str, ...] = ()
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what a file of arrays has of it."""
+        geometry = self.geometry
+        about = {
+            "version": VERSION,
+            "title": self.title,
+            "notes": self.notes,
+            "resolution": geometry.resolution,
+            "origin": list(geometry.origin),
+        }
+        return {"map_about": np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), "map_values": self.values}
+
+    @classmethod
+    def of_arrays(cls, arrays: Any) -> GivenMap:  # noqa: ANN401 - NumPy's archive has no type of its own
+        """Return the map in a file of arrays. Raises :class:`ValueError` and :class:`KeyError`."""
+        about, values = json.loads(arrays["map_about"].tobytes()), arrays["map_values"]
+        if about["version"] != VERSION:
+            raise ValueError(f"version {about['version']}")
+        x, y, yaw = about["origin"]
+        geometry = GridGeometry(
+            float(about["resolution"]), values.shape[0], values.shape[1], (float(x), float(y), float(yaw))
+        )
+        return cls(str(about["title"]), geometry, values, tuple(map(str, about["notes"])))
+
+    def write(self, path: Path) -> None:
+        """Write the map's file. Raises :class:`OSError`."""
+        with atomic_write(path) as file:
+            arrays: dict[str, Any] = {**self.arrays()}
+            np.savez_compressed(file, **arrays)
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""
+        geometry = self.geometry
+        return {
+            "title": self.title,
+            "rows": geometry.rows,
+            "cols": geometry.cols,
+            "resolution": geometry.resolution,
+            "origin": list(geometry.origin),
+            "notes": list(self.notes),
+        }
+
+
+def read_given_map(path: Path) -> GivenMap:
+    """Return the map in a file. Raises :class:`ConfigError` where there is none."""
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            return GivenMap.of_arrays(arrays)
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
+        raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None

@@ -1,0 +1,130 @@
+"""The job of a worker process that makes the map to localize a log in: from map files, or from another log's scans."""
+
+from __future__ import annotations
+
+import tarfile
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from mapper.core.errors import LimitError, ReadError
+from server.library import job as jobs
+from server.library.given_map import GivenMap
+from server.library.slam_job import log_in
+
+DOING = "Making this map"  #: in errors
+MOST_FILES = 8  #: in an archive
+MOST_BYTES = 256 << 20  #: of all of them together
+RESOLUTIONS = (0.05, 0.1, 0.2, 0.5)  #: metres a cell: the first that the limits allow
+MOST_CELLS = 1 << 26
+
+
+@dataclass(frozen=True, slots=True)
+class GivenMapJob:
+    """Make the map ``title`` in the file ``out``.
+
+    ``source`` is the pack of a log, mapped along its ``trajectory``; or, where that is None, the map files: a tar
+    archive of a yaml and its image, or a map of CMU's course.
+    """
+
+    source: str
+    out: str
+    title: str
+    trajectory: str | None
+    timeout_s: float
+    cpu_s: float
+    memory_bytes: int
+
+    @property
+    def work(self) -> Callable[[GivenMapJob], GivenMap]:
+        """The function that does it."""
+        return do_given_map_job
+
+    def time_error(self) -> LimitError:
+        """Return the error for a job that takes too long."""
+        return jobs.time_error(self.timeout_s, DOING, "map")
+
+
+def do_given_map_job(job: GivenMapJob) -> GivenMap:
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for what is no map, and limits."""
+    return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _made(job), DOING, "map")
+
+
+def _made(job: GivenMapJob) -> GivenMap:
+    given = _of_files(job) if job.trajectory is None else _of_log(job, job.trajectory)
+    if given.values.size > MOST_CELLS:
+        raise LimitError("map.cells", f"The map has {given.values.size:,} cells; at most {MOST_CELLS:,} are used here.")
+    if not (given.values == 0).any() and not (given.values >= 0).any():
+        raise ReadError("map.empty", "The map has no known cells: nothing can be localized in it.")
+    given.write(Path(job.out))
+    jobs.note_progress(1.0)
+    return given
+
+
+def _of_log(job: GivenMapJob, trajectory: str) -> GivenMap:
+    from mapper.io.maps import occupancy_values  # noqa: PLC0415 - only this process maps
+    from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
+    from mapper.mapping.parameters import BY_NAME, MappingConfig  # noqa: PLC0415
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415
+
+    log = log_in(job.source)
+    row = BY_NAME["range_max"]
+    reach = min(max(min(log.range_max, row.initial), row.low), row.high)
+    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"range_max": reach}))
+    for resolution in RESOLUTIONS:
+        config = config.with_values({"resolution": resolution})
+        try:
+            grid = grid_for(log, config, trajectory)
+        except LimitError:
+            if resolution == RESOLUTIONS[-1]:
+                raise
+            continue
+        if grid.log_odds.size <= MOST_CELLS:
+            break
+    integrate_log(grid, log, config, trajectory)
+    return GivenMap(job.title, grid.geometry, occupancy_values(grid))
+
+
+def _of_files(job: GivenMapJob) -> GivenMap:
+    from mapper.io.maps import load_map  # noqa: PLC0415 - only this process reads maps
+    from mapper.io.maps.bee import is_bee_map  # noqa: PLC0415
+
+    source = Path(job.source)
+    if is_bee_map(source):
+        loaded = load_map(source)
+        return GivenMap(job.title, loaded.grid.geometry, loaded.values, loaded.notes)
+    with tempfile.TemporaryDirectory(dir=Path(job.out).parent) as folder:
+        names = _unpacked(source, Path(folder))
+        yamls = [name for name in names if name.lower().endswith((".yaml", ".yml"))]
+        if len(yamls) != 1:
+            raise ReadError(
+                "map.files", "Map files are one yaml and the image that it names; "
+                + (f"there are {len(yamls)} yamls here." if yamls else "there is no yaml here."),
+            )  # fmt: skip
+        loaded = load_map(Path(folder) / yamls[0])
+    return GivenMap(yamls[0], loaded.grid.geometry, loaded.values, loaded.notes)
+
+
+def _unpacked(source: Path, folder: Path) -> list[str]:
+    """Write the files of a tar archive into ``folder`` by their last names, and return these."""
+    names: list[str] = []
+    room = MOST_BYTES
+    try:
+        with tarfile.open(source, "r:") as archive:
+            for member in archive:
+                name = PurePosixPath(member.name).name
+                if not member.isfile() or not name or len(names) >= MOST_FILES:
+                    raise ReadError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
+                room -= member.size
+                if room < 0:
+                    raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
+                content = archive.extractfile(member)
+                if content is not None:
+                    (folder / name).write_bytes(content.read())
+                    names.append(name)
+    except (tarfile.TarError, EOFError, ValueError):
+        raise ReadError(
+            "map.files", "These are no map files: choose a yaml together with its image, or a map of CMU's course."
+        ) from None
+    return names

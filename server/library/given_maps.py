@@ -1,0 +1,111 @@
+"""The maps that visitors' logs are localized in: one for each visitor and log, made in a process with limits."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import secrets
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+from mapper.core.errors import LimitError
+from server.library.given_map import GivenMap, read_given_map
+from server.library.given_map_job import MOST_BYTES, GivenMapJob
+from server.library.log_reader import outcome_of
+from server.library.pose_jobs import JobLimits, Logs, packed
+from server.library.storage import private_folder
+from server.library.workers import Worker
+from server.work.fair_lock import FairLock
+
+LIMITS = JobLimits(timeout_s=300.0, cpu_s=600.0)
+
+
+class GivenMaps:
+    """All of them, as files in ``folder``. Used from the event loop only."""
+
+    def __init__(self, logs: Logs, worker: Callable[[], Worker], folder: Path, room: Callable[[], int]) -> None:
+        self._logs, self._make_worker, self._folder, self._room = logs, worker, folder, room
+        self._worker: Worker | None = None
+        self._turns = FairLock()
+        private_folder(folder)
+        self._bytes = sum(file.stat().st_size for file in folder.glob("*.npz"))
+
+    @property
+    def total_bytes(self) -> int:
+        """Bytes of all files."""
+        return self._bytes
+
+    def path(self, owner: str, log_id: str) -> Path:
+        """Return the path of the map that a visitor has chosen for a log; it may not exist."""
+        name = hashlib.sha256(f"{log_id}\n{owner}".encode()).hexdigest()[:40]
+        return self._folder / f"{hashlib.sha256(log_id.encode()).hexdigest()[:16]}-{name}.npz"
+
+    async def get(self, owner: str, log_id: str) -> GivenMap:
+        """Return that map. Raises :class:`ConfigError` where there is none."""
+        self._logs.get(owner, log_id)
+        return await asyncio.to_thread(read_given_map, self.path(owner, log_id))
+
+    async def of_log(self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None) -> GivenMap:
+        """Choose the map of the log ``other`` along one of its trajectories, None: its first.
+
+        Raises :class:`LimitError`, and as the library for logs that the owner may not open.
+        """
+        self._logs.get(owner, log_id)
+        log = await self._logs.load(owner, other, topic)
+        name = trajectory or log.default_trajectory
+        log.trajectory(name)
+        title = f"{self._logs.get(owner, other).name}, {name}"
+        source = self._folder / f"{secrets.token_hex(10)}.pack"
+        try:
+            await asyncio.to_thread(packed, log, source)
+            return await self._made(owner, log_id, source, title, name)
+        finally:
+            await asyncio.to_thread(source.unlink, missing_ok=True)
+
+    async def of_files(self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes]) -> GivenMap:
+        """Choose the map in uploaded files, as :class:`GivenMapJob` has them.
+
+        Raises :class:`LimitError` and :class:`mapper.core.errors.ReadError`.
+        """
+        self._logs.get(owner, log_id)
+        source = self._folder / f"{secrets.token_hex(10)}.upload"
+        try:
+            size = 0
+            with source.open("wb") as file:
+                async for chunk in chunks:
+                    size += len(chunk)
+                    if size > min(MOST_BYTES, self._room()):
+                        raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
+                    await asyncio.to_thread(file.write, chunk)
+            return await self._made(owner, log_id, source, title, None)
+        finally:
+            await asyncio.to_thread(source.unlink, missing_ok=True)
+
+    async def _made(self, owner: str, log_id: str, source: Path, title: str, trajectory: str | None) -> GivenMap:
+        out, fresh = self.path(owner, log_id), self._folder / f"{secrets.token_hex(10)}.new"
+        job = GivenMapJob(
+            str(source), str(fresh), title, trajectory, LIMITS.timeout_s, LIMITS.cpu_s, LIMITS.memory_bytes
+        )
+        try:
+            async with self._turns.of(owner):
+                worker = self._worker = self._worker or self._make_worker()
+                made = await outcome_of(worker, worker.submit(job), job.timeout_s)
+            size = fresh.stat().st_size
+            if size > self._room():
+                raise LimitError("library.full", "The server's room for logs is used up; try again later.")
+            self._bytes += size - (out.stat().st_size if out.exists() else 0)
+            fresh.replace(out)
+            return made
+        finally:
+            await asyncio.to_thread(fresh.unlink, missing_ok=True)
+
+    def forget_log(self, log_id: str) -> None:
+        """Remove the maps that were chosen for a log."""
+        for file in self._folder.glob(f"{hashlib.sha256(log_id.encode()).hexdigest()[:16]}-*.npz"):
+            self._bytes -= file.stat().st_size
+            file.unlink(missing_ok=True)
+
+    async def close(self) -> None:
+        """End the process."""
+        if self._worker is not None:
+            await asyncio.to_thread(self._worker.close)

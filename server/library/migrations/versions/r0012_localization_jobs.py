@@ -1,0 +1,28 @@
+"""Jobs that localize logs in maps, and what came of them."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0012"
+down_revision = "0011"
+
+
+def upgrade() -> None:
+    """Make the table."""
+    op.create_table(
+        "localization_jobs",
+        sa.Column("log_id", sa.String(64), sa.ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
+        sa.Column("owner", sa.String(64), primary_key=True),
+        sa.Column("topic", sa.Text),
+        sa.Column("trajectory", sa.Text),
+        sa.Column("state", sa.String(16), nullable=False),
+        sa.Column("created_s", sa.Double, nullable=False),
+        sa.Column("attempts", sa.Integer, nullable=False),
+        sa.Column("error_code", sa.String(64)),
+        sa.Column("error_message", sa.Text),
+        sa.Column("result", sa.Text),
+        sa.Column("parameters", sa.Text),
+        sa.Column("cut", sa.Text),
+    )

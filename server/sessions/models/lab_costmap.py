@@ -1,0 +1,220 @@
+"""The costmap of the lab's robot: layers over its map that follow the map, the scans and what a visitor paints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import (
+    NO_INFORMATION,
+    CellReason,
+    DecayLayer,
+    InflationLayer,
+    KeepoutLayer,
+    LayeredCostmap,
+    ObstacleLayer,
+    StaticConfig,
+    StaticLayer,
+)
+from mapper.costmap.layers import Layer as CostLayer
+from mapper.costmap.observing import observation_of_scan
+from mapper.grid import CellBox, GridGeometry, OccupancyGrid
+from mapper.sensors.scan import RangeScan
+from mapper.simulation.plan_map import plan_map
+from mapper.simulation.robot import PoseTuple
+from mapper.simulation.worlds import World
+from server.sessions.models.lab_navigation_parameters import LAYERS, LabParameters
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError
+
+MOST_STROKES = 100
+MOST_POINTS = 4000  #: of all strokes together
+WIDEST_M = 5.0
+_ROUND = 10  #: sides of a brush
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """A stroke of the keepout brush: ``points`` (x, y) in m, ``width`` in m, and whether it erases."""
+
+    width: float
+    erases: bool
+    points: tuple[tuple[float, float], ...]
+
+
+def strokes_of(given: Sequence[dict[str, object]]) -> tuple[Stroke, ...]:
+    """Return strokes as the wire has them. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
+    strokes = tuple(
+        Stroke(float(one["width"]), bool(one["erases"]), tuple((float(x), float(y)) for x, y in one["points"]))  # type: ignore[arg-type, attr-defined]
+        for one in given
+    )
+    if len(strokes) > MOST_STROKES or sum(len(stroke.points) for stroke in strokes) > MOST_POINTS:
+        message = f"At most {MOST_STROKES} strokes of {MOST_POINTS} points can be painted; clear some first."
+        raise ProtocolError("costmap.strokes", message)
+    for stroke in strokes:
+        if not (0.0 < stroke.width <= WIDEST_M and stroke.points):
+            message = f"A stroke has points, and a width of at most {WIDEST_M:g} m."
+            raise ProtocolError("costmap.stroke", message)
+    return strokes
+
+
+class LabCostmap:
+    """Layers of costs over the map of a simulation, or over the plan of its world; each is a grid of the session.
+
+    :meth:`follow` takes over what changed in the map, :meth:`look` a scan, :meth:`change` other parameters and
+    :meth:`paint` the keepout zones; :meth:`update` brings the costs up to date.
+    """
+
+    def __init__(self, grid: OccupancyGrid, world: World | None, parameters: LabParameters) -> None:
+        self._world, self._plan = world, _plan_of(world, parameters)
+        self.parameters = parameters
+        self.strokes: tuple[Stroke, ...] = ()
+        names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
+        self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
+        self._master = GridLayer("costmap", "Costmap", "costs")
+        self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
+        self.begin(grid)
+
+    def begin(self, grid: OccupancyGrid) -> None:
+        """Make all layers anew over the present map; what was painted stays."""
+        map_ = self._plan or grid
+        self.geometry = map_.geometry
+        parameters, general = self.parameters, self.parameters.general
+        self._static = StaticLayer(self.geometry, map_.classify(), StaticConfig(), general)
+        self._obstacle = ObstacleLayer(self.geometry, parameters.obstacle, general)
+        self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
+        self._keepout = KeepoutLayer(self.geometry)
+        for stroke in self.strokes:
+            self._paint(stroke)
+        self._stack()
+
+    def _stack(self) -> None:
+        """Lay the layers that are on over each other."""
+        parameters = self.parameters
+        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._keepout)
+        below = [layer for name, layer in zip(LAYERS, layers, strict=False) if parameters.is_on(name)]
+        inflation = None
+        if parameters.is_on("inflation_layer"):
+            inflation = InflationLayer(self.geometry, parameters.inflation, parameters.outline.inscribed_radius)
+        self.costmap = LayeredCostmap(self.geometry, parameters.general, parameters.outline, below, inflation)
+        self._inflation = inflation
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The costs, and each layer's own."""
+        return (self._master, *self._sheets.values())
+
+    @property
+    def cells(self) -> int:
+        """Cells of the grids that it holds."""
+        return 16 * self.geometry.rows * self.geometry.cols
+
+    @property
+    def costs(self) -> UInt8Array:
+        """The costs (rows, cols)."""
+        return self.costmap.costs
+
+    def follow(self, grid: OccupancyGrid, box: CellBox | None, *, whole: bool) -> None:
+        """Take over what changed in the map: in a box, or the ``whole`` of it."""
+        if self._plan is not None or not (whole or box):
+            return
+        if grid.geometry != self.geometry:
+            self.begin(grid)
+            return
+        if whole or box is None:
+            box = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols)
+        state = grid.band(slice(box.row0, box.row1)).classify()[:, box.col0 : box.col1]
+        self._static.renew(np.ascontiguousarray(state), box)
+
+    def look(self, scan: RangeScan, sensor_pose: PoseTuple | Float64Array) -> None:
+        """Mark and clear by a scan, in the layers of obstacles."""
+        observation = observation_of_scan(scan, sensor_pose, inf_is_valid=True)
+        self._obstacle.observe(observation)
+        self._dynamic.observe(observation)
+
+    def change(self, parameters: LabParameters, grid: OccupancyGrid, world: World | None) -> None:
+        """Use other parameters. Raises :class:`ConfigError`, and nothing has changed then."""
+        before, old_plan = self.parameters, self._plan
+        try:
+            self.parameters = parameters
+            wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
+            if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
+                if wanted != before.values["map"]:
+                    self._plan = _plan_of(world, parameters)
+                self.begin(grid)
+                return
+            self._obstacle.configure(parameters.obstacle)
+            self._dynamic.configure(parameters.dynamic)
+            self._stack()
+        except ConfigError:
+            self.parameters, self._plan = before, old_plan
+            raise
+
+    def paint(self, strokes: tuple[Stroke, ...]) -> None:
+        """Paint keepout zones; the strokes replace those before. A stroke that only grew is painted on."""
+        known = len(self.strokes)
+        grows = bool(known) and len(strokes) >= known and strokes[: known - 1] == self.strokes[:-1]
+        grows = grows and _continues(self.strokes[-1], strokes[known - 1])
+        if not grows and known:
+            self._keepout.clear()
+        for stroke in strokes[known - 1 if grows else 0 :]:
+            self._paint(stroke)
+        self.strokes = strokes
+
+    def _paint(self, stroke: Stroke) -> None:
+        value = -1 if stroke.erases else 100
+        half = 0.5 * stroke.width
+        turns = np.arange(_ROUND) * (math.tau / _ROUND)
+        disc = half * np.column_stack([np.cos(turns), np.sin(turns)])
+        points = np.array(stroke.points)
+        for point in points:
+            self._keepout.paint(point + disc, value)
+        for begin, end in pairwise(points):
+            along = end - begin
+            length = float(np.hypot(*along))
+            if length > 0.0:
+                side = half / length * np.array([-along[1], along[0]])
+                self._keepout.paint(np.stack([begin + side, end + side, end - side, begin - side]), value)
+
+    def update(self, now: float, pose: PoseTuple) -> bool:
+        """Bring the costs up to date at ``now``, s, with the robot at ``pose``; return whether they changed."""
+        box = self.costmap.update(now, pose)
+        if box is None:
+            return False
+        own = (self._static, self._obstacle, self._dynamic, self._keepout, self._inflation)
+        for (name, sheet), layer in zip(self._sheets.items(), own, strict=True):
+            costs = None if layer is None or not self.parameters.is_on(name) else layer.costs
+            self._show(sheet, costs)
+        return self._show(self._master, self.costmap.costs)
+
+    def _show(self, sheet: GridLayer, costs: UInt8Array | None) -> bool:
+        """Write the costs into a sheet where they differ from what it shows; None for a layer that is off."""
+        costs = np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8) if costs is None else costs
+        geometry, before = self._shown.get(sheet.name, (None, costs))
+        if geometry == self.geometry and np.array_equal(before, costs):
+            return False
+        self._shown[sheet.name] = (self.geometry, costs.copy())
+        sheet.set_bytes(self.geometry, costs)
+        return True
+
+    def why(self, x: float, y: float) -> list[CellReason]:
+        """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
+        row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
+        return self.costmap.why(row, col)
+
+
+def _plan_of(world: World | None, parameters: LabParameters) -> OccupancyGrid | None:
+    """Return the plan of the world if the static map is to be that; None for the robot's own map."""
+    return None if world is None or parameters.values["map"] == "belief" else plan_map(world)
+
+
+def _continues(before: Stroke, after: Stroke) -> bool:
+    """Whether a stroke is another one with more points."""
+    same = (before.width, before.erases) == (after.width, after.erases)
+    return same and after.points[: len(before.points)] == before.points

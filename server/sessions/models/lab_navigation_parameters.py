@@ -1,0 +1,179 @@
+"""The parameters of the lab's costmap, planner and follower: rows of their tables, in one table with flat names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from mapper.core.parameter import Parameter, check_names
+from mapper.costmap.footprint import Footprint, Vertices
+from mapper.costmap.nav2_parameters import LayerConfig, NamedLayer, Nav2Costmap
+from mapper.costmap.parameters import (
+    COSTMAP_PARAMETERS,
+    DECAY_PARAMETERS,
+    INFLATION_PARAMETERS,
+    OBSTACLE_PARAMETERS,
+    CostmapConfig,
+    DecayConfig,
+    InflationConfig,
+    ObstacleConfig,
+    StaticConfig,
+)
+from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
+
+
+def _row(table: tuple[Parameter, ...], name: str, **changes: Any) -> Parameter:  # noqa: ANN401
+    return replace(next(row for row in table if row.name == name), **changes)
+
+
+def _layer(name: str, label: str, sentence: str) -> Parameter:
+    return Parameter(name, label, "layers", "flag", True, sentence)
+
+
+LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
+MAPS = ("belief", "plan")
+
+TABLE: tuple[Parameter, ...] = (
+    _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
+    _layer("obstacle_layer", "Obstacle", "What the scans mark; the beams that pass clear it."),
+    _layer("dynamic_layer", "Dynamic", "What the scans mark, for the lifetime of an obstacle."),
+    _layer("keepout_filter", "Keepout", "What you paint: the robot does not go there."),
+    _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),
+    Parameter(
+        "map", "Static map", "static", "choice", "belief",
+        "Which map the static layer has: the belief as it changes, or the plan of the world as it was when chosen.",
+        choices=MAPS,
+    ),
+    _row(COSTMAP_PARAMETERS, "track_unknown_space", initial=True, group="static"),
+    _row(OBSTACLE_PARAMETERS, "clearing", label="Beams clear", sentence="Whether beams clear what they pass."),
+    _row(OBSTACLE_PARAMETERS, "obstacle_max_range", initial=5.0, high=20.0),
+    _row(DECAY_PARAMETERS, "lifetime", label="Obstacle lifetime", low=0.5, high=60.0, step=0.5),
+    _row(INFLATION_PARAMETERS, "inflation_radius", high=3.0),
+    _row(INFLATION_PARAMETERS, "cost_scaling_factor", initial=3.0, low=0.1, high=20.0),
+    _row(PLANNER_PARAMETERS, "allow_unknown", label="Drive through unknown", initial=False),
+    _row(PLANNER_PARAMETERS, "use_astar"),
+    _row(PLANNER_PARAMETERS, "tolerance", high=2.0),
+    _row(PURSUIT_PARAMETERS, "desired_linear_vel", high=1.0),
+    _row(PURSUIT_PARAMETERS, "lookahead_dist", low=0.1, high=3.0),
+)  # fmt: skip
+_ROWS = {row.name: row for row in TABLE}
+INITIAL: Mapping[str, Any] = {row.name: row.initial for row in TABLE}
+
+#: A hexagon around the simulated robot, whose radius is 0.2 m.
+HEXAGON: Vertices = (
+    (0.231, 0.0), (0.1155, 0.2), (-0.1155, 0.2), (-0.231, 0.0), (-0.1155, -0.2), (0.1155, -0.2),
+)  # fmt: skip
+MOST_CORNERS = 24  #: of a footprint in the lab
+_CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it
+
+
+@dataclass(frozen=True, slots=True)
+class LabParameters:
+    """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse."""
+
+    values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
+    footprint: Footprint = field(default_factory=lambda: Footprint(HEXAGON))
+
+    def with_values(self, values: Mapping[str, Any]) -> LabParameters:
+        """Return the parameters with other values; the rest stays."""
+        check_names(values, TABLE, "navigation parameter")
+        return replace(self, values={**self.values, **{name: _ROWS[name].check(v) for name, v in values.items()}})
+
+    def is_on(self, layer: str) -> bool:
+        """Whether a layer is used."""
+        return bool(self.values[layer])
+
+    @property
+    def general(self) -> CostmapConfig:
+        """Parameters of the whole costmap."""
+        return CostmapConfig(track_unknown_space=self.values["track_unknown_space"])
+
+    @property
+    def outline(self) -> Footprint:
+        """The padded outline of the robot."""
+        return self.footprint.padded(self.general.footprint_padding)
+
+    @property
+    def obstacle(self) -> ObstacleConfig:
+        """Parameters of the obstacle layer."""
+        return ObstacleConfig(**self._observations())
+
+    @property
+    def dynamic(self) -> DecayConfig:
+        """Parameters of the layer of obstacles with a lifetime."""
+        return DecayConfig(**self._observations(), lifetime=self.values["lifetime"])
+
+    def _observations(self) -> dict[str, Any]:
+        farthest = self.values["obstacle_max_range"]
+        return {
+            "clearing": self.values["clearing"],
+            "obstacle_max_range": farthest,
+            "raytrace_max_range": farthest + _CLEARED_BEYOND_M,
+            "inf_is_valid": True,
+        }
+
+    @property
+    def inflation(self) -> InflationConfig:
+        """Parameters of the inflation layer."""
+        return InflationConfig(
+            inflation_radius=self.values["inflation_radius"], cost_scaling_factor=self.values["cost_scaling_factor"]
+        )
+
+    @property
+    def planner(self) -> PlannerConfig:
+        """Parameters of the planner."""
+        return PlannerConfig(
+            use_astar=self.values["use_astar"],
+            allow_unknown=self.values["allow_unknown"],
+            tolerance=self.values["tolerance"],
+        )
+
+    @property
+    def pursuit(self) -> PursuitConfig:
+        """Parameters of the follower of the path."""
+        return PursuitConfig(
+            desired_linear_vel=self.values["desired_linear_vel"], lookahead_dist=self.values["lookahead_dist"]
+        )
+
+    @property
+    def nav2(self) -> Nav2Costmap:
+        """The costmap as Nav2's parameters have it: without the dynamic layer and the painted zones."""
+        configs: dict[str, LayerConfig] = {
+            "static_layer": StaticConfig(),
+            "obstacle_layer": self.obstacle,
+            "inflation_layer": self.inflation,
+        }
+        layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
+        return Nav2Costmap("global_costmap", self.general, self.footprint, layers)
+
+
+def from_nav2(
+    before: LabParameters, found: Nav2Costmap, planner: PlannerConfig, pursuit: PursuitConfig
+) -> LabParameters:
+    """Return the parameters of a Nav2 parameter file, of others those ``before``.
+
+    Raises :class:`ConfigError` for a value beyond the lab's bounds.
+    """
+    values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
+    values |= dict.fromkeys(("static_layer", "obstacle_layer", "inflation_layer"), False)
+    for layer in found.layers:
+        config = layer.config
+        if isinstance(config, StaticConfig):
+            values["static_layer"] = config.enabled
+        elif isinstance(config, InflationConfig):
+            values |= {
+                "inflation_layer": config.enabled,
+                "inflation_radius": config.inflation_radius,
+                "cost_scaling_factor": config.cost_scaling_factor,
+            }
+        elif isinstance(config, ObstacleConfig):
+            values |= {
+                "obstacle_layer": config.enabled,
+                "clearing": config.clearing,
+                "obstacle_max_range": config.obstacle_max_range,
+            }
+    values |= {name: getattr(planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
+    values |= {name: getattr(pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
+    footprint = found.footprint or Footprint.circle(found.general.robot_radius)
+    return replace(before.with_values(values), footprint=footprint)

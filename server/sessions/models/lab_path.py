@@ -1,0 +1,121 @@
+"""The path of the lab's robot to a goal on its costmap, planned anew whenever one of them changes, and its follower."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+import numpy as np
+
+from mapper.core.array_types import UInt8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION
+from mapper.grid import GridGeometry
+from mapper.planning import Path, follow_path, plan_path
+from mapper.simulation.robot import PoseTuple
+from server.sessions.models.lab_navigation_parameters import LabParameters
+from server.stream.layers import GridLayer, Layer, TableLayer
+
+ARRIVED_M = 0.12  #: distance of the end of the path at which the robot has arrived
+PASSABLE = INSCRIBED - 1
+Goal = tuple[float, float]
+
+
+class LabPath:
+    """The goal, the path to it, and whether the robot drives along it. ``message`` is what the page shows of it."""
+
+    def __init__(self) -> None:
+        self.goal: Goal | None = None
+        self.drives = False
+        self._path: Path | None = None
+        self._reason: str | None = None
+        self._carrot: Goal | None = None
+        self._plan_ms = 0.0
+        self._line = TableLayer("plan", "Path", "plan", ("x", "y"), "path")
+        self._potential = GridLayer("potential", "Potential", "potential")
+        self._is_shown = False
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The path, and the potential while there is one."""
+        return (self._line, self._potential) if self._is_shown else (self._line,)
+
+    def head_for(self, goal: Goal | None, *, drives: bool) -> None:
+        """Set the goal in map metres; None for no goal."""
+        self.goal, self.drives = goal, drives and goal is not None
+        self._carrot = None
+
+    def plan(self, costs: UInt8Array, geometry: GridGeometry, pose: PoseTuple, parameters: LabParameters) -> None:
+        """Plan the path from the robot's pose, and keep the reason where there is none."""
+        self._path = self._reason = None
+        started = time.perf_counter()
+        if self.goal is not None:
+            try:
+                begun = _with_room(costs, geometry, pose, parameters.outline.circumscribed_radius)
+                self._path = plan_path(begun, geometry, pose[:2], self.goal, parameters.planner)
+                if not self._path.reaches_goal:
+                    away = math.dist(self._path.points[-1], self.goal)
+                    self._reason = f"The robot cannot be at the goal itself: the path ends {away:.2f} m before it."
+            except ConfigError as error:
+                self._reason = error.message
+        self._plan_ms = 1e3 * (time.perf_counter() - started)
+        path = self._path
+        self._line.set(np.zeros((2, 0)) if path is None else path.points.T)
+        if path is None:
+            if self._is_shown:
+                self._potential.set_bytes(geometry, np.full(geometry.shape, 255, dtype=np.uint8))
+        else:
+            known = path.potential < math.inf
+            scale = 254.0 / max(float(path.potential.max(where=known, initial=0.0)), 1.0)
+            shares = np.full(path.potential.shape, 255, dtype=np.uint8)
+            np.multiply(path.potential, scale, out=shares, where=known, casting="unsafe")
+            self._potential.set_bytes(geometry, shares)
+            self._is_shown = True
+
+    def control(self, pose: PoseTuple, parameters: LabParameters) -> tuple[float, float] | None:
+        """Return the velocities (m/s, rad/s) of a robot that drives along the path; None where it does not drive."""
+        path = self._path
+        if not self.drives or path is None:
+            self._carrot = None
+            return None
+        if math.dist(path.points[-1], pose[:2]) < ARRIVED_M:
+            self.drives, self._carrot = False, None
+            return (0.0, 0.0)
+        command = follow_path(path.points, pose, parameters.pursuit)
+        self._carrot = command.carrot
+        return command.linear, command.angular
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``path``."""
+        path = self._path
+        return {
+            "type": "path",
+            "goal": None if self.goal is None else [round(v, 3) for v in self.goal],
+            "drives": self.drives,
+            "length": None if path is None else round(path.length, 3),
+            "cost": None if path is None else round(path.cost, 1),
+            "reaches_goal": path is not None and path.reaches_goal,
+            "reason": self._reason,
+            "carrot": None if self._carrot is None else [round(v, 3) for v in self._carrot],
+            "plan_ms": round(self._plan_ms, 2),
+        }
+
+
+def _with_room(costs: UInt8Array, geometry: GridGeometry, pose: PoseTuple, radius: float) -> UInt8Array:
+    """Return the costs with a way out for a robot that stands where its costmap says that it cannot.
+
+    Where its cell is blocked, the blocked cells within ``radius`` m are passable; NavFn frees the start's cell only.
+    """
+    row, col = (int(k) for k in geometry.world_to_cell(pose[:2]))
+    if not geometry.contains((row, col)) or costs[row, col] < INSCRIBED:
+        return costs
+    reach = math.ceil(radius / geometry.resolution)
+    top, left = max(row - reach, 0), max(col - reach, 0)
+    out = costs.copy()
+    near = out[top : row + reach + 1, left : col + reach + 1]
+    rows, cols = np.indices(near.shape)
+    within = np.hypot(rows + top - row, cols + left - col) <= reach
+    blocked = (near == INSCRIBED) | (near == LETHAL) | (near == NO_INFORMATION)
+    near[within & blocked] = PASSABLE
+    return out

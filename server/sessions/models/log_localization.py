@@ -1,0 +1,177 @@
+"""The localization of a log in a given map: the map, the particles and the estimate along the way."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mapper.mapping.parameters import MappingConfig
+from server.library.course_file import Course, read_course
+from server.library.given_map import GivenMap
+from server.sessions.hosting import ModelHost
+from server.sessions.models.localization_message import COLUMNS, OFF
+from server.sessions.models.log_recording import LogRecording
+from server.sessions.parts import GraphSource
+from server.stream.layers import GridLayer, Layer, TableLayer
+
+if TYPE_CHECKING:
+    from server.library.localize_job import LocalizeProgress
+
+MOST_POINTS = 1000  #: of the series that pages plot
+
+
+class LogLocalization:
+    """What is shown of a job that runs, and of a trajectory that comes from one."""
+
+    def __init__(self, host: ModelHost, recording: LogRecording) -> None:
+        self._host, self._recording = host, recording
+        self._changing = asyncio.Lock()  #: held while a course is read
+        self._newest: tuple[str, Course] | None = None  #: which the model may not show yet
+        self._shown: tuple[str, Course] | None = None
+        self._report: LocalizeProgress | None = None
+        self._drawn: tuple[Course, int] | None = None  #: the course and the scan whose particles are in the layer
+        self._given: GivenMap | None = None
+        self._map: GridLayer | None = None
+        self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
+
+    # -- on a worker thread ---------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The given map, and the particles while there are some."""
+        is_on = self._report is not None or self._course is not None
+        given = () if self._map is None else (self._map,)
+        return (*given, self._particles) if is_on else given
+
+    @property
+    def cells(self) -> int:
+        """Cells of the given map."""
+        return 0 if self._given is None else int(self._given.values.size)
+
+    @property
+    def _course(self) -> Course | None:
+        """The course of the trajectory in use."""
+        shown = self._shown
+        return shown[1] if shown is not None and shown[0] == self._recording.trajectory else None
+
+    def show_map(self, given: GivenMap) -> None:
+        """Write a map into its layer."""
+        from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize
+
+        self._given = given
+        self._map = self._map or GridLayer("given_map", "Map to localize in")
+        grid = grid_of_values(given.geometry, given.values)
+        self._map.update(grid, MappingConfig(), None, whole=True)
+
+    def show_progress(self, report: LocalizeProgress) -> None:
+        """Show the newest report of a job that runs."""
+        self._report = report
+        self._particles.set(report.particles.T)
+
+    def end_progress(self) -> None:
+        """The job has ended."""
+        self._report = None
+        self._drawn = None
+
+    def show_course(self, trajectory: str, course: Course) -> None:
+        """Show the course that a trajectory comes with."""
+        self._shown = (trajectory, course)
+        self._drawn = None
+        self.show_map(course.given)
+
+    def draw(self) -> dict[str, Any] | None:
+        """Bring the particles to the newest scan; return the message ``localization`` where it changed."""
+        course = self._course
+        if self._report is not None:
+            return None
+        if course is None:
+            was, self._drawn = self._drawn, None
+            return OFF if was is not None else None
+        scan = max(self._recording.replay.index - 1, 0)
+        if self._drawn is not None and self._drawn[0] is course and self._drawn[1] == scan:
+            return None
+        self._drawn = (course, scan)
+        cloud = course.cloud(scan)
+        self._particles.set(np.vstack([cloud.T, np.ones((1, len(cloud)), dtype=np.float32)]))
+        return self.message()
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``localization``."""
+        if self._report is not None:
+            report = self._report
+            c, pose = report.covariance, [round(float(v), 4) for v in report.poses[-1]]
+            numbers = (report.is_converged, report.share, report.fit, report.entropy, report.n_particles)
+            updates = report.n_updates
+        elif (course := self._course) is not None:
+            recording = self._recording
+            scan = max(recording.replay.index - 1, 0)
+            c = course.covariance[scan]
+            pose = [round(float(v), 4) for v in recording.log.trajectory(recording.trajectory).poses[scan]]
+            numbers = (
+                bool(course.is_converged[scan]), float(course.share[scan]), float(course.fit[scan]),
+                float(course.entropy[scan]), int(course.n_particles[scan]),
+            )  # fmt: skip
+            updates = int(np.count_nonzero(course.is_updated[: scan + 1]))
+        else:
+            return OFF
+        is_converged, share, fit, entropy, n_particles = numbers
+        return OFF | {
+            "is_on": True,
+            "pose": pose,
+            "at": pose,
+            "covariance": [round(float(v), 6) for v in (c[0, 0], c[0, 1], c[1, 1], c[2, 2])],
+            "is_converged": is_converged,
+            "share": round(share, 4),
+            "fit": round(fit, 4),
+            "entropy": round(entropy, 3),
+            "n_particles": n_particles,
+            "n_updates": updates,
+        }
+
+    # -- on the event loop ----------------------------------------------------------------------------------------
+
+    async def public(self, source: GraphSource) -> dict[str, Any] | None:
+        """Return the series of the trajectory in use, None where it comes from no localization; show its layers.
+
+        ``source`` reads its file. Raises :class:`mapper.core.errors.ReadError` for a file that cannot be read.
+        """
+        async with self._changing:
+            name = self._recording.trajectory
+            if self._newest is None or self._newest[0] != name:
+                data = await source(name)
+                if data is None:
+                    return None
+                course = await self._host.on_thread(partial(read_course, data))
+                if len(course.share) != self._recording.log.n_scans:
+                    return None  # it belongs to the scans of another sensor
+                self._newest = (name, course)
+            course = self._newest[1]
+            if self._shown is not self._newest:
+                self._host.enqueue({"type": "show_course", "trajectory": name, "course": course})
+            return await self._host.on_thread(partial(series_of, course, self._recording.recorded))
+
+    def forget(self) -> None:
+        """Read the course anew when it is asked for next: its trajectory was replaced."""
+        self._newest = None
+
+
+def series_of(course: Course, seconds: np.ndarray[Any, Any]) -> dict[str, Any]:
+    """Return the course's numbers over the log's ``seconds`` (n,), each k-th scan of a long one."""
+    n = len(course.share)
+    at = np.unique(np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(int))
+    xy = np.trace(course.covariance[at, :2, :2], axis1=1, axis2=2)
+    converged = np.flatnonzero(course.is_converged)
+    return {
+        "map": course.given.public(),
+        "scans": at.tolist(),
+        "seconds": np.round(seconds[at], 2).tolist(),
+        "entropy": np.round(course.entropy[at], 3).tolist(),
+        "deviation_m": np.round(np.sqrt(np.maximum(xy, 0.0)), 4).tolist(),
+        "fit": np.round(course.fit[at], 4).tolist(),
+        "is_converged": course.is_converged[at].tolist(),
+        "n_particles": course.n_particles[at].tolist(),
+        "first_converged": int(converged[0]) if len(converged) else None,
+    }

@@ -1,0 +1,324 @@
+/** Finds the robot of a log in a given map, and shows how certain that is along the way. */
+
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { AmclYaml } from "../../../tools/localization/AmclYaml";
+import { GIVEN_MAP } from "../../../tools/localization/model";
+import { Button } from "../../../ui/Button";
+import { Choice } from "../../../ui/Choice";
+import { Panel } from "../../../ui/Panel";
+import { Toggle } from "../../../ui/Toggle";
+import { trajectoryLabel } from "../describeLog";
+import { type ChosenLog, LogChoice } from "../LogChoice";
+import { ParameterDetails } from "../ParameterDetails";
+import { CourseOf } from "./Course";
+import { InitialPose } from "./InitialPose";
+import type { Localizing, MapSource } from "./localizing";
+import "./localize.css";
+
+interface LocalizeProps {
+  readonly store: Store;
+  readonly localizing: Localizing;
+  readonly isGuest: boolean;
+}
+
+export function Localize({ store, localizing, isGuest }: LocalizeProps) {
+  const trajectory = store.trajectory.value?.name ?? null;
+  const isUnderWay = localizing.isUnderWay.value;
+  useEffect(() => localizing.show(), [localizing]);
+  useEffect(() => {
+    if (!isGuest) void localizing.loadMap();
+  }, [localizing, isGuest]);
+  useEffect(() => {
+    if (!isUnderWay && trajectory !== null) void localizing.loadCourse();
+  }, [localizing, trajectory, isUnderWay]);
+  useSignalEffect(() => {
+    store.givenPose.value = localizing.hasPose.value ? localizing.pose.value : null;
+  });
+  const course = localizing.course.value;
+  const map = course?.map ?? localizing.map.value;
+  return (
+    <>
+      {!isGuest && <Find store={store} localizing={localizing} />}
+      {map && (
+        <Toggle
+          label="Show the given map"
+          sentence="The map to localize in, in place of the map that this log's scans make."
+          checked={store.underlay.value === GIVEN_MAP}
+          disabled={false}
+          onChange={(isOn) => {
+            store.underlay.value = isOn ? GIVEN_MAP : null;
+            store.viewHeld.value = false;
+          }}
+        />
+      )}
+      {course && <CourseOf store={store} course={course} />}
+      {!course && isGuest && <p class="quiet">The poses of this map do not come from a localization.</p>}
+    </>
+  );
+}
+
+function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
+  const job = localizing.job.value;
+  const isUnderWay = localizing.isUnderWay.value;
+  const doing = localizing.doing.value;
+  const map = localizing.map.value;
+  const names = (store.hello.value?.log?.trajectories ?? []).map((one) => one.name);
+  const found = job?.result?.trajectory;
+  const odometry = useSignal("");
+  const sources = names.filter((name) => name !== found);
+  return (
+    <Panel title="Localize in a map">
+      <div class="heal">
+        {!isUnderWay && (
+          <>
+            <p class="quiet">
+              A particle filter gets a map, the odometry and the scans of this log, and finds where in the map the robot
+              was. The poses become one more trajectory of this log.
+            </p>
+            <MapChoice store={store} localizing={localizing} />
+            {doing !== null && (
+              <div class="heal-progress">
+                <progress aria-label={doing} />
+                <p role="status">{doing} …</p>
+              </div>
+            )}
+            {map && doing === null && (
+              <p role="status">
+                <b>{map.title}</b>
+                <br />
+                <span class="quiet">
+                  {(map.cols * map.resolution).toFixed(1)} × {(map.rows * map.resolution).toFixed(1)} m, cells of{" "}
+                  {Number((100 * map.resolution).toFixed(2))} cm
+                </span>
+              </p>
+            )}
+          </>
+        )}
+        {map && !isUnderWay && (
+          <>
+            <InitialPose localizing={localizing} />
+            {sources.length > 1 && (
+              <Choice
+                label="Odometry"
+                sentence="The poses that say how the robot moved between two scans."
+                options={[
+                  { value: "", label: "The log's own" },
+                  ...sources.map((value) => ({ value, label: trajectoryLabel(value) })),
+                ]}
+                value={odometry.value}
+                onChange={(value) => {
+                  odometry.value = value;
+                }}
+              />
+            )}
+            <ParameterDetails parameters={localizing.parameters} name="the filter" titles={TITLES}>
+              <AmclYaml
+                values={() => localizing.parameters.changed()}
+                onOpen={(values) => {
+                  localizing.parameters.values.value = values;
+                }}
+              />
+            </ParameterDetails>
+          </>
+        )}
+        {isUnderWay && <Progress localizing={localizing} />}
+        {!isUnderWay && <Outcome store={store} localizing={localizing} />}
+        {localizing.failure.value !== null && (
+          <p class="heal-failed" role="alert">
+            {localizing.failure.value}
+          </p>
+        )}
+        {map && !isUnderWay && (
+          <div class="heal-actions">
+            <Button
+              kind="primary"
+              disabled={doing !== null || (localizing.hasPose.value && localizing.pose.value === null)}
+              onClick={() => void localizing.begin(odometry.peek() || null)}
+            >
+              {job?.state === "done" ? "Find the robot again" : "Find the robot"}
+            </Button>
+          </div>
+        )}
+      </div>
+    </Panel>
+  );
+}
+
+const TITLES: Readonly<Record<string, string>> = {
+  sensor: "Sensor model",
+  motion: "Motion model",
+  filter: "Filter",
+  recovery: "Recovery",
+  "global start": "Start without a hint",
+};
+
+const SOURCES: readonly { readonly value: MapSource; readonly label: string }[] = [
+  { value: "own", label: "This log" },
+  { value: "other", label: "Another log" },
+  { value: "files", label: "Map files" },
+];
+
+function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
+  const input = useRef<HTMLInputElement>(null);
+  const log = store.hello.value?.log;
+  const chosen = useSignal<ChosenLog | null>(null);
+  const names = (log?.trajectories ?? []).map((one) => one.name);
+  const along = useSignal("");
+  const isBusy = localizing.doing.value !== null;
+  const source = localizing.source.value;
+  return (
+    <>
+      <Choice
+        label="The map"
+        options={SOURCES}
+        value={source}
+        disabled={isBusy}
+        onChange={(value) => {
+          localizing.source.value = value as MapSource;
+        }}
+      />
+      {source === "own" && log && (
+        <div class="localize-own">
+          <label class="field">
+            <span class="field-label">Mapped along</span>
+            <select
+              class="select"
+              value={along.value || names[0]}
+              disabled={isBusy}
+              onChange={(event) => {
+                along.value = event.currentTarget.value;
+              }}
+            >
+              {names.map((name) => (
+                <option key={name} value={name}>
+                  {trajectoryLabel(name)}
+                </option>
+              ))}
+            </select>
+          </label>
+          <Button
+            disabled={isBusy}
+            onClick={() => void localizing.chooseLog(log.id, log.topic ?? null, along.peek() || (names[0] ?? null))}
+          >
+            Use this map
+          </Button>
+        </div>
+      )}
+      {source === "other" && (
+        <LogChoice
+          own={log?.id ?? ""}
+          chosen={chosen.value}
+          disabled={isBusy}
+          onChoose={(choice) => {
+            chosen.value = choice;
+            void localizing.chooseLog(choice.log, choice.topic, null);
+          }}
+        />
+      )}
+      {source === "files" && (
+        <div class="localize-own">
+          <input
+            ref={input}
+            type="file"
+            hidden
+            multiple
+            aria-label="Map files"
+            onChange={(event) => {
+              const field = event.currentTarget;
+              const files = [...(field.files ?? [])];
+              field.value = "";
+              if (files.length > 0) void localizing.chooseFiles(files);
+            }}
+          />
+          <Button icon="upload" disabled={isBusy} onClick={() => input.current?.click()}>
+            Choose map files
+          </Button>
+          <span class="quiet">A yaml together with its image, or a map of CMU’s course.</span>
+        </div>
+      )}
+    </>
+  );
+}
+
+const LONG_S = 3;
+
+function Progress({ localizing }: { readonly localizing: Localizing }) {
+  const job = localizing.job.value;
+  const count = localizing.store.frame.value?.count ?? 0;
+  if (!job) return null;
+  const words =
+    job.state === "queued"
+      ? `Waiting${job.ahead > 0 ? ` for ${job.ahead} other ${job.ahead === 1 ? "job" : "jobs"}` : ""}`
+      : job.scans === 0
+        ? (job.elapsed_s ?? 0) < LONG_S
+          ? "Beginning"
+          : "Compiling the filter, which this server does once"
+        : job.is_converged
+          ? "The particles agree on one place"
+          : "The particles do not agree yet";
+  return (
+    <div class="heal-progress">
+      <progress max={1} value={job.fraction} aria-label="Localizing" />
+      <p role="status">{words} …</p>
+      <p class="quiet">
+        {Math.floor(100 * job.fraction)} % · {job.scans} of {count} scans · {job.n_particles.toLocaleString("en")}{" "}
+        particles
+        {job.elapsed_s !== null && ` · ${Math.floor(job.elapsed_s)} s`}
+      </p>
+      <div class="heal-actions">
+        <Button icon="close" disabled={localizing.doing.value !== null} onClick={() => void localizing.cancel()}>
+          Cancel
+        </Button>
+      </div>
+    </div>
+  );
+}
+
+function Outcome({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
+  const job = localizing.job.value;
+  if (job?.state === "cancelled")
+    return <p role="status">Localization was cancelled. The poses are those from before.</p>;
+  if (job?.state === "failed")
+    return (
+      <p class="heal-failed" role="alert">
+        {job.error?.message}
+      </p>
+    );
+  const result = job?.state === "done" ? job.result : null;
+  if (!result) return null;
+  const count = store.frame.value?.count ?? 0;
+  const isThere = (store.hello.value?.log?.trajectories ?? []).some((one) => one.name === result.trajectory);
+  return (
+    <>
+      <p role="status">
+        {result.first_converged === null
+          ? "The particles never agreed on one place: where the robot was is not known."
+          : result.is_converged
+            ? "Found: the poses in the map are the trajectory “localized” of this log."
+            : "Found and lost again: at the end the particles do not agree."}
+      </p>
+      <dl class="heal-facts">
+        <dt>In the map</dt>
+        <dd>{result.map_title}</dd>
+        <dt>Converged</dt>
+        <dd>
+          {result.first_converged === null ? "never" : `from scan ${result.first_converged + 1} on`}, at{" "}
+          {result.converged} of {count} scans
+        </dd>
+        <dt>Fit of the scans</dt>
+        <dd>{result.median_fit.toFixed(2)} of 1, median</dd>
+        <dt>Processor time</dt>
+        <dd>{result.cpu_s.toFixed(1)} s</dd>
+      </dl>
+      {isThere && store.trajectory.value?.name !== result.trajectory && (
+        <div class="heal-actions">
+          <Button onClick={() => store.send({ type: "trajectory", name: result.trajectory })}>
+            Show the poses in the map
+          </Button>
+        </div>
+      )}
+    </>
+  );
+}

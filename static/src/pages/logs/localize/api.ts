@@ -1,0 +1,99 @@
+/** Requests about the localization of a log in a map. Each rejects with the server's sentence. */
+
+import type { Parameter, Pose, Values } from "../../../wire/protocol";
+import { AWAY, sentence } from "../library";
+import { request } from "../request";
+import { tarred } from "../tar";
+
+/** The map that a log is localized in. */
+export interface GivenMap {
+  readonly title: string;
+  readonly rows: number;
+  readonly cols: number;
+  /** Metres a cell. */
+  readonly resolution: number;
+  readonly origin: Pose;
+  readonly notes: readonly string[];
+}
+
+/** A localization: what is under way, or what came of it. */
+export interface LocalizationState {
+  readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
+  readonly fraction: number;
+  readonly scans: number;
+  readonly is_converged: boolean;
+  readonly n_particles: number;
+  readonly elapsed_s: number | null;
+  readonly ahead: number;
+  readonly error: { readonly code: string; readonly message: string } | null;
+  readonly parameters: { readonly values?: Values; readonly initial_pose?: Pose | null };
+  readonly result: {
+    readonly trajectory: string;
+    readonly map_title: string;
+    readonly odometry: string;
+    readonly first_converged: number | null;
+    readonly converged: number;
+    readonly is_converged: boolean;
+    readonly updates: number;
+    readonly median_fit: number;
+    readonly cpu_s: number;
+  } | null;
+}
+
+/** How certain the poses in use are along the log. */
+export interface Course {
+  readonly map: GivenMap;
+  readonly scans: readonly number[];
+  readonly seconds: readonly number[];
+  readonly entropy: readonly number[];
+  readonly deviation_m: readonly number[];
+  readonly fit: readonly number[];
+  readonly is_converged: readonly boolean[];
+  readonly n_particles: readonly number[];
+  readonly first_converged: number | null;
+}
+
+const of = (session: string): string => `/api/sessions/${encodeURIComponent(session)}/localization`;
+
+export const localizationState = (session: string): Promise<LocalizationState> => request(of(session));
+
+export const localize = (
+  session: string,
+  wanted: { readonly initial_pose: Pose | null; readonly odometry: string | null; readonly parameters: Values },
+): Promise<LocalizationState> => request(of(session), "POST", wanted);
+
+export const cancelLocalization = (session: string): Promise<LocalizationState> => request(of(session), "DELETE");
+
+export const courseOf = async (session: string): Promise<Course | null> =>
+  (await request<{ course: Course | null }>(`${of(session)}/course`)).course;
+
+export const givenMap = async (session: string): Promise<GivenMap | null> =>
+  (await request<{ map: GivenMap | null }>(`${of(session)}/map`)).map;
+
+/** Choose the map of a log along one of its trajectories. */
+export const chooseLog = async (
+  session: string,
+  wanted: { readonly log: string; readonly topic: string | null; readonly trajectory: string | null },
+): Promise<GivenMap> => (await request<{ map: GivenMap }>(`${of(session)}/map`, "PUT", wanted)).map;
+
+/** Choose map files: a yaml with its image, or a map of CMU's course. */
+export async function chooseFiles(session: string, files: readonly File[]): Promise<GivenMap> {
+  const named = files.find(({ name }) => /\.ya?ml$/i.test(name)) ?? files[0];
+  const title = named?.name ?? "map";
+  const body = files.length === 1 && !/\.ya?ml$/i.test(title) ? files[0] : tarred(files, title);
+  return (await sent<{ map: GivenMap }>(`${of(session)}/map-files?name=${encodeURIComponent(title)}`, body)).map;
+}
+
+export const parameterTable = async (): Promise<readonly Parameter[]> =>
+  (await request<{ table: readonly Parameter[] }>("/api/localization/parameters")).table;
+
+async function sent<T>(address: string, body: BodyInit | undefined): Promise<T> {
+  let answer: Response;
+  try {
+    answer = await fetch(address, { method: "PUT", ...(body ? { body } : {}) });
+  } catch {
+    throw new Error(AWAY);
+  }
+  if (!answer.ok) throw new Error(await sentence(answer));
+  return (await answer.json()) as T;
+}

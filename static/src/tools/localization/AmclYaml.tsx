@@ -1,0 +1,68 @@
+import { useSignal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { Button } from "../../ui/Button";
+import type { Values } from "../../wire/protocol";
+import { amclYaml, readAmclYaml } from "./amclFiles";
+import "./localization.css";
+
+interface AmclYamlProps {
+  /** Those that are saved. */
+  readonly values: () => Values;
+  readonly onOpen: (values: Values) => void;
+}
+
+/** The parameters of localization from the yaml of an AMCL, and as one. */
+export function AmclYaml({ values, onOpen }: AmclYamlProps) {
+  const input = useRef<HTMLInputElement>(null);
+  const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
+  const doing = async (what: () => Promise<string | null>): Promise<void> => {
+    try {
+      const text = await what();
+      said.value = text === null ? null : { text, isError: false };
+    } catch (error) {
+      const text = error instanceof TypeError ? "The server does not answer." : (error as Error).message;
+      said.value = { text, isError: true };
+    }
+  };
+  const open = (file: File): Promise<void> =>
+    doing(async () => {
+      const { values: found, ignored } = await readAmclYaml(file);
+      onOpen(found);
+      const count = Object.keys(found).length;
+      const set = `${count} ${count === 1 ? "parameter differs" : "parameters differ"} from the first values.`;
+      return ignored.length > 0 ? `${set} Of no use here: ${ignored.join(", ")}.` : set;
+    });
+  const save = (): Promise<void> =>
+    doing(async () => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(await amclYaml(values()));
+      link.download = "amcl.yaml";
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      return null;
+    });
+  return (
+    <div class="localization-row">
+      <input
+        ref={input}
+        type="file"
+        hidden
+        accept=".yaml,.yml"
+        aria-label="Yaml of an AMCL"
+        onChange={(event) => {
+          const field = event.currentTarget;
+          const file = field.files?.[0];
+          field.value = "";
+          if (file) void open(file);
+        }}
+      />
+      <Button kind="quiet" icon="upload" onClick={() => input.current?.click()}>
+        Open an AMCL yaml
+      </Button>
+      <Button kind="quiet" icon="download" onClick={() => void save()}>
+        Save as AMCL yaml
+      </Button>
+      {said.value && <p role={said.value.isError ? "alert" : "status"}>{said.value.text}</p>}
+    </div>
+  );
+}

@@ -1,0 +1,106 @@
+/** The costmap of the lab's robot: its layers as sheets, their parameters, and the robot's outline. */
+
+import { useSignalEffect } from "@preact/signals";
+import { useMemo, useRef } from "preact/hooks";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { ParameterRows } from "../parameters/ParameterRows";
+import { CostCurve } from "./CostCurve";
+import { Outline } from "./Outline";
+import { Begin, End, useRows } from "./PathGroup";
+import { Sheets } from "./Sheets";
+import { OverChoice } from "./Tools";
+import { useCostmap } from "./useCostmap";
+import { WhyCost } from "./WhyCost";
+import "./navigation.css";
+
+const ROWS = ["map", "track_unknown_space", "clearing", "lifetime", "obstacle_max_range"];
+const INFLATION = ["inflation_radius", "cost_scaling_factor"];
+/** A command has at most 64 KiB. */
+const MOST_BYTES = 60_000;
+
+export function CostmapGroup({ store }: { readonly store: Store }) {
+  useCostmap(store);
+  const rows = useRows(store, ROWS);
+  const inflation = useRows(store, INFLATION);
+  const set = useMemo(
+    () => (name: string, value: number | string | boolean) => store.setNavigation({ [name]: value }),
+    [store],
+  );
+  const { values } = store.navigation.values;
+  if (store.navigation.costmap.value?.is_on !== true) return <Begin store={store} />;
+  return (
+    <div class="navigation">
+      <Sheets store={store} />
+      <WhyCost store={store} />
+      <OverChoice store={store} />
+      <h3>Inflation</h3>
+      <CostCurve store={store} />
+      <div class="navigation-settings">
+        <ParameterRows rows={inflation} values={values} set={set} />
+      </div>
+      <Outline store={store} />
+      <h3>Layers</h3>
+      <div class="navigation-settings">
+        <ParameterRows rows={rows} values={values} set={set} />
+      </div>
+      <h3>Nav2</h3>
+      <Nav2 store={store} />
+      <End store={store} />
+    </div>
+  );
+}
+
+/** The parameters as a Nav2 parameter file, down and up. */
+function Nav2({ store }: { readonly store: Store }) {
+  const file = useRef<HTMLInputElement>(null);
+  const { nav2 } = store.navigation;
+  useSignalEffect(() => {
+    const text = nav2.value;
+    if (text === null) return;
+    nav2.value = null;
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
+    link.download = "nav2_params.yaml";
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href));
+  });
+  const upload = async (): Promise<void> => {
+    const chosen = file.current?.files?.[0];
+    if (file.current) file.current.value = "";
+    if (!chosen) return;
+    if (chosen.size > MOST_BYTES) {
+      store.notice.value = {
+        kind: "error",
+        code: "nav2.too_large",
+        message: `The parameter file has ${chosen.size} bytes; at most ${MOST_BYTES} are read.`,
+      };
+      return;
+    }
+    store.send({ type: "nav2", text: await chosen.text() });
+  };
+  return (
+    <>
+      <p class="navigation-note">
+        The parameters as a Nav2 file: costmap, NavFn and Regulated Pure Pursuit. Nav2 has no layer with a lifetime, and
+        takes keepout zones from a map: both are left out.
+      </p>
+      <div class="navigation-row">
+        <Button icon="download" onClick={() => store.send({ type: "nav2" })}>
+          Download yaml
+        </Button>
+        <Button icon="upload" onClick={() => file.current?.click()}>
+          Load yaml
+        </Button>
+        <input
+          ref={file}
+          type="file"
+          accept=".yaml,.yml"
+          hidden
+          aria-label="Nav2 parameter file"
+          onChange={() => void upload()}
+        />
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,280 @@
+/** The layers of the costmap in an exploded view: the same cell is marked on each sheet, with its costs. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { nameOfCost } from "../../grid/costs";
+import { type Cell, cellAt, centreOf } from "../../grid/lattice";
+import type { MapPicture } from "../../render/map/mapPicture";
+import { pictureColours } from "../../render/picture/pictureColours";
+import type { Store } from "../../store/store";
+import { reducedMotion } from "../../ui/reducedMotion";
+import { Slider } from "../../ui/Slider";
+import { useWidth } from "../../ui/useWidth";
+import { zoomOf } from "../../ui/zoom";
+import type { Geometry, Point } from "../../wire/protocol";
+import { COSTS, costOfByte } from "./palettes";
+import { Sheet } from "./sheetImage";
+import {
+  cellOn,
+  draggedGaps,
+  LEAST_GAP,
+  placeOn,
+  type SheetPlan,
+  sheetPlan,
+  transformOf,
+  type Window,
+} from "./sheetPlan";
+import { LAYER_NAMES } from "./WhyCost";
+
+/** The sheets from the bottom up: the layers, and the costs of all of them. */
+export const SHEETS = [
+  "static_layer",
+  "obstacle_layer",
+  "dynamic_layer",
+  "keepout_filter",
+  "inflation_layer",
+  "costmap",
+];
+const HEIGHT = 350;
+const ROOM = 265;
+const FIRST_GAP = 50;
+const OPENING_MS = 500;
+const SLOP = 4;
+
+/** The cells of a world, with a little around it. */
+function windowOf(store: Store, geometry: Geometry): Window {
+  const bounds = store.world.peek()?.bounds;
+  if (!bounds) return { row0: 0, rows: geometry.rows, col0: 0, cols: geometry.cols };
+  const low = cellAt(geometry, bounds[0], bounds[1]);
+  const high = cellAt(geometry, bounds[2], bounds[3]);
+  const [row0, col0] = [Math.max(0, low.row), Math.max(0, low.col)];
+  return { row0, col0, rows: Math.min(geometry.rows, high.row) - row0, cols: Math.min(geometry.cols, high.col) - col0 };
+}
+
+export function Sheets({ store }: { readonly store: Store }) {
+  const { navigation, layers } = store;
+  const box = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const width = useWidth(box, 400).value;
+  const gaps = useSignal<readonly number[]>(SHEETS.slice(1).map(() => (reducedMotion.peek() ? FIRST_GAP : LEAST_GAP)));
+  const images = useRef<readonly Sheet[]>([]);
+  if (images.current.length === 0) images.current = SHEETS.map(() => new Sheet());
+  const held = useRef<{ sheet: number; y: number; gaps: readonly number[]; moved: boolean } | null>(null);
+
+  useEffect(() => {
+    const ends = SHEETS.map((name) => layers.subscribe(name));
+    return () => {
+      for (const end of ends) end();
+    };
+  }, [store]);
+  useEffect(() => {
+    if (reducedMotion.peek()) return;
+    const began = performance.now();
+    let frame = requestAnimationFrame(function open(now) {
+      const share = Math.min(1, (now - began) / OPENING_MS);
+      const gap = LEAST_GAP + (FIRST_GAP - LEAST_GAP) * (1 - (1 - share) ** 3);
+      gaps.value = gaps.peek().map(() => gap);
+      if (share < 1) frame = requestAnimationFrame(open);
+    });
+    return () => cancelAnimationFrame(frame);
+  }, [store]);
+
+  const maps = SHEETS.map((name) => layers.grid(name));
+  for (const map of maps) void map.version.value;
+  const shown = maps.map((map) => map.map.value);
+  const master = shown.at(-1) ?? null;
+  const geometry = master?.geometry ?? null;
+  const plan = geometry && sheetPlan(windowOf(store, geometry), width, HEIGHT, gaps.value);
+  const probe = store.probe.value;
+  const cell = geometry && probe ? cellAt(geometry, probe[0], probe[1]) : null;
+  const colours = pictureColours.value;
+  const values = navigation.values.values.value;
+  const isOn = (name: string): boolean => values[name] !== false;
+
+  useEffect(() => {
+    const element = canvas.current;
+    if (!element || !plan) return;
+    const ratio = devicePixelRatio;
+    if (element.width !== width * ratio) element.width = width * ratio;
+    if (element.height !== HEIGHT * ratio) element.height = HEIGHT * ratio;
+    const ctx = element.getContext("2d");
+    if (!ctx) return;
+    ctx.setTransform(1, 0, 0, 1, 0, 0);
+    ctx.clearRect(0, 0, element.width, element.height);
+    paintSheets(ctx, ratio, plan, shown, images.current, colours);
+    if (cell) paintCell(ctx, ratio, plan, shown, cell, colours);
+  });
+
+  const inPicture = (event: PointerEvent): Point => {
+    const at = event.currentTarget as HTMLElement;
+    const rect = at.getBoundingClientRect();
+    const zoom = zoomOf(at);
+    return [(event.clientX - rect.left) / zoom, (event.clientY - rect.top) / zoom];
+  };
+  const point = (found: Cell | undefined): Point | null => (geometry && found ? centreOf(geometry, found) : null);
+
+  return (
+    <div class="sheets" ref={box}>
+      <div class="sheets-picture" style={{ height: `${HEIGHT}px` }}>
+        <canvas
+          ref={canvas}
+          role="img"
+          aria-label="The layers of the costmap as sheets above each other; the cell under the pointer is marked on each"
+          onPointerDown={(event) => {
+            const hit = plan && cellOn(plan, ...inPicture(event));
+            if (event.button !== 0 || !hit) return;
+            held.current = { sheet: hit.sheet, y: event.clientY, gaps: gaps.peek(), moved: false };
+            event.currentTarget.setPointerCapture(event.pointerId);
+          }}
+          onPointerMove={(event) => {
+            const now = held.current;
+            if (now && Math.abs(event.clientY - now.y) > SLOP) now.moved = true;
+            if (now?.moved && now.sheet > 0) {
+              gaps.value = draggedGaps(
+                now.gaps,
+                now.sheet,
+                (now.y - event.clientY) / zoomOf(event.currentTarget),
+                ROOM,
+              );
+              return;
+            }
+            store.pointer.value = point((plan && cellOn(plan, ...inPicture(event)))?.cell);
+          }}
+          onPointerUp={(event) => {
+            const at = point((plan && cellOn(plan, ...inPicture(event)))?.cell);
+            if (held.current && !held.current.moved && at) {
+              navigation.asked.value = at;
+              navigation.lastTool.value = navigation.tool.value = "cost";
+            }
+            held.current = null;
+          }}
+          onPointerCancel={() => {
+            held.current = null;
+          }}
+          onPointerLeave={() => {
+            store.pointer.value = null;
+          }}
+          style={{ width: "100%", height: `${HEIGHT}px` }}
+        />
+        {plan &&
+          SHEETS.map((name, n) => {
+            const [, y] = plan.corners[n] as Point;
+            const style = { top: `${y - plan.height}px` };
+            if (name === "costmap")
+              return (
+                <span key={name} class="sheets-name" style={style}>
+                  All together
+                </span>
+              );
+            return (
+              <button
+                key={name}
+                type="button"
+                role="switch"
+                class="sheets-name sheets-switch"
+                aria-checked={isOn(name)}
+                style={style}
+                onClick={() => store.setNavigation({ [name]: !isOn(name) })}
+              >
+                {LAYER_NAMES[name]}
+              </button>
+            );
+          })}
+      </div>
+      <Slider
+        label="Distance between the sheets"
+        sentence="Or drag a sheet up or down; click a cell of a sheet to ask for its cost."
+        unit="px"
+        value={Math.round(gaps.value.reduce((a, b) => a + b, 0) / gaps.value.length)}
+        initial={FIRST_GAP}
+        low={10}
+        high={ROOM / (SHEETS.length - 1)}
+        step={1}
+        onInput={(gap) => {
+          gaps.value = gaps.peek().map(() => gap);
+        }}
+      />
+    </div>
+  );
+}
+
+type Colours = typeof pictureColours.value;
+
+function paintSheets(
+  ctx: CanvasRenderingContext2D,
+  ratio: number,
+  plan: SheetPlan,
+  maps: readonly (MapPicture | null)[],
+  images: readonly Sheet[],
+  colours: Colours,
+): void {
+  const { row0, rows, col0, cols } = plan.window;
+  plan.corners.forEach((corner, n) => {
+    const [a, b, c, d, e, f] = transformOf(plan, corner);
+    ctx.setTransform(a * ratio, b * ratio, c * ratio, d * ratio, e * ratio, f * ratio);
+    ctx.globalAlpha = 0.72;
+    ctx.fillStyle = colours.floor;
+    ctx.fillRect(col0, row0, cols, rows);
+    ctx.globalAlpha = 1;
+    const map = maps[n];
+    const image = map && images[n]?.of(map, COSTS, colours);
+    if (image)
+      for (let times = 0; times < 2; times++) ctx.drawImage(image, col0, row0, cols, rows, col0, row0, cols, rows); // twice: thin walls stay visible
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    ctx.beginPath();
+    for (const [u, v] of [
+      [col0, row0],
+      [col0 + cols, row0],
+      [col0 + cols, row0 + rows],
+      [col0, row0 + rows],
+    ] as const)
+      ctx.lineTo(...placeOn(plan, corner, u, v));
+    ctx.closePath();
+    ctx.lineWidth = 1;
+    ctx.strokeStyle = colours.prior;
+    ctx.stroke();
+  });
+}
+
+/** Mark a cell on all sheets, and write its cost beside each. */
+function paintCell(
+  ctx: CanvasRenderingContext2D,
+  ratio: number,
+  plan: SheetPlan,
+  maps: readonly (MapPicture | null)[],
+  cell: Cell,
+  colours: Colours,
+): void {
+  const { row0, rows, col0, cols } = plan.window;
+  if (cell.row < row0 || cell.col < col0 || cell.row >= row0 + rows || cell.col >= col0 + cols) return;
+  ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  const places = plan.corners.map((corner) => placeOn(plan, corner, cell.col + 0.5, cell.row + 0.5));
+  const [bottom, top] = [places[0], places.at(-1)];
+  if (!bottom || !top) return;
+  ctx.strokeStyle = ctx.fillStyle = colours.outline;
+  ctx.lineWidth = 1;
+  ctx.setLineDash([3, 3]);
+  ctx.beginPath();
+  ctx.moveTo(...bottom);
+  ctx.lineTo(...top);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.font = getComputedStyle(ctx.canvas).font;
+  ctx.textAlign = "right";
+  places.forEach(([x, y], n) => {
+    ctx.fillStyle = ctx.strokeStyle = colours.outline;
+    ctx.lineWidth = 2;
+    ctx.beginPath();
+    ctx.ellipse(x, y, 6, 3, 0, 0, 2 * Math.PI);
+    ctx.stroke();
+    const map = maps[n];
+    if (!map) return;
+    const text = nameOfCost(costOfByte(map.cells.at(cell.row, cell.col)));
+    const [right, low] = placeOn(plan, plan.corners[n] as Point, col0 + cols, row0);
+    const at: Point = [right + 70, low - 4];
+    ctx.lineWidth = 4;
+    ctx.strokeStyle = colours.halo;
+    ctx.strokeText(text, ...at);
+    ctx.fillText(text, ...at);
+  });
+}

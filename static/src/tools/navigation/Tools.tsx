@@ -1,0 +1,90 @@
+/** What a click on the maps does while a group of the costmap is open. */
+
+import { useId } from "preact/hooks";
+import type { MapTool, Over } from "../../store/navigation";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
+import { Slider } from "../../ui/Slider";
+
+const TOOLS: readonly { readonly tool: MapTool; readonly label: string; readonly hint: string }[] = [
+  { tool: "goal", label: "Set goal", hint: "Click a map to set the goal; drag the goal, and the path follows." },
+  { tool: "keepout", label: "Keepout", hint: "Paint on a map where the robot must not go." },
+  { tool: "erase", label: "Eraser", hint: "Paint over a keepout zone to erase it." },
+  { tool: "cost", label: "Why", hint: "Click a cell: each layer says why it has its cost." },
+];
+const OVERS: readonly { readonly value: Over | "none"; readonly label: string }[] = [
+  { value: "costmap", label: "Costs" },
+  { value: "potential", label: "Wavefront" },
+  { value: "none", label: "Nothing" },
+];
+
+export function Tools({ store }: { readonly store: Store }) {
+  const { navigation } = store;
+  const name = useId();
+  const now = navigation.tool.value ?? navigation.lastTool.value;
+  const strokes = navigation.costmap.value?.keepout ?? [];
+  const isBrush = now === "keepout" || now === "erase";
+  const take = (tool: MapTool): void => {
+    navigation.lastTool.value = navigation.tool.value = tool;
+    store.editing.take(null);
+  };
+  return (
+    <div class="navigation-tools">
+      <div class="choice" role="radiogroup" aria-label="What a click on a map does">
+        {TOOLS.map(({ tool, label }) => (
+          <label class="choice-option" key={tool}>
+            <input type="radio" name={name} checked={tool === now} onChange={() => take(tool)} />
+            {label}
+          </label>
+        ))}
+      </div>
+      <p class="navigation-note">{TOOLS.find(({ tool }) => tool === now)?.hint}</p>
+      {isBrush && (
+        <>
+          <Slider
+            label="Brush"
+            sentence="Width of the brush."
+            unit="m"
+            value={navigation.brush.value}
+            initial={0.5}
+            low={0.1}
+            high={2}
+            step={0.1}
+            onInput={(width) => {
+              navigation.brush.value = width;
+            }}
+          />
+          <div class="navigation-row">
+            <Button
+              icon="undo"
+              disabled={strokes.length === 0}
+              onClick={() => store.setKeepout(strokes.slice(0, -1), strokes)}
+            >
+              Undo stroke
+            </Button>
+            <Button icon="trash" disabled={strokes.length === 0} onClick={() => store.setKeepout([], strokes)}>
+              Clear all
+            </Button>
+          </div>
+        </>
+      )}
+    </div>
+  );
+}
+
+/** Which grid is laid over the belief. */
+export function OverChoice({ store }: { readonly store: Store }) {
+  const { over } = store.navigation;
+  return (
+    <Choice
+      label="Over the belief"
+      sentence="Costs: dark is an obstacle, magenta is within the robot's inscribed radius, yellow to red is near. Wavefront: the cost to come from the robot, in bands."
+      options={OVERS}
+      value={over.value ?? "none"}
+      onChange={(value) => {
+        over.value = value === "none" ? null : (value as Over);
+      }}
+    />
+  );
+}

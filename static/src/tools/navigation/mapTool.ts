@@ -1,0 +1,84 @@
+/** What the tools of the costmap do in the pictures: set the goal, paint keepout zones, ask for a cost. */
+
+import type { Store } from "../../store/store";
+import type { KeepoutStroke, Point } from "../../wire/protocol";
+
+/** Least distance between two points of a stroke, as a share of the brush's width. */
+const SPACING = 0.25;
+const MOST_POINTS = 300;
+const GRAB_PX = 14;
+
+const isBrush = (store: Store): boolean => {
+  const tool = store.navigation.tool.peek();
+  return tool === "keepout" || tool === "erase";
+};
+
+/** Whether a drag in a picture paints. */
+export const paints = (store: Store): boolean =>
+  isBrush(store) && store.navigation.costmap.peek()?.is_on === true && store.editing.tool.peek() === null;
+
+/** Use the tool at a place that was clicked; false if there is none. */
+export function useTool(store: Store, point: Point): boolean {
+  const { navigation } = store;
+  const tool = navigation.tool.peek();
+  if (tool === null || !navigation.costmap.peek()?.is_on || store.editing.tool.peek() !== null) return false;
+  if (tool === "goal") store.setGoal(point);
+  else if (tool === "cost") navigation.asked.value = point;
+  else {
+    continueStroke(store, point, point);
+    endStroke(store);
+  }
+  return true;
+}
+
+/** Whether the goal is drawn near a place of the screen, for which `at` gives the screen's place of a point. */
+export function isOnGoal(store: Store, x: number, y: number, reach: number, at: (point: Point) => Point): boolean {
+  const goal = store.navigation.path.peek()?.goal;
+  if (!goal || !store.navigation.costmap.peek()?.is_on) return false;
+  const [gx, gy] = at(goal);
+  return Math.hypot(x - gx, y - gy) <= GRAB_PX + reach;
+}
+
+/** A stroke of the brush from `from` so far to `to`, null where it was cancelled. */
+export function brushStroke(store: Store, from: Point | null, to: Point | null, isDone: boolean): void {
+  if (!from || !to) {
+    cancel(store);
+    return;
+  }
+  continueStroke(store, from, to);
+  if (isDone) endStroke(store);
+}
+
+const rounded = ([x, y]: Point): Point => [Math.round(x * 1000) / 1000, Math.round(y * 1000) / 1000];
+
+function continueStroke(store: Store, from: Point, to: Point): void {
+  const { navigation } = store;
+  const width = navigation.brush.peek();
+  const before = navigation.stroke.peek();
+  const points = before?.points ?? [rounded(from)];
+  const last = points.at(-1) ?? from;
+  const isFar = Math.hypot(to[0] - last[0], to[1] - last[1]) >= SPACING * width;
+  if (before && (!isFar || points.length >= MOST_POINTS)) return;
+  if (!before) navigation.painted.value = navigation.costmap.peek()?.keepout ?? [];
+  const stroke: KeepoutStroke = {
+    width,
+    erases: navigation.tool.peek() === "erase",
+    points: isFar ? [...points, rounded(to)] : points,
+  };
+  navigation.stroke.value = stroke;
+  store.sendSoon({ type: "costmap", keepout: [...navigation.painted.peek(), stroke] });
+}
+
+function endStroke(store: Store): void {
+  const { stroke, painted } = store.navigation;
+  const made = stroke.peek();
+  if (made) store.setKeepout([...painted.peek(), made], painted.peek());
+  stroke.value = null;
+}
+
+function cancel(store: Store): void {
+  const { stroke, painted } = store.navigation;
+  if (!stroke.peek()) return;
+  stroke.value = null;
+  store.sendSoon({ type: "costmap", keepout: painted.peek() });
+}

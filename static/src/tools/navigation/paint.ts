@@ -1,0 +1,160 @@
+/** What the pictures show of the costmap and the path: costs over the belief, the path, the goal, painted zones. */
+
+import type { Layer } from "../../render/map/renderer";
+import type { Brush } from "../../render/picture/brush";
+import { columnOf, type LayerContent, OVERLAYS } from "../../render/picture/overlays";
+import { toScreen } from "../../render/view";
+import type { Store } from "../../store/store";
+import type { KeepoutStroke, Point, Pose } from "../../wire/protocol";
+import { COSTS_OVER, POTENTIAL_OVER } from "./palettes";
+
+/** Name and style of the layer with the path. */
+export const PLAN = "plan";
+const GOAL_PX = 9;
+
+/** The grid that is laid over the belief. */
+export function costsOver(store: Store): readonly Layer[] {
+  const name = store.navigation.over.peek();
+  const map = name === null ? null : store.layers.grid(name).map.peek();
+  return map ? [{ map, palette: name === "costmap" ? COSTS_OVER : POTENTIAL_OVER, blends: true }] : [];
+}
+
+/** Read every signal that is painted here. */
+export function watchNavigation(store: Store): void {
+  const { navigation, layers } = store;
+  void [navigation.path.value, navigation.costmap.value, navigation.stroke.value, navigation.goalAt.value];
+  void [navigation.asked.value, navigation.tool.value, layers.content(PLAN).value];
+  const over = navigation.over.value;
+  if (over) void layers.grid(over).version.value;
+}
+
+/** The path in a picture that does not show the layers. */
+export function paintPathOf(store: Store, brush: Brush): void {
+  const content = store.layers.content(PLAN).peek();
+  if (content) paintPlan(brush, content);
+}
+
+function paintPlan(brush: Brush, content: LayerContent): void {
+  const xs = columnOf(content, "x");
+  const ys = columnOf(content, "y");
+  if (!xs || !ys || xs.length < 2) return;
+  const { ctx, view, size, colours } = brush;
+  const [x0, y0] = toScreen(view, size, 0, 0);
+  ctx.beginPath();
+  for (let i = 0; i < xs.length; i++)
+    ctx.lineTo(x0 + (xs[i] as number) / view.scale, y0 - (ys[i] as number) / view.scale);
+  ctx.lineJoin = ctx.lineCap = "round";
+  for (const [width, colour] of [
+    [6, colours.halo],
+    [3, colours.robot],
+  ] as const) {
+    ctx.lineWidth = width;
+    ctx.strokeStyle = colour;
+    ctx.stroke();
+  }
+  ctx.lineJoin = "miter";
+  ctx.lineCap = "butt";
+}
+
+OVERLAYS[PLAN] = paintPlan;
+
+/** Paint the outline of the robot, the painted zones, the point that it aims at and the goal. */
+export function paintNavigation(store: Store, brush: Brush): void {
+  const { navigation } = store;
+  const costmap = navigation.costmap.peek();
+  if (!costmap?.is_on) return;
+  if (navigation.tool.peek() === "keepout" || navigation.tool.peek() === "erase") {
+    for (const stroke of costmap.keepout) if (!stroke.erases) outlineStroke(brush, stroke);
+  }
+  const stroke = navigation.stroke.peek();
+  if (stroke) outlineStroke(brush, stroke);
+  const path = navigation.path.peek();
+  const frame = store.beliefFrame.peek();
+  if (frame) paintOutline(brush, costmap.footprint, frame.pose);
+  if (path?.carrot && frame) paintCarrot(brush, path.carrot, frame.pose);
+  const goal = navigation.goalAt.peek() ?? path?.goal;
+  if (goal) paintGoal(brush, goal, navigation.goalAt.peek() !== null, path?.length == null);
+  const asked = navigation.asked.peek();
+  if (asked && navigation.tool.peek() === "cost") paintAsked(brush, asked);
+}
+
+function outlineStroke({ ctx, view, size, colours }: Brush, { width, erases, points }: KeepoutStroke): void {
+  const places = points.map(([x, y]) => toScreen(view, size, x, y));
+  const [first] = places;
+  if (!first) return;
+  ctx.beginPath();
+  ctx.moveTo(...first);
+  for (const place of places) ctx.lineTo(...place);
+  ctx.lineCap = ctx.lineJoin = "round";
+  ctx.lineWidth = width / view.scale;
+  ctx.globalAlpha = 0.3;
+  ctx.strokeStyle = erases ? colours.floor : colours.hit;
+  ctx.stroke();
+  ctx.globalAlpha = 1;
+  ctx.lineCap = "butt";
+  ctx.lineJoin = "miter";
+}
+
+/** The outline of the robot at a pose. */
+function paintOutline({ ctx, view, size, colours }: Brush, corners: readonly Point[], [x, y, yaw]: Pose): void {
+  const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
+  ctx.beginPath();
+  for (const [cx, cy] of corners) ctx.lineTo(...toScreen(view, size, x + c * cx - s * cy, y + s * cx + c * cy));
+  ctx.closePath();
+  ctx.lineWidth = 1.5;
+  ctx.strokeStyle = colours.outline;
+  ctx.stroke();
+}
+
+/** The point ahead that the robot aims at, and the way there. */
+function paintCarrot({ ctx, view, size, colours }: Brush, carrot: Point, [x, y]: Pose): void {
+  const [cx, cy] = toScreen(view, size, ...carrot);
+  ctx.beginPath();
+  ctx.moveTo(...toScreen(view, size, x, y));
+  ctx.lineTo(cx, cy);
+  ctx.setLineDash([3, 3]);
+  ctx.lineWidth = 1.5;
+  ctx.strokeStyle = colours.outline;
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.beginPath();
+  ctx.arc(cx, cy, 4.5, 0, 2 * Math.PI);
+  ctx.fillStyle = colours.halo;
+  ctx.fill();
+  ctx.stroke();
+}
+
+/** The goal: a ring with a dot, crossed out where no path leads there. */
+function paintGoal({ ctx, view, size, colours }: Brush, goal: Point, isHeld: boolean, isRefused: boolean): void {
+  const [x, y] = toScreen(view, size, ...goal);
+  const radius = isHeld ? 1.3 * GOAL_PX : GOAL_PX;
+  ctx.beginPath();
+  ctx.arc(x, y, radius + 2, 0, 2 * Math.PI);
+  ctx.fillStyle = colours.halo;
+  ctx.fill();
+  const colour = isRefused ? colours.hit : colours.robot;
+  ctx.lineWidth = 3;
+  ctx.strokeStyle = ctx.fillStyle = colour;
+  ctx.beginPath();
+  ctx.arc(x, y, radius, 0, 2 * Math.PI);
+  ctx.stroke();
+  ctx.beginPath();
+  if (isRefused) {
+    const d = 0.5 * radius;
+    ctx.moveTo(x - d, y - d);
+    ctx.lineTo(x + d, y + d);
+    ctx.moveTo(x + d, y - d);
+    ctx.lineTo(x - d, y + d);
+    ctx.stroke();
+  } else {
+    ctx.arc(x, y, 0.4 * radius, 0, 2 * Math.PI);
+    ctx.fill();
+  }
+}
+
+function paintAsked({ ctx, view, size, colours }: Brush, asked: Point): void {
+  const [x, y] = toScreen(view, size, ...asked);
+  ctx.strokeStyle = colours.outline;
+  ctx.lineWidth = 2;
+  ctx.strokeRect(x - 5, y - 5, 10, 10);
+}

@@ -1,0 +1,48 @@
+"""The page of a log localizes its robot in a map: the map is chosen, the start clicked, the course shown."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import open_group
+
+_STORE = "gridbloom.connection.store"
+
+
+def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None:
+    page.goto(f"{server}/logs.html")
+    page.get_by_role("button", name="Open map").first.click()
+    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
+    panel = open_group(page, "Localize")
+    panel.get_by_label("Mapped along").select_option("true")
+    panel.get_by_role("button", name="Use this map").click()
+    find = panel.get_by_role("button", name="Find the robot")
+    expect(find).to_be_enabled()
+    page.wait_for_function(f"() => {_STORE}.layers.grid('given_map').map.peek() !== null")
+    # A click says where the robot starts, a second one where it looks.
+    panel.get_by_text("At a pose").click()
+    expect(find).to_be_disabled()
+    start = page.evaluate(f"() => {_STORE}.trajectory.peek().poses[0]")
+    picture = page.get_by_role("application").first
+    box = picture.bounding_box()
+    assert box is not None
+    for east in (0.0, 1.0):
+        x, y = page.evaluate(
+            f"""([x, y]) => {{ const view = {_STORE}.view.peek();
+                return [(x - view.x) / view.scale, (view.y - y) / view.scale]; }}""",
+            [start[0] + east, start[1]],
+        )
+        page.mouse.click(box["x"] + box["width"] / 2 + x, box["y"] + box["height"] / 2 + y)
+    expect(panel.get_by_label("heading, °")).to_have_value("0")
+    assert abs(float(panel.get_by_label("x, m").input_value()) - start[0]) < 0.1
+    find.click()
+    page.wait_for_function(f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
+    expect(panel.get_by_text("Found: the poses in the map")).to_be_visible()
+    panel.get_by_role("button", name="Show the start").click()
+    page.wait_for_function(
+        f"() => {_STORE}.localization.peek()?.n_updates === 1 && {_STORE}.layers.content('particles').peek()"
+    )
+    particles = page.evaluate(f"() => [...{_STORE}.layers.content('particles').peek().columns[0]]")
+    assert len(particles) > 99
+    assert abs(sum(particles) / len(particles) - start[0]) < 0.5
+    expect(panel.get_by_text("Entropy of the particles")).to_be_visible()

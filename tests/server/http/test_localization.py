@@ -1,0 +1,218 @@
+"""A log localized in a map over HTTP: the map is chosen, the job's poses become a trajectory, its course is shown."""
+
+from __future__ import annotations
+
+import io
+import tarfile
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper.io.maps import save_map
+from mapper.io.trajectories import read_tum
+from mapper.localization import LocalizationConfig, amcl_yaml
+from mapper.sensors.scan import ScanLog
+from server.library import given_map_job, localize_job
+from server.library.course_file import read_course
+from server.sessions.parts import Recording
+from tests.mapper.localization.rooms import office
+from tests.server.cli.test_slam import carmen as written
+from tests.server.library import slam_stand_ins as stand_ins
+from tests.server.service import Service, once_read, running, settings_for, until
+
+FEW = {"global_particles": 8000}
+
+
+@pytest.fixture(scope="module")
+def drive() -> ScanLog:
+    return office()[1]
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service whose jobs run on threads of this process, without its limits, but for the reading of logs."""
+    with pytest.MonkeyPatch.context() as patch:
+        worker_at = __import__("server.library.workers", fromlist=["worker_at"]).worker_at
+        made: list[Any] = []
+
+        def first_a_real_one(*given: Any) -> Any:
+            made.append(stand_ins.ThreadWorker() if made else worker_at(*given))
+            return made[-1]
+
+        patch.setattr("server.library.library.worker_at", first_a_real_one)
+        patch.setattr("server.library.localize_job.do_localize_job", localize_job._localize)
+        patch.setattr("server.library.localize_job.EVERY_S", 0.0)
+        patch.setattr("server.library.given_map_job.do_given_map_job", given_map_job._made)
+        with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
+            yield service
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("office")
+    save_map(office()[0], folder / "office", "trinary")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def session(service: Service, files: Path, drive: ScanLog) -> str:
+    log = written(files / "office.log", drive).read_bytes()
+    log_id = str(service.http.put("/api/logs", params={"name": "office.log"}, content=log).json()["id"])
+    once_read(service.http, log_id)
+    return service.begin(kind="log", log=log_id, playing=False)
+
+
+def tarred(*paths: Path, names: tuple[str, ...] = ()) -> bytes:
+    out = io.BytesIO()
+    with tarfile.open(fileobj=out, mode="w") as archive:
+        for path, name in zip(paths, names or [path.name for path in paths], strict=True):
+            archive.add(path, name)
+    return out.getvalue()
+
+
+def choose(service: Service, session: str, body: bytes, name: str = "office.yaml") -> Any:
+    return service.http.put(f"/api/sessions/{session}/localization/map-files", params={"name": name}, content=body)
+
+
+def recording_of(service: Service, session: str) -> Recording:
+    recording = service.state.sessions.get(session).model.recording
+    assert recording is not None
+    return recording
+
+
+def layers(service: Service, session: str) -> list[str]:
+    return [layer.name for layer in service.state.sessions.get(session).model.layers]
+
+
+def test_a_log_is_localized_in_map_files(service: Service, session: str, files: Path, drive: ScanLog) -> None:
+    http, address = service.http, f"/api/sessions/{session}/localization"
+    assert http.get(f"{address}/map").json() == {"map": None}
+    refused = http.post(address, json={})
+    assert (refused.status_code, refused.json()["code"]) == (422, "localization.no_map")
+    answer = choose(service, session, tarred(files / "office.yaml", files / "office.pgm"))
+    assert answer.status_code == 200, answer.text
+    chosen = answer.json()["map"]
+    assert (chosen["title"], chosen["resolution"]) == ("office.yaml", 0.05)
+    until(lambda: "given_map" in layers(service, session))
+    assert http.get(f"{address}/map").json() == {"map": chosen}
+    assert http.get(f"{address}/course").json() == {"course": None}
+
+    refused = http.post(address, json={"parameters": {"z_hot": 1}})
+    assert refused.status_code == 422
+    assert "z_hot" in refused.json()["message"]
+    begun = http.post(address, json={"parameters": FEW})
+    assert begun.status_code == 202, begun.text
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]) == ("done", None)
+    assert state["parameters"] == {"values": {"global_particles": 8000.0}, "initial_pose": None}
+    result = state["result"]
+    assert result["trajectory"] == "localized"
+    assert result["is_converged"]
+
+    recording = recording_of(service, session)
+    until(lambda: recording.trajectory == "localized" and recording.view().index == drive.n_scans)
+    text = http.get(f"/api/sessions/{session}/trajectories/localized").text
+    (files / "found.tum").write_text(text)
+    off = read_tum(files / "found.tum").poses[:, :2] - drive.trajectory("true").poses[:, :2]
+    assert np.hypot(*off[-10:].T).max() < 0.4
+    course = http.get(f"{address}/course").json()["course"]
+    assert course["first_converged"] == result["first_converged"]
+    assert course["deviation_m"][0] > 1.0 > 10 * course["deviation_m"][-1]
+    assert len(course["scans"]) == drive.n_scans
+    until(lambda: "particles" in layers(service, session))
+
+    model: Any = service.state.sessions.get(session).model
+    message = model.localization.message()
+    assert message["is_on"]
+    assert message["is_converged"]
+    assert message["pose"] == [round(v, 4) for v in recording.log.trajectory("localized").poses[-1].tolist()]
+    for name, is_on in (
+        (next(one for one in recording.log.trajectories if one != "localized"), False),
+        ("localized", True),
+    ):
+        service.state.sessions.get(session).enqueue({"type": "trajectory", "name": name})
+        until(partial(lambda name: recording.trajectory == name, name))
+        assert model.localization.message()["is_on"] is is_on
+
+
+def test_the_course_has_the_particles_of_each_scan_that_was_used(
+    service: Service, session: str, drive: ScanLog
+) -> None:
+    library, of = service.state.library, service.state.sessions.get(session)
+    log_id = recording_of(service, session).log_id
+    added = next(one for one in library.trajectories.of(of.owner, log_id) if one.name == "localized")
+    assert (added.source, added.has_graph) == ("localized", False)
+    path = next(service.state.settings.data_dir.rglob(f"{added.id}.course"))
+    course = read_course(path.read_bytes())
+    assert len(course.offsets) == course.is_updated.sum() + 1
+    assert course.is_updated[0]
+    cloud, poses = course.cloud(drive.n_scans - 1), recording_of(service, session).log.trajectory("localized").poses
+    assert np.hypot(*(cloud[:, :2] - poses[-1, :2]).T).mean() < 0.5
+    assert len(course.cloud(0)) > 100
+    assert np.ptp(course.cloud(0)[:, 0]) > 5.0, "everywhere at first"
+
+
+def test_it_starts_at_a_pose_in_another_log_s_map(service: Service, session: str, drive: ScanLog) -> None:
+    http, address = service.http, f"/api/sessions/{session}/localization"
+    own = recording_of(service, session).log_id
+    made = http.put(f"{address}/map", json={"log": own, "trajectory": "localized"})
+    assert made.json()["map"]["title"] == "office.log, localized"
+    wrong = http.put(f"{address}/map", json={"log": own, "trajectory": "gps"})
+    assert wrong.json()["code"] == "log.trajectory"
+    assert http.put(f"{address}/map", json={"log": "none"}).status_code == 404
+    pose = drive.trajectory("true").poses[0].tolist()
+    assert http.post(address, json={"initial_pose": [0.0, None, 0.0]}).status_code == 422
+    http.post(address, json={"initial_pose": [1e5, 0.0, 0.0]})
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert state["error"]["code"] == "localization.pose_outside"
+    http.post(address, json={"initial_pose": pose})
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]) == ("done", None)
+    assert state["result"]["first_converged"] <= 1
+    owner = service.state.sessions.get(session).owner
+    assert "from a given pose" in service.state.library.trajectories.get(owner, own, "localized").description
+
+
+@pytest.mark.parametrize(
+    ("names", "code"),
+    [
+        (("office.yaml",), "map.image_missing"),
+        (("office.pgm",), "map.files"),
+        (("office.yaml", "office.pgm", "office.yaml", "more.yaml"), "map.files"),
+    ],
+)
+def test_what_is_no_map_is_refused(
+    service: Service, session: str, files: Path, names: tuple[str, ...], code: str
+) -> None:
+    body = tarred(*(files / ("office" + Path(name).suffix) for name in names), names=names)
+    refused = choose(service, session, body)
+    assert (refused.status_code, refused.json()["code"]) == (422, code)
+
+
+def test_a_file_that_leaves_its_folder_is_kept_in_it(service: Service, session: str, files: Path) -> None:
+    body = tarred(files / "office.yaml", files / "office.pgm", names=("../../office.yaml", "/tmp/office.pgm"))
+    assert choose(service, session, body).json()["map"]["title"] == "office.yaml"
+    assert choose(service, session, b"no tar at all").json()["code"] == "map.files"
+
+
+def test_amcl_yamls_go_in_and_come_out(service: Service) -> None:
+    http = service.http
+    names = {row["name"] for row in http.get("/api/localization/parameters").json()["table"]}
+    assert {"alpha1", "z_hit", "laser_max_beams"} <= names
+    values = {"alpha1": 0.4, "laser_model_type": "beam"}
+    text = http.post("/api/localization/amcl.yaml", json=values).text
+    assert text == amcl_yaml(LocalizationConfig().with_values(values))
+    assert http.put("/api/localization/parameters", content=text).json() == {"values": values, "ignored": []}
+    refused = http.put("/api/localization/parameters", content="amcl:\n  ros__parameters:\n    alpha1: -2\n")
+    assert refused.status_code == 422
+    assert "alpha1" in refused.json()["message"]
+
+
+def test_a_simulation_is_not_localized_here(service: Service) -> None:
+    session = service.begin()
+    assert service.http.get(f"/api/sessions/{session}/localization").json()["code"] == "session.not_a_log"
+    assert service.http.get(f"/api/sessions/{session}/localization/course").json()["code"] == "session.not_a_log"

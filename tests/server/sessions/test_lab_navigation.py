@@ -1,0 +1,242 @@
+"""The lab's costmap and path: over the map as it grows, around what is in the way, and the robot drives it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import AsyncIterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError, MapperError
+from mapper.costmap import Footprint, LayeredCostmap
+from mapper.costmap.build import build_costmap
+from server.sessions import SessionRegistry
+from server.sessions.models.lab_navigation_parameters import LabParameters
+from server.sessions.models.simulation import SimulationModel
+from server.sessions.tick import TickResult
+from server.stream.protocol import ProtocolError
+from tests.server.begin import new_simulation
+
+ALL = ["costmap", "static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer", "plan"]
+STATIC_ONLY = {"obstacle_layer": False, "dynamic_layer": False}
+BEYOND = (12.0, 7.0)  # down the corridor
+TABLE = ["box", 830, 670, 890, 730]
+
+
+class Lab:
+    """A simulation's model without its host's clock: commands, and ticks of a tenth of a second."""
+
+    def __init__(self, model: SimulationModel) -> None:
+        self.model = model
+        self.answers: list[dict[str, Any]] = []
+
+    def do(self, **command: Any) -> dict[str, Any]:
+        result = TickResult()
+        self.model.obey(command, result)
+        self.model.draw(result)
+        self.answers = [answer for _, answer in result.answers]
+        return self.path
+
+    def pass_time(self, seconds: float) -> dict[str, Any]:
+        for _ in range(round(10 * seconds)):
+            result = TickResult()
+            self.model.advance(0.1, result)
+            self.model.draw(result)
+        return self.path
+
+    @property
+    def path(self) -> dict[str, Any]:
+        return self.message("path")
+
+    @property
+    def costmap(self) -> dict[str, Any]:
+        return self.message("costmap")
+
+    def message(self, kind: str) -> dict[str, Any]:
+        return next(one for one in self.model.messages() if one["type"] == kind)
+
+    @property
+    def costs(self) -> LayeredCostmap:
+        made = self.model._navigation._costmap
+        assert made is not None
+        return made.costmap
+
+
+@pytest.fixture
+async def lab(registry: SessionRegistry) -> AsyncIterator[Lab]:
+    session = await new_simulation(registry, "me", "office", 3, playing=False)
+    async with session.locked():
+        lab = Lab(session.model)
+        lab.do(type="auto", value=False)
+        lab.do(type="teleport", x=6.2, y=7.0, yaw=0.0)
+        yield lab
+
+
+async def test_it_costs_nothing_until_it_is_begun_and_ends_with_the_world(lab: Lab) -> None:
+    assert [layer.name for layer in lab.model.layers] == ["map"]
+    before = lab.model.footprint.cells
+    for kind in ("goal", "nav2", "cost"):
+        with pytest.raises(ProtocolError, match="no costmap"):
+            lab.do(type=kind, x=1.0, y=1.0)
+    lab.do(type="costmap")
+    assert [layer.name for layer in lab.model.layers] == ["map", *ALL]
+    assert lab.model.footprint.cells > before
+    assert lab.costmap["is_on"]
+    lab.do(type="world", name="room")
+    assert [layer.name for layer in lab.model.layers] == ["map"]
+    assert not lab.costmap["is_on"]
+
+
+async def test_the_costs_are_those_of_the_library_over_the_whole_map(lab: Lab) -> None:
+    lab.do(type="costmap", values=STATIC_ONLY | {"inflation_radius": 0.8})
+    lab.do(type="auto", value=True)
+    lab.pass_time(4.0)
+    # Box by box as the robot mapped, against all layers over the finished map at once.
+    grid = lab.model.grid
+    parameters = LabParameters().with_values(STATIC_ONLY | {"inflation_radius": 0.8})
+    whole = build_costmap(grid.geometry, grid.classify(), parameters.nav2, parameters.outline).costmap
+    whole.update()
+    np.testing.assert_array_equal(lab.costs.costs, whole.costs)
+
+
+async def test_the_path_follows_the_goal_and_the_robot_drives_it(lab: Lab) -> None:
+    lab.do(type="costmap", values={"map": "plan"})
+    first = lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])
+    assert first["reaches_goal"]
+    assert first["length"] == pytest.approx(math.dist((6.2, 7.0), BEYOND), rel=0.1)
+    inside = lab.do(type="goal", x=8.7, y=7.85)  # in a cabinet: as near as the robot fits
+    assert not inside["reaches_goal"]
+    assert "cannot be at the goal" in inside["reason"]
+    outside = lab.do(type="goal", x=80.0, y=7.0)
+    assert outside["length"] is None
+    assert "outside the map" in outside["reason"]
+    lab.do(type="goal", x=8.0, y=7.0, drives=True)
+    assert lab.path["drives"]
+    for _ in range(20):
+        lab.pass_time(1.0)
+        if not lab.path["drives"] or math.dist(lab.model.robot_state().pose[:2], (8.0, 7.0)) < 0.13:
+            break
+    assert math.dist(lab.model.robot_state().pose[:2], (8.0, 7.0)) < 0.15
+    lab.do(type="goal", x=BEYOND[0], y=BEYOND[1], drives=True)
+    lab.do(type="drive", linear=0.1, angular=0.0)  # somebody takes the wheel
+    assert not lab.path["drives"]
+
+
+async def test_unknown_cells_are_crossed_only_where_that_is_allowed(lab: Lab) -> None:
+    lab.do(type="costmap")
+    refused = lab.do(type="goal", x=17.0, y=11.0)  # a room that nobody has seen
+    assert refused["length"] is None
+    assert "unknown" in refused["reason"]
+    lab.do(type="costmap", values={"allow_unknown": True})
+    assert lab.path["reaches_goal"], lab.path
+
+
+async def test_a_table_that_is_taken_away_is_in_the_dynamic_layer_for_its_lifetime(lab: Lab) -> None:
+    values = {"map": "plan", "obstacle_layer": False, "clearing": False, "lifetime": 3.0}
+    lab.do(type="costmap", values=values)
+    straight = lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])["length"]
+    lab.do(type="edit", added=[TABLE])
+    around = lab.pass_time(0.5)["length"]
+    assert around > straight + 0.05
+    lab.do(type="edit", added=[])
+    assert lab.pass_time(2.0)["length"] == pytest.approx(around, abs=0.05)  # nothing is there any more
+    assert lab.pass_time(2.5)["length"] == pytest.approx(straight, abs=0.02)
+
+
+async def test_without_the_clamp_a_table_stays_in_the_static_layer(lab: Lab) -> None:
+    lab.do(type="costmap", values=STATIC_ONLY)
+    lab.do(type="sensor", values={"n_beams": 720})  # a beam through each cell
+    straight = lab.do(type="goal", x=10.0, y=7.0)["length"]
+    (row0, col0), (row1, col1) = lab.costs.geometry.world_to_cell([(8.35, 6.75), (8.85, 7.25)])
+    left = {}
+    for clamp in (True, False):
+        lab.do(type="parameters", values={"clamp": clamp})
+        result = TickResult()
+        lab.model.settle(result)
+        lab.model.draw(result)
+        lab.do(type="edit", added=[TABLE])
+        lab.pass_time(6.0)
+        lab.do(type="edit", added=[])
+        around = lab.pass_time(3.0)["length"]
+        left[clamp] = int((lab.costs.costs[row0 : row1 + 1, col0 : col1 + 1] == 254).sum())
+    assert around > straight + 0.05
+    assert left[False] > 10 > left[True]
+
+
+async def test_keepout_zones_are_painted_erased_and_undone(lab: Lab) -> None:
+    lab.do(type="costmap", values={"map": "plan"})
+    straight = lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])["length"]
+    points = [[9.9, 6.4], [9.9, 7.2]]
+    zone: dict[str, Any] = {"width": 0.4, "erases": False, "points": points}
+    lab.do(type="costmap", keepout=[zone])
+    around = lab.path["length"]
+    assert around > straight + 0.02
+    assert lab.costmap["keepout"] == [zone]
+    grown = zone | {"points": [*points, [9.9, 8.2]]}
+    lab.do(type="costmap", keepout=[grown])
+    shut = lab.path["length"]
+    assert shut is None or shut > around + 1.0  # the corridor is shut: by another way or none
+    lab.do(type="costmap", keepout=[grown, grown | {"erases": True, "width": 1.0}])
+    assert lab.path["length"] == pytest.approx(straight, abs=0.02)
+    lab.do(type="costmap", keepout=[zone])
+    assert lab.path["length"] == pytest.approx(around, abs=0.02)
+    lab.do(type="costmap", keepout=[])
+    assert lab.path["length"] == pytest.approx(straight, abs=0.02)
+    for wrong in ([zone | {"width": 9.0}], [zone | {"points": []}], [zone] * 101):
+        with pytest.raises(ProtocolError):
+            lab.do(type="costmap", keepout=wrong)
+
+
+async def test_layers_are_switched_and_a_wide_robot_does_not_fit_through_a_door(lab: Lab) -> None:
+    lab.do(type="costmap", values={"map": "plan"})
+    lab.do(type="goal", x=7.5, y=9.5)  # the kitchen, behind a door of 0.95 m
+    assert lab.path["reaches_goal"]
+    wide = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]
+    lab.do(type="costmap", footprint=wide)
+    assert lab.costmap["inscribed_radius"] == pytest.approx(0.51)
+    assert lab.path["length"] is None
+    assert "inscribed" in lab.path["reason"]
+    lab.do(type="costmap", values={"inflation_layer": False})
+    assert lab.path["reaches_goal"]  # nothing says how wide it is
+    lab.do(type="costmap", values={"static_layer": False})
+    assert not (lab.costs.costs == 254).sum() > 2000
+    before = lab.costmap
+    crossed = [wide[0], wide[2], wide[1], wide[3]]
+    for refused in ({"footprint": crossed}, {"values": {"inflation_radius": -1.0}}, {"values": {"colour": 1.0}}):
+        with pytest.raises(ConfigError):
+            lab.do(type="costmap", **refused)
+    assert lab.costmap == before
+
+
+async def test_each_layer_says_why_a_cell_has_its_cost(lab: Lab) -> None:
+    lab.do(type="costmap", values={"map": "plan"})
+    lab.do(type="cost", x=8.5, y=7.55)
+    (answer,) = lab.answers
+    assert [one["layer"] for one in answer["layers"]] == ALL[1:-1]
+    assert 0 < answer["layers"][-1]["master"] < 255
+    assert "nearest obstacle" in answer["layers"][-1]["sentence"]
+    with pytest.raises(ConfigError, match="not in the costmap"):
+        lab.do(type="cost", x=-80.0, y=0.0)
+
+
+async def test_parameters_go_out_as_nav2_yaml_and_come_back(lab: Lab) -> None:
+    lab.do(type="costmap", values={"inflation_radius": 0.8, "lookahead_dist": 1.1, "use_astar": True})
+    lab.do(type="nav2")
+    written = lab.answers[0]["text"]
+    values, outline = lab.costmap["values"], lab.costmap["footprint"]
+    wide = [[0.3, 0.3], [-0.3, 0.3], [-0.3, -0.3], [0.3, -0.3]]
+    lab.do(type="costmap", values={"inflation_radius": 0.3, "lookahead_dist": 0.4, "use_astar": False}, footprint=wide)
+    lab.do(type="nav2", text=written)
+    assert lab.costmap["values"] == values
+    np.testing.assert_allclose(lab.costmap["footprint"], outline)
+    for wrong, said in (
+        (written.replace("inflation_radius: 0.8", "inflation_radius: -1"), "inflation_radius"),
+        (written.replace("lookahead_dist: 1.1", "lookahaed_dist: 1.1"), "lookahaed_dist"),
+        ("[1, 2", "line"),
+    ):
+        with pytest.raises(MapperError, match=said):
+            lab.do(type="nav2", text=wrong)
+        assert lab.costmap["values"] == values
+    assert Footprint(tuple(map(tuple, outline))).inscribed_radius > 0.19
