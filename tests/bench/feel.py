@@ -103,6 +103,31 @@ def teleport(browser: Browser, server: str) -> Laps:
     return took
 
 
+def goal(browser: Browser, server: str) -> Laps:
+    """Return the laps from a move of the dragged goal to the path that is painted for it, in the office's plan."""
+    page = paused(browser, server)
+    open_group(page, "Path")
+    page.get_by_role("button", name="Make the robot 1 m wide").click()
+    page.get_by_role("button", name="Make it narrow again").click()
+    path = "gridbloom.connection.store.navigation.path.peek()"
+    page.wait_for_function(f"() => {path}?.reaches_goal")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    box = page.locator(".lab .picture").last.bounding_box()
+    assert box is not None
+    at = [[7.2 + 0.3 * ((7 * i) % TIMES) / TIMES, 9.2 + 0.1 * (i % 5)] for i in range(TIMES)]
+
+    def move(i: int) -> None:
+        px, py = page.evaluate("(xy) => gridbloom.screen(xy)", at[i])
+        page.mouse.move(box["x"] + px, box["y"] + py)
+
+    px, py = page.evaluate(f"() => gridbloom.screen({path}.goal)")
+    page.mouse.move(box["x"] + px, box["y"] + py)
+    page.mouse.down()
+    took = laps(page, ["pointermove"], "path", move, TIMES)
+    page.context.close()
+    return took
+
+
 def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, Laps]]:
     """Return the laps of the handles of five figures of the lecture, move by move and dragged."""
     page = new_page(browser)
@@ -261,6 +286,7 @@ def feel() -> None:
                 row(f"the lecture's {figure}: handle moved → repainted", single, "16 ms", "8 ms")
                 row("the same dragged", drag, "", "")
             row("teleport click → first new cells", teleport(browser, server), "100 ms", "50 ms")
+            row("goal dragged → path repainted", goal(browser, server), "50 ms", "")
             if real.is_file():
                 single_threaded, compared = retuned(browser, server)
                 row("slider moved → the whole Intel map", single_threaded, "150 ms", "50 ms")

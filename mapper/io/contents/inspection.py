@@ -251,8 +251,8 @@ def open_held(
     if not isinstance(kind, Container):
         return None
     inspector = Inspector(limits)
-    clouds, imus = kind.streams(files, limits, progress, also=inspector)
-    return Held(kind.form, inspector.contents(), clouds, imus)
+    streams = kind.streams(files, limits, progress, also=inspector)
+    return Held(kind.form, inspector.contents(), streams.clouds, streams.imus)
 
 
 def _of_all(progress: Progress, done: int, of: int, share: float) -> None:

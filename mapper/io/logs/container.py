@@ -10,13 +10,12 @@ from itertools import pairwise
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.recorded_streams import streams_of, with_streams
+from mapper.io.logs.recorded_streams import Streams, streams_of, with_streams
 from mapper.io.logs.recording import Recording
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sink import BothSinks, MessageSink
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.robot_log import RobotLog
-from mapper.sensors.streams import CloudStream, ImuStream
 
 MAX_NOTES = 20
 NO_SENSOR = "\0"  #: what no topic is named
@@ -89,8 +88,8 @@ class Container:
         progress: Progress | None,
         *,
         also: MessageSink | None = None,
-    ) -> tuple[dict[str, CloudStream], dict[str, ImuStream]]:
-        """Return the point clouds and the IMUs of a recording by topic; of its messages only poses are read now.
+    ) -> Streams:
+        """Return the point clouds, IMUs and images of a recording by topic; of its messages only poses are read now.
 
         ``also`` takes the messages in the same pass.
         """

@@ -13,7 +13,7 @@ import { Toasts } from "../ui/Toast";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
-import { openSession } from "./logs/library";
+import { arrived, openSession } from "./logs/library";
 import { linkOf } from "./logs/links";
 import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
@@ -38,6 +38,12 @@ function placeOf(search: string): Place {
 const link = linkOf(location.pathname);
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
+
+const arrival = new URLSearchParams(location.search).get("arrived");
+if (arrival) {
+  arrived.value = arrival;
+  history.replaceState(null, "", location.pathname);
+}
 
 /** Time until the next request to a server that did not answer. */
 const RETRY_MS = 3000;

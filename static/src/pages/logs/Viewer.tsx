@@ -6,6 +6,7 @@ import { framed, type SharedView } from "../../render/view";
 import { connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
+import { useTool } from "../../tools/navigation/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
@@ -123,7 +124,9 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           <BeliefView
             store={store}
             comparison={comparison}
-            takesTap={(point) => localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false)}
+            takesTap={(point) =>
+              localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
+            }
             onPicture={(made) => {
               picture.current = made;
             }}

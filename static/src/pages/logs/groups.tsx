@@ -7,6 +7,7 @@ import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
 import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/Dock";
+import { lazy } from "../../ui/lazy";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
@@ -58,6 +59,9 @@ interface Group {
   readonly content: (view: LogView) => ComponentChildren;
 }
 
+const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
+const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
+
 const GROUPS: readonly Group[] = [
   {
     id: "settings",
@@ -108,6 +112,18 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
+  },
+  {
+    id: "costmap",
+    title: "Costmap",
+    isThere: ({ log }) => log !== null,
+    content: ({ store }) => <CostmapGroup store={store} />,
+  },
+  {
+    id: "path",
+    title: "Path",
+    isThere: ({ log }) => log !== null,
+    content: ({ store }) => <PathGroup store={store} />,
   },
   {
     id: "topics",

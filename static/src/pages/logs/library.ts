@@ -96,6 +96,10 @@ export const total = signal(0);
 export const allTags = signal<Readonly<Record<string, number>>>({});
 /** The log of a single file that was uploaded here, to be opened once it was read. */
 export const arrived = signal<string | null>(null);
+
+/** The logs page, which opens what has arrived on another page. */
+export const arrivalAddress = (id: string | null): string =>
+  id === null ? "/logs.html" : `/logs.html?arrived=${encodeURIComponent(id)}`;
 export const uploads = signal<readonly Upload[]>([]);
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
@@ -269,8 +273,8 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
       return;
     }
     if (request.status >= 200 && request.status < 300) {
-      dismiss(key);
       if (opens) arrived.value = (JSON.parse(request.responseText) as LogRecord).id;
+      dismiss(key);
       break;
     }
     const isPassing = request.status === 0 || request.status === 409 || request.responseText.includes("library.busy");
