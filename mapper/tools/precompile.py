@@ -45,6 +45,7 @@ from mapper.simulation.kernels.raycast import arc_clearance
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
+from mapper.terrain import Patches, assess, find_ground
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, distance_to_obstacle, octree_file, project
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.octree_files import octree_of_bytes
@@ -93,6 +94,7 @@ def precompile() -> None:
     _match(replay.log)
     _close_a_loop(replay.log)
     _map_in_3d()
+    _assess_terrain()
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
@@ -174,6 +176,13 @@ def _map_in_3d() -> None:
     slot_of(volume.blocks.table, block_code(0, 0, 0))
     for kind in (".bt", ".ot"):
         octree_of_bytes(octree_file(Octree.of(volume), kind, volume.config).bytes(), kind).tree.volume(volume.config)
+
+
+def _assess_terrain() -> None:
+    """Find the ground of a few points with gaps between them, and the planes of its patches."""
+    points = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [0.0, 3.0, 0.5], [3.0, 3.0, 4.0]])
+    find_ground(points)
+    assess(Patches.of(points, 4.0).parents())
 
 
 def kernels() -> dict[str, bool]:

@@ -140,6 +140,13 @@ from tests.agreement.slam import (
     ways_by_kernel,
     ways_by_textbook,
 )
+from tests.agreement.terrain import (
+    ground_by_kernel,
+    ground_by_textbook,
+    patches_by_kernel,
+    patches_by_textbook,
+    terrain_cases,
+)
 from tests.agreement.volume import (
     asked_by_kernel,
     asked_by_textbook,
@@ -270,4 +277,6 @@ TABLE = (
     Row("casts in a volume", cast_by_kernel, cast_by_textbook, volume_cases()),
     Row("octree", tree_by_kernel, tree_by_textbook, volume_cases()),
     Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
+    Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
+    Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )

@@ -36,6 +36,7 @@ from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
 from tests.bench.slam import slam
+from tests.bench.terrain import terrain
 from tests.bench.volume import volume
 
 RANGE_MAX = 30.0
@@ -216,6 +217,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "localization": localization,
     "costmap": costmap,
     "volume": volume,
+    "terrain": terrain,
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,

@@ -1,0 +1,21 @@
+"""Terrain from points: which of them are ground, planes of patches, and where it is safe to drive."""
+
+from mapper.terrain.ground import Ground, agreement, find_ground
+from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
+from mapper.terrain.patches import SAFE, UNKNOWN, UNSAFE, Patches, Terrain, assess
+
+__all__ = [
+    "GROUND_PARAMETERS",
+    "PATCH_PARAMETERS",
+    "SAFE",
+    "UNKNOWN",
+    "UNSAFE",
+    "Ground",
+    "GroundConfig",
+    "PatchConfig",
+    "Patches",
+    "Terrain",
+    "agreement",
+    "assess",
+    "find_ground",
+]

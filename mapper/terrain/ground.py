@@ -1,0 +1,149 @@
+"""Which points of a cloud are ground: SMRF, the simple morphological filter.
+
+Source: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
+LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.errors import ConfigError, LimitError
+from mapper.terrain.kernels import ground as kernels
+from mapper.terrain.parameters import GroundConfig
+from mapper.terrain.textbook_ground import SWEEPS, Heights
+
+MAX_CELLS = 1 << 22  #: of the filter's grid: 16 MB for each of its float32 arrays
+MAX_WORK = 1 << 34  #: cells of the grid times rows of all discs, which the time grows with
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """``is_ground`` (n,) for each point in the cloud's order, False for points that are not finite.
+
+    ``surface`` (rows, cols) float32 are the heights of the ground at the centres of cells of ``cell`` metres, above
+    ``corner`` (3,), the lowest corner of the cloud and the corner of cell (0, 0). ``left_out`` counts points that are
+    not finite.
+    """
+
+    is_ground: BoolArray
+    surface: Heights
+    corner: Float64Array
+    cell: float
+    left_out: int
+
+
+def find_ground(points: NDArray[np.floating[Any]], config: GroundConfig | None = None) -> Ground:
+    """Return which of the ``points`` (n, 3), metres with z up, are ground.
+
+    Raises :class:`ConfigError` for another shape and for a cloud without finite points, :class:`LimitError` for one
+    that is too wide for the cells.
+    """
+    config = config or GroundConfig()
+    finite, used = finite_points(points)
+    corner = used.min(axis=0)
+    extent = (used.max(axis=0) - corner)[:2]
+    cells = np.floor(extent / config.cell) + 1.0
+    if cells.prod() > MAX_CELLS:
+        raise LimitError(
+            "terrain.too_wide",
+            f"A cloud of {extent[0]:g} × {extent[1]:g} m has more than {MAX_CELLS} cells of {config.cell:g} m; "
+            "take greater cells, or leave out points that are far from the others.",
+        )
+    shape = int(cells[1]), int(cells[0])
+    radius = min(math.ceil(config.window / config.cell), max(shape))
+    if shape[0] * shape[1] * radius * radius > MAX_WORK:
+        raise LimitError(
+            "terrain.window",
+            f"Discs of up to {radius} cells on {shape[1]} × {shape[0]} cells are more than the limit; "
+            "take greater cells or a smaller window.",
+        )
+    ground, surface = _filter(used, corner, shape, radius, config)
+    is_ground = np.zeros(len(points), dtype=np.bool_)
+    is_ground[finite] = ground
+    return Ground(is_ground, surface, corner, config.cell, int(len(points) - len(used)))
+
+
+def finite_points(points: NDArray[np.floating[Any]]) -> tuple[BoolArray, Float64Array]:
+    """Return which points (n,) are finite, and these as (m, 3) float64.
+
+    Raises :class:`ConfigError` for another shape than (n, 3) and where none is finite.
+    """
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ConfigError("terrain.shape", f"Points must have shape (n, 3), not {points.shape}.")
+    finite = np.asarray(np.isfinite(points).all(axis=1))
+    if not finite.any():
+        raise ConfigError("terrain.empty", "The cloud has no finite points, so it has no terrain.")
+    used = points if finite.all() else points[finite]
+    return finite, np.ascontiguousarray(used, dtype=np.float64)
+
+
+def agreement(is_ground: BoolArray, truth: BoolArray) -> dict[str, float]:
+    """Return how two classifications (n,) agree, in percent: Cohen's kappa, total error, type I and type II errors.
+
+    Type I is ground that was taken for an object, of all ground; type II an object taken for ground, of all objects.
+    Source: Sithole & Vosselman, Experimental comparison of filter algorithms for bare-Earth extraction, 2004.
+    """
+    n = len(truth)
+    both, neither = int((is_ground & truth).sum()), int((~is_ground & ~truth).sum())
+    first, second = int((~is_ground & truth).sum()), int((is_ground & ~truth).sum())
+    right = (both + neither) / n
+    chance = ((both + first) * (both + second) + (neither + second) * (neither + first)) / (n * n)
+    return {
+        "kappa": 100.0 * (right - chance) / (1.0 - chance) if chance < 1.0 else 100.0,
+        "total_error": 100.0 * (first + second) / n,
+        "type_1": 100.0 * first / max(both + first, 1),
+        "type_2": 100.0 * second / max(neither + second, 1),
+    }
+
+
+def filled(heights: Heights) -> Heights:
+    """Return ``heights`` (rows, cols), of which one at least is known, with each NaN filled by Laplace's equation."""
+    if not np.isnan(heights).any():
+        return heights.copy()
+    rows, cols = heights.shape
+    half = np.empty((-(-rows // 2), -(-cols // 2)), dtype=np.float32)
+    kernels.halve(heights, half)
+    out, other = np.empty_like(heights), np.empty_like(heights)
+    kernels.smooth_unknown(heights, filled(half), SWEEPS, other, out)
+    return out
+
+
+def objects(heights: Heights, radius: int, slope: float, cell: float) -> BoolArray:
+    """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope."""
+    found = np.zeros(heights.shape, dtype=np.bool_)
+    runs = np.empty((2, *heights.shape), dtype=np.float32)
+    before, eroded, after = heights.copy(), np.empty_like(heights), np.empty_like(heights)
+    for r in range(1, radius + 1):
+        kernels.erode(before, r, 1.0, runs, eroded)
+        kernels.erode(eroded, r, -1.0, runs, after)
+        kernels.mark_lowered(before, after, slope * r * cell, found)
+        before, after = after, before
+    return found
+
+
+def _filter(
+    points: Float64Array, corner: Float64Array, shape: tuple[int, int], radius: int, config: GroundConfig
+) -> tuple[BoolArray, Heights]:
+    ground = np.ones(len(points), dtype=np.bool_)
+    least, steep = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
+    kernels.lowest_of_cells(points, ground, corner, config.cell, least)
+    whole = filled(least)
+    taken = objects(-whole, 1, config.low_slope, config.cell) | objects(whole, radius, config.slope, config.cell)
+    known = np.where(taken, np.float32(np.nan), least)
+    surface = filled(whole if np.isnan(known).all() else known)
+    for i in range(round(config.passes)):
+        if i > 0:
+            if not ground.any():
+                break
+            kernels.lowest_of_cells(points, ground, corner, config.cell, least)
+            surface = filled(least)
+        kernels.slope_of_surface(surface, config.cell, steep)
+        kernels.classify(points, corner, surface, steep, config.cell, config.height, config.scaling, ground)
+    return ground, surface

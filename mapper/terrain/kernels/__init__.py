@@ -1,0 +1,1 @@
+"""Compiled functions of terrain: bare arrays, results written into ``out``, no errors."""

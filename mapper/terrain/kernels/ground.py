@@ -1,0 +1,165 @@
+"""The steps of SMRF; :mod:`mapper.terrain.textbook_ground` has them in plain NumPy.
+
+Grids are (rows, cols) float32 in metres above the lowest corner. Points are (n, 3) float64 in metres, all of them
+within the grid.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.jit import jit
+
+Heights = NDArray[np.float32]
+
+
+@jit
+def lowest_of_cells(points: Float64Array, used: BoolArray, corner: Float64Array, cell: float, out: Heights) -> None:
+    """Write the height of the lowest used point of each cell into ``out``, NaN where none is."""
+    out[:] = np.nan
+    for i in range(len(points)):
+        if used[i]:
+            row, col = int((points[i, 1] - corner[1]) / cell), int((points[i, 0] - corner[0]) / cell)
+            z = np.float32(points[i, 2] - corner[2])
+            if not out[row, col] <= z:
+                out[row, col] = z
+
+
+@jit
+def halve(heights: Heights, out: Heights) -> None:
+    """Write the mean of the known cells of each 2 × 2 into ``out`` (⌈rows / 2⌉, ⌈cols / 2⌉), NaN where none is."""
+    rows, cols = heights.shape
+    for row in range(out.shape[0]):
+        for col in range(out.shape[1]):
+            total, n = np.float32(0.0), 0
+            for y in range(2 * row, min(2 * row + 2, rows)):
+                for x in range(2 * col, min(2 * col + 2, cols)):
+                    if not math.isnan(heights[y, x]):
+                        total += heights[y, x]
+                        n += 1
+            out[row, col] = total / np.float32(n) if n > 0 else np.float32(np.nan)
+
+
+@jit
+def smooth_unknown(heights: Heights, coarse: Heights, sweeps: int, other: Heights, out: Heights) -> None:
+    """Fill the NaN of ``heights`` from the filled ``coarse`` and smooth what was filled; ``other`` is scratch."""
+    rows, cols = heights.shape
+    n = 0
+    for row in range(rows):
+        for col in range(cols):
+            if math.isnan(heights[row, col]):
+                n += 1
+    places = np.empty((n, 2), dtype=np.int64)
+    n = 0
+    for row in range(rows):
+        for col in range(cols):
+            z = heights[row, col]
+            if math.isnan(z):
+                places[n, 0], places[n, 1] = row, col
+                n += 1
+                z = coarse[row // 2, col // 2]
+            out[row, col] = z
+            other[row, col] = z
+    for sweep in range(sweeps):
+        before, after = (out, other) if sweep % 2 == 0 else (other, out)
+        for i in range(n):
+            row, col = places[i]
+            up, down = before[max(row - 1, 0), col], before[min(row + 1, rows - 1), col]
+            left, right = before[row, max(col - 1, 0)], before[row, min(col + 1, cols - 1)]
+            after[row, col] = ((up + down) + (left + right)) * np.float32(0.25)
+    if sweeps % 2 == 1:
+        out[:] = other
+
+
+@jit
+def erode(heights: Heights, radius: int, sign: float, runs: Heights, out: Heights) -> None:
+    """Write the least of ``sign`` · height within a disc of ``radius`` cells, times ``sign``, into ``out``.
+
+    ``sign`` 1 erodes, −1 dilates. A disc is one run of cells in each of its rows. ``runs`` (2, rows, cols) has the
+    least of the runs of one length, which come of those that are a cell shorter at each end.
+    """
+    rows, cols = heights.shape
+    factor = np.float32(sign)
+    for row in range(rows):
+        for col in range(cols):
+            runs[0, row, col] = factor * heights[row, col]
+            out[row, col] = np.inf
+    last = radius
+    for half in range(radius + 1):
+        now = runs[half % 2]
+        if half > 0:
+            shorter = runs[(half - 1) % 2]
+            for row in range(rows):
+                now[row, 0] = min(shorter[row, 0], shorter[row, min(1, cols - 1)])
+                now[row, cols - 1] = min(shorter[row, cols - 1], shorter[row, max(cols - 2, 0)])
+                for col in range(1, cols - 1):
+                    a, b, c = shorter[row, col - 1], shorter[row, col], shorter[row, col + 1]
+                    a = min(b, a)
+                    now[row, col] = min(c, a)
+        while last >= 0 and half == int(math.sqrt(radius * radius - last * last)):
+            for row in range(rows):
+                for side in range(2 if last > 0 else 1):
+                    y = row - last if side == 0 else row + last
+                    if 0 <= y < rows:
+                        for col in range(cols):
+                            a, b = out[row, col], now[y, col]
+                            out[row, col] = min(b, a)
+            last -= 1
+    for row in range(rows):
+        for col in range(cols):
+            out[row, col] = factor * out[row, col]
+
+
+@jit
+def mark_lowered(before: Heights, after: Heights, threshold: float, out: BoolArray) -> None:
+    """Set ``out`` where a cell was lowered by more than ``threshold``."""
+    least = np.float32(threshold)
+    for row in range(before.shape[0]):
+        for col in range(before.shape[1]):
+            out[row, col] |= before[row, col] - after[row, col] > least
+
+
+@jit
+def slope_of_surface(surface: Heights, cell: float, out: Heights) -> None:
+    """Write the rise over run of the surface."""
+    rows, cols = surface.shape
+    size = np.float32(cell)
+    for row in range(rows):
+        up, down = min(row + 1, rows - 1), max(row - 1, 0)
+        high = max(size * np.float32(up - down), size)
+        for col in range(cols):
+            right, left = min(col + 1, cols - 1), max(col - 1, 0)
+            dy = (surface[up, col] - surface[down, col]) / high
+            dx = (surface[row, right] - surface[row, left]) / max(size * np.float32(right - left), size)
+            out[row, col] = np.sqrt(dx * dx + dy * dy)
+
+
+@jit
+def classify(
+    points: Float64Array,
+    corner: Float64Array,
+    surface: Heights,
+    steep: Heights,
+    cell: float,
+    height: float,
+    scaling: float,
+    out: BoolArray,
+) -> None:
+    """Write which points are within ``height`` + ``scaling`` · slope of the surface, above or below it."""
+    rows, cols = surface.shape
+    for i in range(len(points)):
+        u = min(max((points[i, 0] - corner[0]) / cell - 0.5, 0.0), cols - 1.0)
+        v = min(max((points[i, 1] - corner[1]) / cell - 0.5, 0.0), rows - 1.0)
+        col, row = min(int(u), max(cols - 2, 0)), min(int(v), max(rows - 2, 0))
+        s, t = u - col, v - row
+        right, up = min(col + 1, cols - 1), min(row + 1, rows - 1)
+        low = (1.0 - s) * surface[row, col] + s * surface[row, right]
+        high = (1.0 - s) * surface[up, col] + s * surface[up, right]
+        away = abs((points[i, 2] - corner[2]) - ((1.0 - t) * low + t * high))
+        low = (1.0 - s) * steep[row, col] + s * steep[row, right]
+        high = (1.0 - s) * steep[up, col] + s * steep[up, right]
+        out[i] = away <= height + scaling * ((1.0 - t) * low + t * high)

@@ -1,0 +1,177 @@
+"""Patches of terrain on a grid: moments, planes, classes, and the costs that a robot's costmap gets of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.errors import ConfigError, LimitError
+from mapper.costmap import FREE, INSCRIBED, LETHAL, NO_INFORMATION, GivenLayer
+from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
+from mapper.terrain.ground import finite_points
+from mapper.terrain.kernels import moments as kernels
+from mapper.terrain.parameters import PatchConfig
+
+MAX_PATCHES = 1 << 20  #: 80 MB of moments, and as much for the summed-area table
+CERTAIN = 5.0  #: log-odds of a class in a map
+UNKNOWN, SAFE, UNSAFE = 0, 1, 2  #: the classes of patches
+
+
+@dataclass(frozen=True, slots=True)
+class Patches:
+    """Moments (rows, cols, 10) float64 of square patches of ``size`` metres, each about the centre of its patch.
+
+    The entries are n, x, y, z, xx, xy, yy, xz, yz, zz: those of P, the sum of p pᵀ with p = [1 x y z]. ``corner`` (3,)
+    is the lowest corner of patch (0, 0); heights are above it.
+    """
+
+    moments: Float64Array
+    size: float
+    corner: Float64Array
+
+    @classmethod
+    def of(cls, points: NDArray[np.floating[Any]], size: float) -> Patches:
+        """Return the patches that the finite ones of ``points`` (n, 3) lie in, metres with z up.
+
+        Raises :class:`ConfigError` where none is finite, :class:`LimitError` for more than 2²⁰ patches.
+        """
+        _, used = finite_points(points)
+        corner = used.min(axis=0)
+        extent = (used.max(axis=0) - corner)[:2]
+        sides = np.floor(extent * (1.0 / size)) + 1.0
+        if sides.prod() > MAX_PATCHES:
+            raise LimitError(
+                "terrain.too_wide",
+                f"A cloud of {extent[0]:g} × {extent[1]:g} m has more than {MAX_PATCHES} patches of {size:g} m; "
+                "take greater patches, or leave out points that are far from the others.",
+            )
+        return cls(np.zeros((int(sides[1]), int(sides[0]), 10)), size, corner).with_points(used)
+
+    def with_points(self, points: NDArray[np.floating[Any]]) -> Patches:
+        """Return the patches with more points (n, 3), all finite, of which those outside the grid are left out."""
+        moments = self.moments.copy()
+        kernels.add_points(np.ascontiguousarray(points, dtype=np.float64), self.corner, self.size, moments)
+        return Patches(moments, self.size, self.corner)
+
+    def emptied(self) -> Patches:
+        """Return the same patches without points."""
+        return Patches(np.zeros_like(self.moments), self.size, self.corner)
+
+    def parents(self) -> Patches:
+        """Return the next level of the quadtree: patches of twice the size, the sums of their children."""
+        rows, cols, _ = self.moments.shape
+        moments = np.zeros((-(-rows // 2), -(-cols // 2), 10))
+        kernels.halve(self.moments, self.size, moments)
+        return Patches(moments, 2.0 * self.size, self.corner)
+
+    def summed_areas(self) -> Float64Array:
+        """Return the summed-area table (rows + 1, cols + 1, 10), of which :meth:`planes` fits windows of any size."""
+        rows, cols, _ = self.moments.shape
+        table = np.empty((rows + 1, cols + 1, 10))
+        kernels.sum_areas(self.moments, self.size, table)
+        return table
+
+    def planes(self, reach: int = 0, min_points: int = 3, table: Float64Array | None = None) -> Float64Array:
+        """Return the planes (rows, cols, 6) of the windows of 2 · ``reach`` + 1 patches around each patch.
+
+        They are a, b, c of z = a + b·x + c·y about the patch's centre, the mean height, the roughness (m) and the slope
+        (radians); NaN where fewer than ``min_points`` points lie or all of them on a line. ``table`` is that of
+        :meth:`summed_areas`, for several windows of one cloud. Raises :class:`ConfigError` for a negative reach.
+        """
+        if reach < 0 or min_points < 3:
+            raise ConfigError("terrain.window", "A window reaches 0 patches or more, and a plane takes 3 points.")
+        out = np.empty((*self.moments.shape[:2], 6))
+        areas = self.summed_areas() if table is None else table
+        kernels.fit_windows(areas, self.size, min(reach, max(out.shape[:2])), min_points, out)
+        return out
+
+    def steps(self, planes: Float64Array) -> Float64Array:
+        """Return the greatest gap (rows, cols), m, between each plane and a neighbour's; NaN without a plane."""
+        out = np.empty(planes.shape[:2])
+        kernels.steps_between(planes, self.size, out)
+        return out
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Where the patches are, as a grid in the map's frame."""
+        rows, cols, _ = self.moments.shape
+        return GridGeometry(self.size, rows, cols, (float(self.corner[0]), float(self.corner[1]), 0.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Terrain:
+    """``score`` (rows, cols) of each patch, unsafe above 1 and NaN where unknown, and what it is made of.
+
+    ``classes`` (rows, cols) uint8 are UNKNOWN, SAFE and UNSAFE.
+    """
+
+    patches: Patches
+    config: PatchConfig
+    planes: Float64Array
+    steps: Float64Array
+    score: Float64Array
+    classes: UInt8Array
+
+    def costs(self) -> UInt8Array:
+        """Return costs (rows, cols): 252 times the score, 254 for unsafe patches, 255 for unknown ones."""
+        scaled = np.nan_to_num(self.score, nan=0.0, posinf=1.0).clip(0.0, 1.0) * (INSCRIBED - 1)
+        costs = np.where(self.classes == SAFE, scaled.astype(np.uint8), np.uint8(FREE))
+        costs[self.classes == UNSAFE] = LETHAL
+        costs[self.classes == UNKNOWN] = NO_INFORMATION
+        return costs
+
+    def counts(self) -> dict[str, int]:
+        """Return how many patches are of each class."""
+        n = np.bincount(self.classes.ravel(), minlength=3)
+        return {"safe": int(n[SAFE]), "unsafe": int(n[UNSAFE]), "unknown": int(n[UNKNOWN])}
+
+    def grid(self) -> OccupancyGrid:
+        """Return the classes as a map: safe patches are free, unsafe ones occupied."""
+        grid = OccupancyGrid(self.patches.geometry)
+        grid.observed[:] = self.classes != UNKNOWN
+        grid.log_odds[:] = np.array([0.0, -CERTAIN, CERTAIN], dtype=np.float32)[self.classes]
+        return grid
+
+    def why(self, row: int, col: int) -> str:
+        """Say in one sentence why a patch has its class."""
+        name = ("unknown", "safe", "unsafe")[int(self.classes[row, col])]
+        if np.isnan(self.score[row, col]):
+            n = int(self.patches.moments[row, col, 0])
+            return f"Terrain: {name}; {n} ground points here give no plane."
+        slope, roughness = np.degrees(self.planes[row, col, 5]), self.planes[row, col, 4]
+        return (
+            f"Terrain: {name}; slope {slope:.1f}°, roughness {roughness:.3f} m, step {self.steps[row, col]:.3f} m, "
+            f"score {self.score[row, col]:.2f}."
+        )
+
+    def layer(self, name: str = "terrain") -> GivenLayer:
+        """Return a layer of a costmap with these costs, on the geometry of the patches."""
+        layer = GivenLayer(self.patches.geometry, name, self.why)
+        layer.set(self.costs())
+        return layer
+
+
+def assess(patches: Patches, config: PatchConfig | None = None, *, occupied: Patches | None = None) -> Terrain:
+    """Return the classes of ``patches``, made of ground points, by the weighted sum of slope, roughness and step.
+
+    ``occupied`` are the same patches with all points: one that has points but no ground is unsafe. Raises
+    :class:`ConfigError` for patches of another grid.
+    """
+    config = config or PatchConfig()
+    if occupied is not None and occupied.moments.shape != patches.moments.shape:
+        raise ConfigError("terrain.shape", "The patches with all points must be those of the ground's grid.")
+    planes = patches.planes(min_points=round(config.min_points))
+    steps = patches.steps(planes)
+    score = (
+        config.slope_weight * (planes[..., 5] / np.radians(config.max_slope))
+        + config.roughness_weight * (planes[..., 4] / config.max_roughness)
+        + config.step_weight * (steps / config.max_step)
+    )
+    classes = np.where(np.isnan(score), UNKNOWN, np.where(score > 1.0, UNSAFE, SAFE)).astype(np.uint8)
+    if occupied is not None:
+        classes[(patches.moments[..., 0] == 0.0) & (occupied.moments[..., 0] > 0.0)] = UNSAFE
+    return Terrain(patches, config, planes, steps, score, classes)

@@ -1,0 +1,122 @@
+"""``terrain``: which points of a cloud are ground, and where a robot may drive on it."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.core.errors import ConfigError, MapperError
+from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
+from server.cli.app import app
+from server.cli.common import AsJson, fail, print_json, refusing, value_of, with_parameter_options
+
+if TYPE_CHECKING:
+    from mapper.core.array_types import BoolArray
+    from mapper.sensors.point_cloud import PointCloud
+    from mapper.terrain import Terrain
+
+_ROWS = {row.name: row for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}
+
+
+@app.command()
+@with_parameter_options(more=(*GROUND_PARAMETERS, *PATCH_PARAMETERS))
+def terrain(
+    cloud: Annotated[Path, typer.Argument(metavar="CLOUD", help="A point cloud in metres, z up.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            metavar="PREFIX",
+            help="Write PREFIX.npy (uint8 for each point in the file's order, 1 is ground) and the map PREFIX.yaml, "
+            "PREFIX.pgm: safe patches free, unsafe ones occupied.",
+        ),
+    ],
+    truth: Annotated[
+        Path | None,
+        typer.Option(metavar="GROUND.pcd", help="The points that are ground, to compare with: kappa and errors."),
+    ] = None,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - the tables'
+) -> None:
+    """Find the ground in a point cloud by SMRF, fit planes to its patches, and say which are safe to drive on."""
+    from mapper.io.clouds import read_cloud  # noqa: PLC0415 - start-up
+    from mapper.terrain import Patches, agreement, assess, find_ground  # noqa: PLC0415 - start-up
+
+    given = {
+        name: value_of(_ROWS[name], value) if isinstance(value, str) else value
+        for name, value in parameters.items()
+        if value is not None
+    }
+    try:
+        ground_config = GroundConfig(**{row.name: given[row.name] for row in GROUND_PARAMETERS if row.name in given})
+        config = PatchConfig(**{row.name: given[row.name] for row in PATCH_PARAMETERS if row.name in given})
+    except MapperError as error:
+        fail(error.message)
+    with refusing(cloud):
+        read = read_cloud(cloud)
+        began = time.process_time()
+        ground = find_ground(read.points, ground_config)
+        every = Patches.of(read.points, config.patch)
+        found = assess(every.emptied().with_points(read.points[ground.is_ground]), config, occupied=every)
+        took = time.process_time() - began
+    right = None
+    if truth is not None:
+        with refusing(truth):
+            right = agreement(ground.is_ground, _points_in(read, read_cloud(truth)))
+    files = _write(out, ground.is_ground, found)
+    facts: dict[str, Any] = {
+        "cloud": str(cloud),
+        "points": len(read),
+        "ground": int(ground.is_ground.sum()),
+        "left_out": ground.left_out,
+        **found.counts(),
+        **({} if right is None else {name: round(value, 2) for name, value in right.items()}),
+        "cpu_seconds": round(took, 3),
+        "files": [str(path) for path in files],
+        "notes": list(read.notes),
+    }
+    if as_json:
+        print_json(facts)
+        return
+    left_out = f", {ground.left_out} not finite" if ground.left_out else ""
+    typer.echo(f"{facts['points']} points, {facts['ground']} of them ground{left_out}")
+    typer.echo(f"  patches of {config.patch:g} m: {facts['safe']} safe, {facts['unsafe']} unsafe")
+    if right is not None:
+        typer.echo(
+            f"  kappa {right['kappa']:.1f} %, total error {right['total_error']:.1f} %, "
+            f"type I {right['type_1']:.1f} %, type II {right['type_2']:.1f} %"
+        )
+    typer.echo(f"  {took:.2f} s of processor time")
+    for path in files:
+        typer.echo(f"  wrote {path}")
+    for note in read.notes:
+        typer.echo(f"  note: {note}")
+
+
+def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:
+    """Return which points (n,) of a cloud are those of ``truth``, by equal coordinates."""
+    import numpy as np  # noqa: PLC0415 - start-up
+
+    places = {place.tobytes() for place in truth.points.astype(np.float32)}
+    found = np.array([place.tobytes() in places for place in cloud.points.astype(np.float32)], dtype=np.bool_)
+    if not found.any():
+        raise ConfigError("terrain.truth", "None of its points is one of the cloud's, so it says nothing of them.")
+    return found
+
+
+def _write(prefix: Path, is_ground: BoolArray, found: Terrain) -> list[Path]:
+    import numpy as np  # noqa: PLC0415 - start-up
+
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from server.cli.map_files import save  # noqa: PLC0415 - start-up
+
+    files = save(found.grid(), prefix, "trinary", "map")
+    path = prefix.with_name(prefix.name + ".npy")
+    try:
+        with atomic_write(path) as file:
+            np.save(file, is_ground.astype(np.uint8))
+    except OSError as error:
+        fail(f"{path}: The file cannot be written: {error.strerror}.")
+    return [path, *files]

@@ -1,0 +1,85 @@
+"""Terrain: moments of a cloud, planes of all windows beside ``lstsq`` per patch, ground points of the ISPRS samples."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from mapper.io.clouds import read_cloud
+from mapper.terrain import Patches, agreement, find_ground
+
+SIDE, N_POINTS, N_LSTSQ = 400, 2_000_000, 2_000
+
+
+def cpu_s(work: Callable[[], object], rounds: int) -> float:
+    """Return the least processor time of a call, over all threads."""
+    best = math.inf
+    work()
+    for _ in range(rounds):
+        began = time.process_time()
+        work()
+        best = min(best, time.process_time() - began)
+    return best
+
+
+def patches(rounds: int = 5) -> None:
+    """Print the times of a square of 400² patches; points come in rows, as a sensor measures them."""
+    rng = np.random.default_rng(0)
+    points = rng.uniform(0.0, float(SIDE), (N_POINTS, 3))
+    points[:, 2] = 0.1 * points[:, 0] + rng.normal(0.0, 0.05, N_POINTS)
+    scanned = points[np.argsort(np.floor(points[:, 1]), kind="stable")]
+    grid = Patches.of(points, 1.0)
+    print(f"{N_POINTS} points, {SIDE} × {SIDE} patches; processor time, best of {rounds}")
+    for name, some in (("points row by row", scanned), ("points in any order", points)):
+        took = cpu_s(lambda some=some: grid.emptied().with_points(some), rounds)  # type: ignore[misc]
+        print(f"moments, {name}: {N_POINTS / took / 1e6:.0f} M points/s")
+    print(f"summed-area table: {1e3 * cpu_s(grid.summed_areas, rounds):.1f} ms")
+    table = grid.summed_areas()
+    inside = [points[(np.abs(points[:, :2] - i - 0.5) <= 0.5).all(axis=1)] for i in range(20)]
+    columns = [(np.column_stack([np.ones(len(some)), some[:, :2]]), some[:, 2]) for some in inside]
+
+    def peer() -> None:
+        for k in range(N_LSTSQ):
+            np.linalg.lstsq(*columns[k % 20], rcond=None)
+
+    theirs = cpu_s(peer, rounds) / N_LSTSQ
+    for reach in (0, 1, 5, 20):
+        ours = cpu_s(lambda reach=reach: grid.planes(reach, table=table), rounds) / SIDE**2  # type: ignore[misc]
+        print(
+            f"planes of windows of {2 * reach + 1}²: {1e9 * ours:.1f} ns a fit; {theirs / ours:.0f} × lstsq per patch"
+        )
+    print(f"lstsq per patch: {1e6 * theirs:.1f} µs")
+
+
+def ground(rounds: int = 5) -> None:
+    """Print how the ground of the ISPRS samples agrees with that found by hand, and how long it takes."""
+    folder = Path(os.environ.get("GRIDBLOOM_TEST_DATA", "../shared/data")) / "pointclouds"
+    names = sorted(path.name[:6] for path in folder.glob("samp??-utm.pcd"))
+    if not names:
+        print("samp*-utm.pcd: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
+        return
+    print("\n| sample | points | kappa | total error | type I | type II | ms of processor time |")
+    print("|---|---|---|---|---|---|---|")
+    kappas = []
+    for name in names:
+        cloud, truth = (read_cloud(folder / f"{name}-utm{end}.pcd").points for end in ("", "-ground"))
+        places = set(map(tuple, truth.tolist()))
+        found = find_ground(cloud)
+        right = agreement(found.is_ground, np.array([tuple(place) in places for place in cloud.tolist()]))
+        kappas.append(right["kappa"])
+        took = cpu_s(lambda cloud=cloud: find_ground(cloud), rounds)  # type: ignore[misc]
+        values = " | ".join(f"{right[key]:.1f}" for key in ("kappa", "total_error", "type_1", "type_2"))
+        print(f"| {name} | {len(cloud)} | {values} | {1e3 * took:.1f} |", flush=True)
+    print(f"mean kappa {np.mean(kappas):.1f}")
+
+
+def terrain() -> None:
+    """Print all of the above."""
+    patches()
+    ground()

@@ -1,0 +1,66 @@
+"""Ground points against the classification by hand of the ISPRS samples, and against scenes made of known parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError, LimitError
+from mapper.io.clouds import read_cloud
+from mapper.terrain import GroundConfig, agreement, find_ground
+
+#: Cohen's kappa that the first values of the parameters reach, in percent
+KAPPA = {"11": 81.9, "12": 93.6, "21": 93.5, "22": 92.0, "23": 88.0, "24": 90.2, "31": 94.1}
+
+
+@pytest.mark.data
+def test_the_isprs_samples_have_their_ground(data_dir: Path) -> None:
+    kappas = {}
+    for name in KAPPA:
+        cloud = read_cloud(data_dir / "pointclouds" / f"samp{name}-utm.pcd").points
+        truth = read_cloud(data_dir / "pointclouds" / f"samp{name}-utm-ground.pcd").points
+        places = set(map(tuple, truth.tolist()))
+        is_ground = np.array([tuple(place) in places for place in cloud.tolist()])
+        kappas[name] = agreement(find_ground(cloud).is_ground, is_ground)["kappa"]
+    assert kappas == pytest.approx(KAPPA, abs=0.1)
+    assert np.mean(list(kappas.values())) > 90.0
+
+
+def test_a_house_and_a_bird_are_no_ground_and_a_slope_is() -> None:
+    rng = np.random.default_rng(0)
+    points = rng.uniform(0.0, 60.0, (8000, 3))
+    points[:, 2] = 0.1 * points[:, 0]
+    house = (np.abs(points[:, :2] - 30.0) < 6.0).all(axis=1)
+    points[house, 2] += 5.0
+    points[0, 2] -= 20.0  # a reflection
+    found = find_ground(points)
+    np.testing.assert_array_equal(found.is_ground[1:], ~house[1:])
+    assert not found.is_ground[0]
+
+
+def test_points_that_are_not_finite_are_left_out_in_order() -> None:
+    points = np.random.default_rng(0).uniform(0.0, 5.0, (50, 3)) * (1.0, 1.0, 0.01)
+    with_holes = np.insert(points, [3, 20], np.nan, axis=0)
+    found = find_ground(with_holes)
+    assert found.left_out == 2
+    np.testing.assert_array_equal(np.flatnonzero(~found.is_ground), [3, 21])
+
+
+def test_kappa_is_that_of_a_table_worked_by_hand() -> None:
+    ours = np.repeat([True, True, False, False], [20, 5, 10, 15])
+    truth = np.repeat([True, False, True, False], [20, 5, 10, 15])
+    right = agreement(ours, truth)  # Cohen 1960: agreement 0.7, by chance 0.5
+    assert right == pytest.approx({"kappa": 40.0, "total_error": 30.0, "type_1": 100 / 3, "type_2": 25.0})
+
+
+def test_bad_clouds_are_named() -> None:
+    with pytest.raises(ConfigError, match="no finite points"):
+        find_ground(np.full((3, 3), np.inf))
+    with pytest.raises(LimitError, match=r"more than 4194304 cells"):
+        find_ground(np.array([[0.0, 0, 0], [1e7, 1e7, 0]]))
+    with pytest.raises(LimitError, match="smaller window"):
+        find_ground(np.array([[0.0, 0, 0], [1900.0, 1900.0, 0]]), GroundConfig(window=100.0))
+    with pytest.raises(ConfigError, match=r"\(cell\) must be between"):
+        GroundConfig(cell=0.0)
