@@ -10,17 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from mapper.core.array_types import Float64Array
-from mapper.core.errors import ConfigError, ReadError, WorkCancelledError
+from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.core.se3 import from_euler
-from mapper.io.clouds import read_cloud, read_depth_folder, read_scan_graph
+from mapper.io.clouds import PosedClouds, open_posed_clouds, read_cloud, read_depth_folder, read_scan_graph
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import HEAD_BYTES, cloud_format
-from mapper.io.logs import open_robot_log
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PosedCloud
-from mapper.sensors.robot_log import RobotLog
-from mapper.sensors.streams import CloudStream
 from mapper.volume.occupancy import OccupancyVolume
 
 
@@ -57,8 +53,8 @@ def open_source(
     """Return the scans of a cloud's file, a scan graph, a folder of depth images or a recording with clouds.
 
     The points of a cloud's file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
-    Clouds of a recording are placed by the robot's first trajectory and the sensor's mount; ``topic`` names one of
-    several. Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
+    Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several.
+    Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
     """
     path = Path(path)
     if is_depth_folder(path):
@@ -69,7 +65,7 @@ def open_source(
         graph = read_scan_graph(path, limits=limits, progress=progress)
         return ScanSource(kind, map(_placed, graph), None, [])
     if kind is None:
-        return _of_recording(open_robot_log(path, limits=limits, progress=progress), topic, path.name)
+        return _of_recording(open_posed_clouds(path, topic=topic, limits=limits, progress=progress))
     cloud = read_cloud(path, limits=limits, progress=progress)
     notes = list(cloud.notes)
     origin = cloud.sensor_pose[:3, 3] if sensor is None and cloud.sensor_pose is not None else sensor
@@ -95,45 +91,19 @@ def _placed(posed: PosedCloud) -> PlacedScan:
     return PlacedScan(points[posed.cloud.finite], posed.origin, posed.cloud.stamp_ns)
 
 
-def _of_recording(log: RobotLog, topic: str | None, name: str) -> ScanSource:
-    if not log.clouds:
-        raise ReadError("clouds.none", f"{name} holds no point clouds, and no log of planar scans makes a map in 3D.")
-    stream = next(iter(log.clouds.values()))
-    if topic is not None:
-        found = [one for known, one in log.clouds.items() if known.lstrip("/") == topic.lstrip("/")]
-        if not found:
-            known = ", ".join(log.clouds)
-            raise ReadError("clouds.topic", f"{name} has no clouds on {topic!r:.80}; it has them on {known:.400}.")
-        stream = found[0]
-    notes: list[str] = []
-    if len(log.clouds) > 1 and topic is None:
-        notes.append(f"Of the clouds of {len(log.clouds)} topics, those of {stream.topic} are taken.")
-    if not log.trajectories:
-        notes.append("The recording has no poses: the robot is taken to have stood still.")
-    return ScanSource("recording", _clouds(log, stream, notes), stream.count, notes)
+def _of_recording(clouds: PosedClouds) -> ScanSource:
+    stream = clouds.stream
+    notes = [f"The clouds are those of {stream.topic}."]
+    return ScanSource("recording", _with_poses(clouds, notes), stream.count, notes)
 
 
-def _clouds(log: RobotLog, stream: CloudStream, notes: list[str]) -> Iterator[PlacedScan]:
-    trajectory = next(iter(log.trajectories.values()), None)
-    without_mount = without_pose = 0
-    for cloud in stream:
-        stamps = np.array([cloud.stamp_ns], dtype=np.int64)
-        mounts = stream.mounts(cloud.frame_id, stamps)
-        if mounts is None:
-            without_mount += 1
-            mounts = np.eye(4)[None]
-        pose = mounts[0]
-        if trajectory is not None:
-            if not trajectory.covers(stamps)[0]:
-                without_pose += 1
-                continue
-            x, y, yaw = trajectory.at(stamps)[0].tolist()
-            pose = from_euler((x, y, 0.0), 0.0, 0.0, yaw) @ pose
-        yield _placed(PosedCloud(cloud, pose))
-    if without_mount:
-        notes.append(f"Of {without_mount} clouds it is not known where the sensor was on the robot: it is taken as 0.")
-    if without_pose:
-        notes.append(f"{without_pose} clouds from before the first or after the last pose are left out.")
+def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
+    n = 0
+    for posed in clouds:
+        n += 1
+        yield _placed(posed)
+    if n < clouds.stream.count:
+        notes.append(f"{clouds.stream.count - n} of {clouds.stream.count} clouds have no pose and are left out.")
 
 
 @dataclass(slots=True)

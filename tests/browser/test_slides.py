@@ -12,7 +12,6 @@ from playwright.sync_api import Locator, Page, expect
 from tests.browser.looking import still
 from tests.browser.slides import cut_off, settle, slide_ids, small_texts
 from tests.browser.test_axe import nothing_wrong, violations
-from tests.marks import also_long
 
 LABEL_PX = 22  #: least size of text on a screen of 1920 x 1080
 
@@ -255,7 +254,10 @@ def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
 # --- what is on them -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("every", "turn"), [(3, 0), *also_long((1, 0), (1, 1))])
+@pytest.mark.parametrize(
+    ("every", "turn"),
+    [(3, 0), *(pytest.param(1, turn, marks=pytest.mark.long) for turn in (0, 1))],
+)
 def test_every_slide_is_large_enough_complete_and_accessible(page: Page, server: str, every: int, turn: int) -> None:
     """Axe looks at one slide in so many: it takes most of the time."""
     page.emulate_media(reduced_motion="reduce")

@@ -34,7 +34,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError
 
 MOST_STROKES = 100
-MOST_POINTS = 4000  #: of all strokes together
+MOST_POINTS = 3000  #: of all strokes together: a command has at most 64 KiB
 WIDEST_M = 5.0
 _ROUND = 10  #: sides of a brush
 

@@ -87,6 +87,8 @@ class LabNavigation:
             self._steered = time
             linear, angular = (round(v, 3) for v in velocities)
             act(self._mapper, {"type": "drive", "linear": linear, "angular": angular}, result)
+        if not self._path.drives:
+            result.slot(self._path.message())  # it has arrived
 
     def stop_driving(self, result: TickResult) -> None:
         """Drive no longer: somebody else drives the robot."""

@@ -353,7 +353,7 @@ class SimulationModel(SessionModel):
 
     def _act(self, command: dict[str, Any], result: TickResult) -> None:
         mapper, second = self._mapper, self._mapper.second
-        if command["type"] == "edit":
+        if command["type"] in ("edit", "sensor"):
             with self._cancellable():
                 act(mapper, command, result)
         else:

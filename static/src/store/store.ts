@@ -122,6 +122,10 @@ export class Store extends SessionState {
       undo.push(...this.#back("sensor", sensor));
       redo.push({ type: "sensor", values: sensor });
     }
+    if (hello.navigation && this.navigation.costmap.peek()?.is_on) {
+      undo.push({ type: "costmap", values: this.navigation.values.values.peek() });
+      redo.push({ type: "costmap", values: initialOf(hello.navigation) });
+    }
     const faults = this.faults.peek();
     if (faults) {
       undo.push({ type: "faults", values: faults });

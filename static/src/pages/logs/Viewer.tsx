@@ -118,7 +118,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const log = hello?.log ?? null;
   return (
     <div class="viewer">
-      <Head store={store} session={session} onClose={onClose} />
+      <Head store={store} onClose={onClose} />
       <div class="viewer-stage">
         <div class="viewer-map">
           <BeliefView

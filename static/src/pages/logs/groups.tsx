@@ -28,6 +28,8 @@ import type { SensorState } from "./sensor/useSensor";
 import type { TrajectoryErrors } from "./trajectories/errors";
 import { Trajectories } from "./trajectories/Trajectories";
 
+const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
+
 /** What the groups show. */
 export interface LogView {
   readonly store: Store;
@@ -124,6 +126,12 @@ const GROUPS: readonly Group[] = [
     title: "Path",
     isThere: ({ log }) => log !== null,
     content: ({ store }) => <PathGroup store={store} />,
+  },
+  {
+    id: "3d",
+    title: "3D",
+    isThere: ({ isGuest }) => !isGuest,
+    content: ({ session }) => <Scene session={session} />,
   },
   {
     id: "topics",
