@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from mapper.core.errors import ConfigError
 from mapper.diagnosis import clock, mounting, readings, timing, walls
+from mapper.diagnosis.between import check_between
 from mapper.diagnosis.consistency import Examined, examined
 from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
@@ -59,7 +60,8 @@ def examine(
     are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
     that is done; ``wanted`` is asked all the while; ``compared`` is called with what the drift check measured, if it
     was made. Of a :class:`JointLog` each sensor is examined by itself, and its findings name it
-    (:func:`mapper.diagnosis.several.of_sensors`); one with too few scans to judge has the finding ``readings.few``.
+    (:func:`mapper.diagnosis.several.of_sensors`), and its lidars are compared with the first of them
+    (:func:`mapper.diagnosis.between.check_between`); one with too few scans to judge has the finding ``readings.few``.
     Raises :class:`ConfigError` for a log too short to judge and for a trajectory that it lacks, and
     :class:`WorkCancelledError` soon after ``wanted`` said False.
     """
@@ -72,9 +74,11 @@ def examine(
         if part.n_scans < LEAST_SCANS:
             found.append([readings.few_scans(part.n_scans)])
             continue
-        share = share_of(progress, number, len(log.parts))
+        share = share_of(progress, number, len(log.parts) + 1)
         found.append(_examine_one(part, trajectory, share, wanted, time_offset, compared))
-    return of_sensors(log, found)
+    if progress is not None:
+        progress(len(log.parts) / (len(log.parts) + 1))
+    return [*of_sensors(log, found), *check_between(log, trajectory, found, wanted, time_offset)]
 
 
 def _too_short(log: ScanLog) -> ConfigError:

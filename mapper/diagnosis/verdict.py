@@ -8,6 +8,7 @@ from typing import Any
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
+from mapper.diagnosis import between
 from mapper.diagnosis.contradiction import LEAST_EVIDENCE, WITHIN, Contradiction
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import POSSIBLE, Finding
@@ -20,7 +21,8 @@ from mapper.mapping.sensor_defaults import sensor_defaults
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 
-FINDINGS = tuple(name for check in CHECKS for name in check.names)  #: the names of all findings
+#: The names of all findings.
+FINDINGS = (*(name for check in CHECKS for name in check.names), between.CHECK)
 ALL = "all"
 DRIFT = "walls.drift"
 
@@ -170,7 +172,11 @@ def _judge_sensors(
     ]
     sharpness, more = _sharpness(log, limits, trajectory, config.time_offset)
     known = [verdict.findings for verdict in verdicts if verdict.findings is not None]
-    findings = tuple(of_sensors(log, known)) if known else None
+    findings: tuple[Finding, ...] | None = None
+    if known:
+        both = between.check_between(log, trajectory, known, lambda: True, config.time_offset)
+        findings = (*of_sensors(log, known), *both)
+        more += [replace(reason, sensor=one.sensor) for one in both for reason in _finding_reasons((one,), limits)]
     drifts = [verdict.drift for verdict in verdicts if verdict.drift is not None]
     return Verdict((*reasons, *more), max(drifts, default=None), sharpness, findings)
 
@@ -226,7 +232,7 @@ def _why_unmeasured(log: ScanLog, trajectory: str | None, findings: Iterable[Fin
 
 def _spoilers(name: str, findings: Iterable[Finding]) -> list[str]:
     """Return the findings for which the check of ``name`` was left out."""
-    spoiled_by = next(check.spoiled_by for check in CHECKS if name in check.names)
+    spoiled_by = next((check.spoiled_by for check in CHECKS if name in check.names), frozenset[str]())
     return [finding.check for finding in findings if finding.check in spoiled_by]
 
 

@@ -13,7 +13,8 @@ from mapper.sensors.point_cloud import PointCloud
 Int64Array = NDArray[np.int64]
 Float64Array = NDArray[np.float64]
 
-#: Returns ``T_base_frame`` (n, 4, 4) of a frame at n stamps, ns; None where the recording does not say it.
+#: Returns ``T_base_frame``, or ``T_fixed_frame``, (n, 4, 4) of a frame at n stamps, ns; None where the recording does
+#: not say it.
 Mounts = Callable[[str, Int64Array], Float64Array | None]
 
 
@@ -22,7 +23,8 @@ class CloudStream:
     """The point clouds of one topic; ``count`` is how many messages there are.
 
     Nothing is held: each iteration reads the recording from its beginning and has a few clouds in memory at a time.
-    Messages that are no clouds are left out. ``mounts`` says where a cloud's frame was on the robot. Iterating raises
+    Messages that are no clouds are left out. ``mounts`` says where a cloud's frame was on the robot, and ``poses``
+    where it was in the recording's fixed frame, NaN at times that it does not say. Iterating raises
     :class:`ReadError` and :class:`LimitError` as opening the recording does.
     """
 
@@ -30,6 +32,7 @@ class CloudStream:
     count: int
     read: Callable[[], Iterator[PointCloud]]
     mounts: Mounts
+    poses: Mounts
 
     def __iter__(self) -> Iterator[PointCloud]:
         return self.read()

@@ -321,9 +321,19 @@ class LiveMap:
         """Exchange the sensor; return whether the map had to be made anew, because a recording was given up.
 
         Thin beams and cones need different models: with a sensor of another kind the map begins anew, with the default
-        model of that sensor.
+        model of that sensor. Raises :class:`WorkCancelledError` where the new map is not wanted any more; sensor, map
+        and recordings are then as they were.
         """
         self._reveal(self.hidden)
+        before, old = self.simulation.sensor, [*self.recordings]
+        try:
+            return self._exchange(sensor)
+        except WorkCancelledError:
+            self.simulation.set_sensor(before)
+            self.recordings = old
+            raise
+
+    def _exchange(self, sensor: SensorConfig) -> bool:
         other_kind = sensor.kind != self.simulation.sensor.kind
         self.simulation.set_sensor(sensor)
         if other_kind:

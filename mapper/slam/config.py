@@ -21,12 +21,13 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "node_distance", "Distance of nodes", "scans", "number", 0.05,
-        "A scan is matched where the odometry moved this far since the last matched one; others are carried along.",
+        "A scan becomes a node where the odometry, or without one the scans, moved this far since the last; others are "
+        "carried along.",
         unit="m", low=0.0, high=2.0, step=0.01,
     ),
     Parameter(
         "node_turn", "Turn of nodes", "scans", "number", 0.035,
-        "A scan is matched where the odometry turned this far since the last matched one.",
+        "A scan becomes a node where the odometry, or without one the scans, turned this far since the last.",
         unit="rad", low=0.0, high=1.0, step=0.005,
     ),
     Parameter(

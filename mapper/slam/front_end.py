@@ -6,7 +6,8 @@ Its poses are in a frame of their own that no loop closure moves, so that it can
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,13 +40,16 @@ MARGIN = 5.0  #: metres around what the first scan of a submap saw
 POINTS = 720  #: of a scan and those before it that are paired
 SEARCHED = 90  #: points of a scan that are looked up in a search
 LONGEST = 1.0  #: seconds: the motion goes on as before for so long at most
+FARTHEST = np.array([3.0, 3.0, 1.5])  #: metres, metres, radians: and not farther, for stamps may be wrong
+MOST_SPREAD = np.array([10.0, 10.0, np.pi])  #: metres, metres, radians: no motion is less certain
 LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignment failed
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What the front end found of one scan: ``relative`` (3,) to the scan before, with ``information`` (3, 3).
+    """What the front end found of one scan: ``relative`` (3,) to the one kept before, with ``information`` (3, 3).
 
+    ``is_kept`` says that later scans are aligned with it; otherwise only its pose counts.
     Of its points that agree with the scans before or contradict them, ``inliers`` is the share that agree;
     ``is_aligned`` says that they were enough, otherwise the motion is the correlation's or the predicted one.
     ``agreement`` is ``inliers`` times the share of all points that agree.
@@ -56,6 +60,7 @@ class Step:
     inliers: float
     is_aligned: bool
     agreement: float
+    is_kept: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +81,10 @@ class _Attempt:
 
 
 class FrontEnd:
-    """Aligns scans one after another. ``poses`` (n, 3) are theirs in the front end's frame."""
+    """Aligns scans one after another. ``poses`` (n, 3) are those of the kept ones in the front end's frame.
+
+    ``last`` (3,) is the pose of the newest scan, kept or not.
+    """
 
     def __init__(self, store: ScanStore, config: SlamConfig) -> None:
         self._store = store
@@ -90,11 +98,14 @@ class FrontEnd:
         self._rule = pair_rule(store.least_step)._replace(stride=stride)
         self._begun: list[int] = []  # first scans of the submaps that are not finished, at most two
         self._drawn: tuple[int, int, ScoreField] | None = None  # first scan, the one after the last, and their field
+        self.last = np.zeros(3)
         self._motion = np.zeros(3)
-        self._clock = [0.0]  # at which each scan was taken, seconds, as far as the times are known
+        self._kept_of: dict[int, int] = {}  # the newest kept scan of each sensor
         self._velocity: Float64Array | None = None  # as far as they are
         self._is_reliable = False  # whether the last scan fitted well
         self._many = store.n_sensors  # of whose scans as many are needed to see all around
+        # When the last scans were taken, seconds, as far as the times are known, and their poses.
+        self._track: deque[tuple[float, Float64Array]] = deque(maxlen=self._many + 1)
         self.submaps: list[tuple[int, int]] = []  #: finished ones: first scan and the one after the last
 
     def __len__(self) -> int:
@@ -118,9 +129,13 @@ class FrontEnd:
         sensor: int = 0,
         seconds: float | None = None,
         velocity: Float64Array | None = None,
+        may_drop: bool = False,
         mount: Float64Array | None = None,
     ) -> Step:
         """Align the next scan; ``motion`` (3,) is the odometry's since the one before, None for no odometry.
+
+        With ``may_drop`` a scan that fits well, from almost where the kept one before of its sensor was taken, by the
+        config's distance and turn of nodes, is not kept.
 
         ``seconds`` is the time since the one before, None where it is not known. ``sensor``, ``velocity`` and
         ``mount`` are as in :meth:`ScanStore.append`; without a velocity it is taken to be that of the steps before.
@@ -133,12 +148,18 @@ class FrontEnd:
             self._poses = np.concatenate([self._poses, np.zeros_like(self._poses)])
         if i == 0:
             step = Step(np.zeros(3), np.eye(3), 1.0, True, 1.0)
+            self._track.append((0.0, self.last))
         else:
             step = self._align(i, expected, has_odometry=motion is not None)
-            self._motion = step.relative if step.is_aligned else expected
+            before, self.last = self.last, np.array(compose_one(self._poses[i - 1].tolist(), step.relative.tolist()))
+            self._motion = np.array(between_one(before.tolist(), self.last.tolist())) if step.is_aligned else expected
             self._is_reliable = step.is_aligned and step.agreement >= FAIR
-            self._poses[i] = compose_one(self._poses[i - 1].tolist(), step.relative.tolist())
-            self._note_velocity(i, seconds)
+            self._note_velocity(seconds)
+            self._poses[i] = self.last
+        if may_drop and step.agreement >= RELIABLE and self._is_near(sensor):
+            self._store.drop_last()
+            return replace(step, is_kept=False)
+        self._kept_of[sensor] = i
         self._n += 1
         if self._store.count(i) >= LEAST_PAIRS:
             self._seen.append(i)
@@ -149,28 +170,34 @@ class FrontEnd:
         """Return the motion in ``seconds`` if the robot moves on as before."""
         if seconds is None or self._velocity is None:
             return self._motion
-        return self._velocity * min(seconds, LONGEST)
+        return np.clip(self._velocity * min(seconds, LONGEST), -FARTHEST, FARTHEST)
 
-    def _note_velocity(self, i: int, seconds: float | None) -> None:
+    def _is_near(self, sensor: int) -> bool:
+        """Return whether the newest scan was taken almost where the kept one before of its sensor was."""
+        if sensor not in self._kept_of:
+            return False
+        x, y, yaw = between_one(self._poses[self._kept_of[sensor]].tolist(), self.last.tolist())
+        return math.hypot(x, y) < self._config.node_distance and abs(yaw) < self._config.node_turn
+
+    def _note_velocity(self, seconds: float | None) -> None:
         """Take the velocity over the last scans of all sensors, for those of two sensors may be nearly at one time."""
-        self._clock.append(self._clock[-1] + (seconds or 0.0))
-        before = max(0, i - self._many)
-        passed = self._clock[i] - self._clock[before]
+        self._track.append((self._track[-1][0] + (seconds or 0.0), self.last))
+        then, before = self._track[0]
+        passed = self._track[-1][0] - then
         self._velocity = None
         if seconds is not None and passed > 0.0:
-            moved = between_one(self._poses[before].tolist(), self._poses[i].tolist())
-            self._velocity = np.array(moved) / passed
+            self._velocity = np.array(between_one(before.tolist(), self.last.tolist())) / passed
 
     def _align(self, i: int, expected: Float64Array, *, has_odometry: bool) -> Step:
         way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
-        before = self._poses[i - 1]
-        predicted = np.array(compose_one(before.tolist(), expected.tolist()))
+        predicted = np.array(compose_one(self.last.tolist(), expected.tolist()))
         if not has_odometry:
             window, turn_window = 0.25 + 0.5 * way, 0.15 + 0.5 * turned
             spread = np.array([0.05 + 0.5 * way] * 2 + [0.03 + 0.5 * turned])
         else:
             window, turn_window = 0.10 + 0.2 * way, 0.07 + 0.2 * way + 0.2 * turned
             spread = np.array([0.03 + 0.15 * way] * 2 + [0.02 + 0.15 * way + 0.1 * turned])
+        spread = np.minimum(spread, MOST_SPREAD)
         # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
         # fits as well, the prediction counts. Without odometry it is too poor for that.
         if not has_odometry:
@@ -186,7 +213,7 @@ class FrontEnd:
         else:
             pose = best.start if best.score > LEAST_SCORE else predicted
             information = np.diag(1.0 / (3.0 * spread) ** 2)
-        relative = np.array(between_one(before.tolist(), pose.tolist()))
+        relative = np.array(between_one(self._poses[i - 1].tolist(), pose.tolist()))
         return Step(relative, information, best.inliers, best.is_aligned, best.agreement)
 
     def _searched(

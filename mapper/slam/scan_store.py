@@ -97,6 +97,10 @@ class ScanStore:
         self._n += 1
         return n
 
+    def drop_last(self) -> None:
+        """Remove the scan that was appended last."""
+        self._n -= 1
+
     def deskew(self, velocities: Float64Array) -> None:
         """Write the points and normals of all scans anew for these velocities (n, 3) of the base, see :meth:`append`.
 
@@ -144,7 +148,7 @@ def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
     store = ScanStore(sensors_of(log), np.inf, log.n_beams)
     sensor = sensor_of_scan(log)
     for scan in scans:
-        store.append(log.ranges[scan], int(sensor[scan]))
+        store.append(log.ranges[scan], int(sensor[scan]), mount=log.mount_of(scan))
     return scan_rows(store.arrays, 0, len(scans))
 
 

@@ -87,6 +87,7 @@ class Slam:
         sensor: int = 0,
         seconds: float | None = None,
         velocity: Float64Array | None = None,
+        may_drop: bool = False,
         mount: Float64Array | None = None,
     ) -> bool:
         """Add a scan (n_beams,) of a sensor of the log; return whether a loop closed and moved earlier poses.
@@ -94,15 +95,21 @@ class Slam:
         ``motion`` (3,) is the odometry's since the scan before, None without odometry, and ``seconds`` the time since
         then, None where it is not known; ``start`` (3,) is the pose of the first scan. ``velocity`` (3,) is the base's
         while the scan is taken, in its own frame, metres and radians a second; None: as before. It matters where the
-        log states the time between beams. ``mount`` (3,) is ``T_base_laser`` of a sensor that moves on it.
+        log states the time between beams. With ``may_drop`` a scan from almost where the one before of its sensor was
+        taken gets no node; ``front_end.last`` is its pose all the same. ``mount`` (3,) is ``T_base_laser`` of a sensor
+        that moves on it.
         """
         n = len(self)
         if n == len(self._poses):
             for name in ("_poses", "_way", "_relative", "_information"):
                 old = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
-        step = self.front_end.add(ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity, mount=mount)
+        step = self.front_end.add(
+            ranges, motion, sensor=sensor, seconds=seconds, velocity=velocity, may_drop=may_drop, mount=mount
+        )
         self.n_unaligned += not step.is_aligned
+        if not step.is_kept:
+            return False
         if n == 0:
             if start is not None:
                 self._poses[0] = start
@@ -219,15 +226,22 @@ def slam_log(
     sweeps = None if name is None or not slam.store.can_deskew else sweep_velocities(log, name)
     share = 0.8 if config.refinement else 1.0
     matched: list[int] = []
+    node_of: list[int] = []  # which of those each node is
+    track: list[Float64Array] = []  # their poses by the front end
 
     def report(fraction: float, stage: str, done: int, poses: Float64Array) -> None:
         if progress is not None and progress(SlamProgress(fraction, stage, done, poses, slam.n_loops)) is False:
             raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
 
+    def of_matched(node_poses: Float64Array) -> Float64Array:
+        if len(node_poses) == node_of[len(node_poses) - 1] + 1:
+            return node_poses.copy()
+        return carry(np.array(node_of[: len(node_poses)]), node_poses, np.array(track), times[matched])
+
     def all_poses(node_poses: Float64Array) -> Float64Array:
-        known = np.array(matched[: len(node_poses)])
-        whole = len(known) == known[-1] + 1
-        return node_poses.copy() if whole else carry(known, node_poses, odometry, times)
+        poses = of_matched(node_poses)
+        known = np.array(matched[: len(poses)])
+        return poses if len(known) == known[-1] + 1 else carry(known, poses, odometry, times)
 
     k = 0
     while k < len(wanted):
@@ -240,15 +254,19 @@ def slam_log(
         matched.append(scan)
         moved_poses = slam.add_scan(
             log.ranges[scan], motion, start, sensor=int(sensor[scan]), seconds=passed if is_known else None,
-            velocity=velocity, mount=log.mount_of(scan),
+            velocity=velocity, may_drop=odometry is None and k + 1 < len(wanted), mount=log.mount_of(scan),
         )  # fmt: skip
+        track.append(slam.front_end.last)
+        if len(slam) > len(node_of):
+            node_of.append(len(matched) - 1)
         if progress is not None and (moved_poses or len(matched) % EVERY == 1):
             stage = "loop closure" if moved_poses else "front end"
-            report(share * (k + 1) / len(wanted), stage, scan + 1, all_poses(slam.poses))
+            so_far = all_poses(slam.poses)
+            report(share * (k + 1) / len(wanted), stage, len(so_far), so_far)
         k = k + 1 if odometry is not None else slam.following(k, times[wanted])
-    nodes = np.array(matched)
+    nodes = np.array(matched)[node_of]
     if odometry is None:
-        slam.store.deskew(velocities_along(times[nodes], slam.poses))
+        slam.store.deskew(velocities_along(times[matched], of_matched(slam.poses))[node_of])
     graph = slam.optimised()
 
     def refined(fraction: float, poses: Float64Array) -> None:
@@ -261,7 +279,7 @@ def slam_log(
     tried = slam.tried
     notes = []
     if len(wanted) < log.n_scans and odometry is None:
-        notes.append(f"Of {log.n_scans} scans {len(nodes)} were matched; the poses of the others lie between.")
+        notes.append(f"Of {log.n_scans} scans {len(matched)} were matched; the poses of the others lie between.")
     if blind := _unseen_way(graph):
         notes.append(
             f"Along {blind:.0f} m of the way the scans show nothing that tells how far the robot came, as in a "

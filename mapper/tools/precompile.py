@@ -45,6 +45,9 @@ from mapper.simulation.kernels.raycast import arc_clearance
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
+from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, distance_to_obstacle, octree_file, project
+from mapper.volume.kernels.blocks import block_code, slot_of
+from mapper.volume.octree_files import octree_of_bytes
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
@@ -89,6 +92,7 @@ def precompile() -> None:
     _plan(grid.geometry)
     _match(replay.log)
     _close_a_loop(replay.log)
+    _map_in_3d()
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
     for traversal in BY_NAME["traversal"].choices:
@@ -157,6 +161,19 @@ def _close_a_loop(log: ScanLog) -> None:
     count_common(scans, 0, poses[0], one, poses[:1], 0.1, 1, three[:1])
     ways_from(0, np.arange(2.0), one, one + 1, np.zeros(2))
     least_of_ranges(np.zeros(2), one, one + 1, one.copy())
+
+
+def _map_in_3d() -> None:
+    """Map one beam as voxels, ask the map, and write and read its octree."""
+    volume = OccupancyVolume(VolumeConfig(half_life=10.0))
+    volume.insert_scan(np.ones((1, 3)), np.zeros(3))
+    volume.decay(1.0)
+    cast(volume, np.zeros((1, 3)), np.ones((1, 3)))
+    distance_to_obstacle(volume, np.zeros((1, 3)), 1.0)
+    project(volume)
+    slot_of(volume.blocks.table, block_code(0, 0, 0))
+    for kind in (".bt", ".ot"):
+        octree_of_bytes(octree_file(Octree.of(volume), kind, volume.config).bytes(), kind).tree.volume(volume.config)
 
 
 def kernels() -> dict[str, bool]:

@@ -26,7 +26,7 @@ class Changes:
     only_second: int
 
 
-def changes(first: OccupancyVolume, second: OccupancyVolume) -> Changes:
+def changes_between(first: OccupancyVolume, second: OccupancyVolume) -> Changes:
     """Compare two maps. Raises :class:`ConfigError` where their voxels are not of one size."""
     if first.config.resolution != second.config.resolution:
         raise ConfigError(

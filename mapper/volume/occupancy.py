@@ -14,14 +14,13 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.parallel import cores, in_parallel, scratch, shares
 from mapper.volume.blocks import BLOCK, KEYS, BlockHash
-from mapper.volume.kernels.rays import CENTRE, mark_ends, mark_rays
+from mapper.volume.kernels.rays import CENTRE, mark_ends, mark_rays, voxel_keys
 from mapper.volume.kernels.types import Belief, Box, Updates
 from mapper.volume.kernels.update import apply_marks, decay_blocks, marked_blocks, summarise_blocks
 from mapper.volume.parameters import VolumeConfig
 
 FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are forgotten by a decay
 _TILE_VOXELS = 1 << 27  # marks that are laid out at a time, bytes
-_AWAY = 1.0e9  # metres: a coordinate beyond has no key of 64 bits that arithmetic keeps
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +74,17 @@ class OccupancyVolume:
         """How far the lattice goes from 0 along each axis, metres."""
         return CENTRE * self.config.resolution
 
-    def insert_scan(self, points: ArrayLike, origin: ArrayLike) -> Inserted:
+    def insert_scan(self, points: ArrayLike, origin: ArrayLike | None) -> Inserted:
         """Update the map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres in the map's frame.
 
-        Points that are not finite or lie outside the lattice are left out. Raises :class:`ConfigError` for other shapes
-        and for an origin outside the lattice, :class:`LimitError` for a scan that needs more memory than the limits
-        allow; the map may then hold a part of it.
+        Where it is not known where the sensor was, None, the points' voxels are occupied and none is free. Points that
+        are not finite or lie outside the lattice are left out. Raises :class:`ConfigError` for other shapes and for an
+        origin outside the lattice, :class:`LimitError` for a scan that needs more memory than the limits allow; the map
+        may then hold a part of it.
         """
         config, limits = self.config, self.blocks.limits
         ends = np.ascontiguousarray(points, dtype=np.float32)
-        start = np.ascontiguousarray(origin, dtype=np.float32)
+        start = np.zeros(3, np.float32) if origin is None else np.ascontiguousarray(origin, dtype=np.float32)
         if ends.ndim != 2 or ends.shape[1] != 3 or start.shape != (3,):
             raise ConfigError(
                 "volume.shape", f"A scan is points (n, 3) and an origin (3,), not {ends.shape} and {start.shape}."
@@ -96,6 +96,10 @@ class OccupancyVolume:
                 f"The sensor's place {start.tolist()} must be finite and within {self.reach:g} m of 0 along each axis.",
             )
         rays, keys, hits, left_out = self._rays(ends, start)
+        if origin is None:
+            rays, keys, first = rays[:0], keys[:0], hits[:1]
+        if not len(first):
+            return Inserted(0, left_out, np.empty(0, dtype=np.int32))
         low, high = _bounds(np.concatenate([first, keys, hits]))
         if math.prod((high - low).tolist()) > limits.max_scan_box:
             size = " × ".join(f"{side * config.resolution:.0f}" for side in (high - low).tolist())
@@ -112,7 +116,9 @@ class OccupancyVolume:
         resolution, reach = self.config.resolution, self.config.range_max
         keys, inside = keys_of(ends, resolution)
         if self.config.discretise:
-            packed = np.unique(keys[inside] @ np.array([1, KEYS, KEYS * KEYS]))
+            packed = keys[inside] @ np.array([1, KEYS, KEYS * KEYS])
+            packed.sort()
+            packed = packed[np.append(True, packed[1:] != packed[:-1])] if len(packed) else packed
             keys = np.stack([packed % KEYS, packed // KEYS % KEYS, packed // (KEYS * KEYS)], axis=1)
             rays = centres_of(keys, resolution)
         else:
@@ -228,10 +234,9 @@ class OccupancyVolume:
 
 def keys_of(points: Float32Array, resolution: float) -> tuple[Int64Array, BoolArray]:
     """Return the keys (n, 3) of the voxels that hold points (n, 3), and which points are finite and in the lattice."""
-    inside = np.all(np.abs(points) < _AWAY, axis=1)
-    scaled = np.floor((1.0 / resolution) * np.where(inside[:, None], points, 0.0).astype(np.float64))
-    keys = scaled.astype(np.int64) + CENTRE
-    return keys, inside & np.all((keys >= 0) & (keys < KEYS), axis=1)
+    keys, inside = np.empty((len(points), 3), dtype=np.int64), np.empty(len(points), dtype=np.bool_)
+    voxel_keys(points, resolution, keys, inside)
+    return keys, inside
 
 
 def centres_of(keys: Int64Array, resolution: float) -> Float32Array:

@@ -51,6 +51,9 @@ from server.cli import costmap as costing  # noqa: F401
 from server.cli import path as planning  # noqa: F401
 
 # isort: split
+from server.cli import map3d as mapping_in_3d  # noqa: F401
+
+# isort: split
 from server.cli import bench as measuring  # noqa: F401
 
 # isort: split

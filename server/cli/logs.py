@@ -7,10 +7,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
+from mapper.core.errors import ReadError
 from server.cli.app import app
+from server.cli.clouds import print_cloud, print_depth_folder
 from server.cli.common import (
     AsJson,
     LogPath,
@@ -25,12 +26,23 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
+from server.cli.held import (
+    clouds_facts,
+    contents_facts,
+    held_line,
+    imus_facts,
+    print_held,
+    size_line,
+    stream_line,
+)
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from mapper.io.contents.inspection import Held
     from mapper.io.contents.model import TopicContents
     from mapper.sensors.robot_log import RobotLog
+
+
+TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
 
 
 @app.command()
@@ -42,13 +54,24 @@ def info(
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Print the contents of a log."""
+    """Print the contents of a log, a recording, a point cloud, a scan graph, a folder of depth images or an octree."""
+    from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
+    from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
+
+    if describe_octree(log, as_json=as_json):
+        return
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 
-    robot, topics = _read(log, topic, with_contents=contents)
+    if _print_cloud(log, as_json=as_json):
+        return
+    read = _read(log, topic, with_contents=contents)
+    if isinstance(read, Held):
+        print_held(log, read, as_json=as_json)
+        return
+    robot, topics = read
     facts = asdict(summarise(robot.first))
-    facts["contents"] = [asdict(one) | {"span_s": one.span_s, "rate_hz": one.rate_hz} for one in topics]
-    facts["clouds"], facts["imus"] = _clouds(robot), _imus(robot)
+    facts["contents"] = contents_facts(topics)
+    facts["clouds"], facts["imus"] = clouds_facts(robot.clouds), imus_facts(robot.imus)
     if as_json:
         print_json(facts)
         return
@@ -69,87 +92,54 @@ def info(
     held = {one["name"]: one for one in facts["contents"]}
     for one in facts["topics"]:
         more = held.pop(one["name"], None)
-        size = "" if more is None else _size_line(more, with_rate=one["rate_hz"] is None)
+        size = "" if more is None else size_line(more, with_rate=one["rate_hz"] is None)
         typer.echo(f"  {'*' if one['chosen'] else ' '} {_topic_line(one)}{size}")
     for one in held.values():
-        typer.echo(f"    {one['name']}: {one['messages']} × {one['type']}{_size_line(one)}")
+        typer.echo(f"    {held_line(one)}")
     for one in [*facts["clouds"], *facts["imus"]]:
-        typer.echo(f"  {_stream_line(one)}")
+        typer.echo(f"  {stream_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
 
 
-def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLog, tuple[TopicContents, ...]]:
-    """Return a log, and every topic of a recording if they are wanted, in one pass; end the command where it fails."""
-    from mapper.io.contents.inspection import open_inspected  # noqa: PLC0415 - start-up
+def _print_cloud(path: Path, *, as_json: bool) -> bool:
+    """Print a cloud, a scan graph or a folder of depth images; return whether it is one."""
+    from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - start-up
+    from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415 - start-up
+
+    if is_depth_folder(path):
+        print_depth_folder(path, as_json=as_json)
+        return True
+    kind = None
+    if path.is_file():
+        with refusing(path):
+            kind = format_of(path)
+    if kind is None or (kind == TEXT and not set(path.suffixes) & TEXT_ENDINGS):
+        return False
+    print_cloud(path, kind, as_json=as_json)
+    return True
+
+
+def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLog, tuple[TopicContents, ...]] | Held:
+    """Return a log, and every topic of a recording if they are wanted, in one pass; end the command where it fails.
+
+    Of a recording without scans, what else it holds.
+    """
+    from mapper.io.contents.inspection import open_held, open_inspected  # noqa: PLC0415 - start-up
     from mapper.io.logs import open_robot_log  # noqa: PLC0415 - start-up
     from mapper.io.logs.selection import Selection  # noqa: PLC0415 - start-up
 
     with refusing(log), progress_bar("Reading") as bar:
         if not with_contents:
             return open_robot_log(log, selection=Selection.of(topic), progress=bar), ()
-        robot, contents = open_inspected(log, selection=Selection.of(topic), progress=bar)
+        try:
+            robot, contents = open_inspected(log, selection=Selection.of(topic), progress=bar)
+        except ReadError as error:
+            held = open_held(log) if error.code == "log.no_scans" and topic is None else None
+            if held is None or not held.contents.topics:
+                raise
+            return held
         return robot, contents.topics
-
-
-def _clouds(robot: RobotLog) -> list[dict[str, Any]]:
-    """Return what the clouds of a recording are, by the first of each topic."""
-    found = []
-    for stream in robot.clouds.values():
-        first = next(iter(stream), None)
-        if first is None:
-            continue
-        said = {"height": first.shape[0], "width": first.shape[1]} if first.shape else {}
-        fields = {"fields": list(first.fields), "has_times": first.times is not None}
-        mount = _place(stream.mounts(first.frame_id, np.array([first.stamp_ns])))
-        found.append(
-            {"topic": stream.topic, "count": stream.count, "frame": first.frame_id, **said, **fields, "mount": mount}
-        )
-    return found
-
-
-def _imus(robot: RobotLog) -> list[dict[str, Any]]:
-    """Return what the IMUs of a recording are, by the first messages of each topic."""
-    found = []
-    for stream in robot.imus.values():
-        first = next(iter(stream), None)
-        if first is None:
-            continue
-        has_orientation = bool(np.isfinite(first.orientation).any())
-        mount = _place(stream.mounts(first.frame_id, first.stamps_ns[:1]))
-        found.append(
-            {"topic": stream.topic, "count": stream.count, "frame": first.frame_id,
-             "has_orientation": has_orientation, "mount": mount}
-        )  # fmt: skip
-    return found
-
-
-def _place(mounts: NDArray[np.float64] | None) -> list[float] | None:
-    """Return the place x, y, z (m) of the first of the mounts (n, 4, 4)."""
-    return None if mounts is None else [round(float(value), 6) for value in mounts[0, :3, 3]]
-
-
-def _stream_line(one: dict[str, Any]) -> str:
-    """Say what the clouds or the IMU of one topic are."""
-    at = "" if one["mount"] is None else f" at {', '.join(f'{value:g}' for value in one['mount'])} m"
-    said = f"frame {one['frame']}{at}"
-    if "fields" not in one:
-        return f"IMU {one['topic']}: {one['count']} messages, {said}" + (
-            ", with orientation" if one["has_orientation"] else ""
-        )
-    times = ", a time for each point" if one["has_times"] else ""
-    fields = ", ".join(["x, y, z", *one["fields"]])
-    return f"clouds {one['topic']}: {one['count']} of {one['width']} × {one['height']} points ({fields}){times}, {said}"
-
-
-def _size_line(topic: dict[str, Any], *, with_rate: bool = True) -> str:
-    """Say how large a topic is, over which time, and how often it comes."""
-    size, unit = float(topic["bytes"]), "B"
-    for larger in ("kB", "MB", "GB"):
-        if size >= 1000.0:
-            size, unit = size / 1000.0, larger
-    rate = f", {topic['rate_hz']:.1f} Hz" if with_rate and topic["rate_hz"] is not None else ""
-    return f"{rate}, {size:.{0 if unit == 'B' else 1}f} {unit} in {topic['span_s']:.1f} s"
 
 
 def _time_line(time: dict[str, Any]) -> str:

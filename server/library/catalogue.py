@@ -137,6 +137,10 @@ class Catalogue:
         """Return where the picture of a log's map is, or will be."""
         return self._pictures / f"{log_id}.png"
 
+    def no_picture(self, log_id: str) -> Path:
+        """Return the empty file that marks a log of which no picture can be drawn."""
+        return self._pictures / f"{log_id}.none.png"
+
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""
         return self._folder_file(record) if record.source == "folder" else self._blobs.file(record.sha256)
@@ -182,6 +186,7 @@ class Catalogue:
             self.pack(log_id).unlink(missing_ok=True)
             self.contents(log_id).unlink(missing_ok=True)
             self.picture(log_id).unlink(missing_ok=True)
+            self.no_picture(log_id).unlink(missing_ok=True)
             if record is not None and record.source == "upload":
                 await self._delete_unused_blob(record.sha256)
         if self._forgotten is not None:

@@ -19,7 +19,7 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from mapper.core.errors import LimitError
+from mapper.core.errors import LimitError, ReadError
 from mapper.io.logs.summary import LogSummary, summarise
 from mapper.sensors.planar.options import PlanarCut
 from server.library.log_pack import write_pack
@@ -180,7 +180,12 @@ def _read(job: Job) -> LogSummary:
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
 
     selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
-    log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
+    try:
+        log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
+    except ReadError as error:
+        if error.code != "log.no_scans" or job.topic is not None:
+            raise
+        return _read_costmaps(job, error)
     note_progress(1.0)  # a cancelled job ends here and leaves no pack
     if job.pack is not None:
         try:
@@ -194,6 +199,25 @@ def _read(job: Job) -> LogSummary:
         with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
             write_picture(log.first, Path(job.picture))
     return summarise(log.first)
+
+
+def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
+    """Read the costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them either."""
+    from mapper.io.costmaps import open_costmaps  # noqa: PLC0415 - few logs have them
+    from server.library.costmap_pack import summarise_costmaps, write_costmap_pack  # noqa: PLC0415
+
+    try:
+        streams = open_costmaps(Path(job.source), progress=note_progress)
+    except ReadError:
+        raise no_scans from None
+    note_progress(1.0)
+    if job.pack is not None:
+        try:
+            write_costmap_pack(streams, Path(job.pack))
+        except OSError as error:
+            message = "What was read of the log could not be stored; the server's disk may be full."
+            raise LimitError("log.storage", message) from error
+    return summarise_costmaps(streams, Path(job.source).name)
 
 
 def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> LimitError:

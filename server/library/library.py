@@ -25,6 +25,7 @@ from server.library.limits import LibraryLimits
 from server.library.loading import Loading
 from server.library.log_reader import Reader
 from server.library.moment_pictures import MomentPicture, MomentPictures
+from server.library.old_pictures import OldPictures
 from server.library.records import Failure, Record
 from server.library.relation_scores import RelationScores
 from server.library.sample import SAMPLE_ID, Sample
@@ -38,6 +39,7 @@ from server.library.workers import worker_at
 from server.settings import Settings
 
 if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream
     from server.library.added import Added
     from server.library.given_map import GivenMap
 
@@ -144,6 +146,7 @@ class Library:
             memory_bytes=memory,
         )
         self._pictures = MomentPictures(self._catalogue)
+        self._old_pictures = OldPictures(self._catalogue, self._reader)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
         self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
 
@@ -168,10 +171,12 @@ class Library:
         await self.merges.start()
         await self.localization.start()
         self._folder.begin_survey()
+        self._old_pictures.begin()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
         await self._folder.close()
+        await self._old_pictures.close()
         await self.slam.close()
         await self.localization.close()
         await self.maps.close()
@@ -353,6 +358,10 @@ class Library:
         """
         log = await self._loading.load(owner, log_id, topic, cut)
         return await self.trajectories.joined(owner, log_id, log)
+
+    async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
+        """Return the costmaps of a recording that has no scans, by topic; None for any other log. As :meth:`load`."""
+        return await self._loading.costmaps(owner, log_id)
 
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""

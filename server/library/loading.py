@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.sensors.joint_log import SEPARATOR, JointLog
@@ -13,6 +14,7 @@ from mapper.sensors.planar.options import PlanarCut, is_cut
 from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
+from server.library.costmap_pack import read_costmap_pack
 from server.library.jobs import Jobs, unstored
 from server.library.limits import DAY_S
 from server.library.log_pack import StalePackError
@@ -20,6 +22,9 @@ from server.library.log_reader import Reader
 from server.library.records import Record
 from server.library.sample import Sample
 from server.library.scans import Scans
+
+if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream
 
 MAX_TOGETHER = 32  #: sensors of one log that are mapped together
 SONAR = "sensor_msgs/Range"
@@ -81,12 +86,31 @@ class Loading:
         kept = self.cache.get(log_id)
         if kept is not None:
             return kept
+        if record.summary is not None and record.summary.costmaps:
+            raise ReadError("log.no_scans", "The recording has costmaps and no scans.")
         for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
             record = await self._settled(owner, log_id)
             try:
                 return await self.scans.packed(record)
             except StalePackError:
                 self.jobs.queue(self.get(owner, log_id))
+        raise unstored()
+
+    async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
+        """Return the costmaps of a recording that has no scans, None for any other log; as :meth:`load`."""
+        record = self.get(owner, log_id)
+        if record.source == "sample":
+            return None
+        for _ in range(3):
+            record = await self._settled(owner, log_id)
+            if record.summary is not None and not record.summary.costmaps:
+                return None
+            try:
+                return await asyncio.to_thread(read_costmap_pack, self.catalogue.pack(record.id))
+            except StalePackError:
+                if record.summary is None:
+                    return None
+                self.jobs.queue(record)
         raise unstored()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:

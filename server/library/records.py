@@ -69,6 +69,7 @@ class Record:
             "has_picture": self.has_picture,
             "tags": list(self.tags),
             "scans": summary.scans if summary else None,
+            "costmaps": summary.costmaps if summary else 0,
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,

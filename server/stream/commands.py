@@ -115,7 +115,7 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
-    """Simulations: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
+    """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
 
     value: Annotated[bool, Meta(description="whether there is one")] = True
     values: Annotated[Values, Meta(description="navigation parameters to change")] = {}
@@ -124,7 +124,7 @@ class CostmapCommand(Struct, tag_field="type", tag="costmap"):
 
 
 class GoalCommand(Struct, tag_field="type", tag="goal"):
-    """Simulations with a costmap: set the goal of the path, and whether the robot drives along it."""
+    """Sessions with a costmap: set the goal of the path, and whether the robot drives along it."""
 
     x: Annotated[Number | None, Meta(description="x in the map frame, m; null: no goal")] = None
     y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
@@ -132,14 +132,14 @@ class GoalCommand(Struct, tag_field="type", tag="goal"):
 
 
 class CostCommand(Struct, tag_field="type", tag="cost"):
-    """Simulations with a costmap: ask why a cell has its cost; answered with `cost`."""
+    """Sessions with a costmap: ask why a cell has its cost; answered with `cost`."""
 
     x: Annotated[Number, Meta(description="x in the map frame, m")]
     y: Annotated[Number, Meta(description="y in the map frame, m")]
 
 
 class Nav2Command(Struct, tag_field="type", tag="nav2"):
-    """Simulations with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one."""
+    """Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one."""
 
     text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: answer with one")] = None
 

@@ -36,7 +36,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
 
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
-    kind: Annotated[str, Meta(description="`simulation`: a simulated robot; `log`: a recording")]
+    kind: Annotated[
+        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+    ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
     speeds: Annotated[
@@ -51,9 +53,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
         int | UnsetType,
         Meta(description="simulations: seed; the same seed and commands give the same scans"),
     ] = UNSET
-    navigation: Annotated[
-        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the costmap and the path")
-    ] = UNSET
+    navigation: Annotated[list[Parameter] | UnsetType, Meta(description="parameters of the costmap and the path")] = (
+        UNSET
+    )
 
 
 class LayersMessage(Struct, tag_field="type", tag="layers"):
@@ -215,7 +217,7 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
 
 
 class CostmapMessage(Struct, tag_field="type", tag="costmap"):
-    """Simulations: the costmap over the robot's map."""
+    """The costmap over the map of a simulation or a log."""
 
     is_on: Annotated[bool, Meta(description="whether there is one")]
     values: Annotated[Values, Meta(description="navigation parameters")]
@@ -226,7 +228,7 @@ class CostmapMessage(Struct, tag_field="type", tag="costmap"):
 
 
 class PathMessage(Struct, tag_field="type", tag="path"):
-    """Simulations with a costmap: the path to the goal; its points are in the layer `plan`."""
+    """Sessions with a costmap: the path to the goal; its points are in the layer `plan`."""
 
     goal: Annotated[Point | None, Meta(description="the goal; null: there is none")]
     drives: Annotated[bool, Meta(description="whether the robot drives along it")]

@@ -36,6 +36,7 @@ from tests.bench.service_start import service_start
 from tests.bench.sharing import sharing
 from tests.bench.size import size
 from tests.bench.slam import slam
+from tests.bench.volume import volume
 
 RANGE_MAX = 30.0
 ROUNDS = 8  #: in which ours and the peer's have five passes each by turns: these machines have good and bad moments
@@ -214,6 +215,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "slam": slam,
     "localization": localization,
     "costmap": costmap,
+    "volume": volume,
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,

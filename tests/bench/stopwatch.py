@@ -36,7 +36,7 @@ from tests.browser.looking import still, until
 FRAME_S = 1.0 / 60.0
 REST_S = 0.12  # within which an answer is seen, and the page comes to rest
 
-# `change` is where a change ends the lap: the attribute of an element, or a new map, whole or any part of it. As many
+# `change` is where a change ends the lap: the attribute of an element, a new path, a new map, whole or in part. As many
 # laps are taken as `window.wanted` says.
 _STOPWATCH = """([starts, change]) => {
   window.laps = [];
@@ -81,7 +81,13 @@ _STOPWATCH = """([starts, change]) => {
       channel.port2.postMessage(null);
     });
   };
-  if (change === "map" || change === "whole map") {
+  if (change === "path") {
+    let before = null;
+    gridbloom.connection.store.layers.content("plan").subscribe((now) => {
+      if (now && now !== before) queueMicrotask(changed);
+      before = now;
+    });
+  } else if (change === "map" || change === "whole map") {
     const { store } = gridbloom.connection;
     let before = store.layers.grid("map").complete;
     store.mapVersion.subscribe(() => queueMicrotask(() => {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -38,12 +37,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def logs_dir(tmp_path_factory: pytest.TempPathFactory, real_logs: Path | None) -> Path:
-    """Return a folder of logs that the service lists: Intel, where the real logs are."""
-    folder = tmp_path_factory.mktemp("logs")
-    if real_logs is not None:
-        shutil.copy(real_logs / "carmen" / "intel-corrected.log.gz", folder)
-    return folder
+def logs_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder whose logs the service lists. It reads what tests put there, so nothing is until it is needed."""
+    return tmp_path_factory.mktemp("logs")
 
 
 @pytest.fixture(scope="session")

@@ -176,7 +176,7 @@ class Screen:
         self.changes += bool(changed)
 
     def _answer(self, name: str) -> None:
-        """Close the dialog that asks whether it is meant, which has to be seen whole."""
+        """Close the dialog that asks whether it is meant, which has to be seen whole; end the full screen."""
         for dialog in self.page.locator("dialog:modal").element_handles():
             box = dialog.bounding_box()
             assert box is not None, name
@@ -184,6 +184,8 @@ class Screen:
             assert box["x"] + box["width"] <= self._size[0], (self._size, name)
             assert box["y"] + box["height"] <= self._size[1], (self._size, name)
             self.page.keyboard.press("Escape")
+        if self.page.evaluate("async () => document.fullscreenElement && (await document.exitFullscreen(), true)"):
+            self.page.evaluate(_STILL, self.pictures)
 
 
 @dataclass

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import BASE64, drag, frame, open_group, settled_digest, until
-from tests.browser.test_axe import nothing_serious, told_sliders
+from tests.browser.test_axe import nothing_wrong, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
 _BOTH = f"""() => {{
@@ -217,7 +217,7 @@ def test_a_map_with_kept_settings_is_compared_with_the_present_one(viewer: Page,
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "b")
     viewer.locator("body").press("b")
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "a")
-    nothing_serious(viewer)
+    nothing_wrong(viewer)
 
     # Why in A: with the increment that it kept.
     cell = differ[0]

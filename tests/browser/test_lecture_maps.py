@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import numbers, open_section
-from tests.browser.looking import drag, until
+from tests.browser.looking import await_map, drag, until
+from tests.mapper.io.contents.recorded_robot import robot
+from tests.mapper.io.logs import recorded
 
 # --- no return -------------------------------------------------------------------------------------------------------
 
@@ -143,3 +147,12 @@ def test_thresholds_change_the_file_and_its_reading(page: Page, server: str) -> 
     expect(words).to_contain_text("All unknown cells are read as free")
     page.keyboard.press("ArrowLeft")
     expect(words).not_to_contain_text("All unknown cells")
+
+
+def test_a_log_that_is_chosen_on_the_lecture_opens(page: Page, server: str, tmp_path: Path) -> None:
+    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes(robot(1)))
+    page.goto(f"{server}/lecture.html#log")
+    page.locator(".your-log input[type=file]").set_input_files(tmp_path / "robot.mcap")
+    expect(page.get_by_role("heading", name="robot.mcap")).to_be_visible()
+    await_map(page)
+    assert "arrived" not in page.url

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,12 +21,17 @@ from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 
 
+@pytest.fixture(scope="module")
+def intel_file(logs_dir: Path, data_file: Callable[[str], Path]) -> Path:
+    """The corrected Intel log, in the folder that the service lists."""
+    return Path(shutil.copy(data_file("carmen/intel-corrected.log.gz"), logs_dir))
+
+
 @pytest.fixture
-def intel(page: Page, server: str, data_file: Callable[[str], Path]) -> Page:
+def intel(page: Page, server: str, intel_file: Path) -> Page:
     """The viewer with the corrected Intel log, standing at its end."""
-    data_file("carmen/intel-corrected.log.gz")
     page.goto(f"{server}/logs.html")
-    card = page.locator(".log-card", has_text="intel-corrected.log.gz")
+    card = page.locator(".log-card", has_text=intel_file.name)
     card.get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     return page
@@ -169,9 +175,11 @@ def test_an_interrupted_upload_resumes(context: BrowserContext, server: str) -> 
         line.close()
 
 
-def test_the_cards_show_the_contents_of_the_logs(page: Page, server: str, logs_dir: Path, data_dir: Path) -> None:
+def test_the_cards_show_the_contents_of_the_logs(
+    page: Page, server: str, logs_dir: Path, data_dir: Path, intel_file: Path
+) -> None:
     page.goto(f"{server}/logs.html")
-    card = page.locator(".log-card", has_text="intel-corrected.log.gz")
+    card = page.locator(".log-card", has_text=intel_file.name)
     expect(card.locator(".log-run")).to_have_text("44:10 · 500 m driven · 910 scans")
     expect(page.locator(".log-card", has_text="sample")).to_contain_text("600 scans")
     # What is dropped into the folder is there at the next look; what is no log never is.

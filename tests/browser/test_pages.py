@@ -28,6 +28,9 @@ def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme)
         await_map(page)
     page.wait_for_timeout(500)
     assert page.evaluate(WIDER) is False
+    if page.viewport_size and page.viewport_size["width"] < 500:
+        page.set_viewport_size({"width": 320, "height": 640})  # the narrowest that WCAG 1.4.10 names
+        assert page.evaluate(WIDER) is False
     ground = page.evaluate("() => getComputedStyle(document.documentElement).colorScheme")
     assert scheme in ground or "light dark" in ground
 

@@ -1,6 +1,7 @@
 """Point clouds of files, scan graphs and depth folders, and those of recordings as streams."""
 
 from mapper.io.clouds.depth_folder import read_depth_folder
+from mapper.io.clouds.posed import PosedClouds, open_posed_clouds
 from mapper.io.clouds.reading import read_cloud, read_scan_graph
 from mapper.io.clouds.recorded import open_clouds
 from mapper.sensors.depth_folder import DepthFolder, DepthFrame
@@ -11,7 +12,9 @@ __all__ = [
     "DepthFrame",
     "PointCloud",
     "PosedCloud",
+    "PosedClouds",
     "open_clouds",
+    "open_posed_clouds",
     "read_cloud",
     "read_depth_folder",
     "read_scan_graph",

@@ -88,6 +88,8 @@ def _cut(node: int, count: int) -> ReadError:
 
 def _posed(points: NDArray[np.float64], pose: NDArray[np.float64], node: int, limits: Limits) -> PosedCloud:
     try:
+        if not np.abs(pose[:3, 3]).max() <= limits.max_coordinate:  # nor is it NaN
+            raise ReadError("cloud.pose", "The cloud's pose is not finite, or too far from the origin.")
         cloud = made_cloud(points, {}, limits) if len(points) else PointCloud(np.zeros((0, 3)))
         return PosedCloud(replace(cloud, frame_id=f"node {node}"), pose)
     except (ConfigError, ReadError) as error:

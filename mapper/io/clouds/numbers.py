@@ -13,6 +13,7 @@ from mapper.core.limits import Limits
 from mapper.io.logs.names import printable
 
 _ROW = re.compile(r" at row (\d+)")
+_CONTENT = re.compile(rb"^[ \t]*[^#\s]", re.MULTILINE)  #: a line with more than a remark
 
 
 def table(
@@ -24,22 +25,20 @@ def table(
     that is open; ``first_line`` is the number of the text's first line in its file. Raises :class:`ReadError` for what
     is no number, another number of values, and fewer rows; :class:`LimitError` for too many.
     """
-    most = limits.max_points if n is None else n
-    if not text.strip():
+    most = limits.max_points
+    if n is None and text.count(b"\n") > most:
+        raise LimitError("cloud.too_many_points", f"The file holds more lines than the limit of {most} points.")
+    if _CONTENT.search(text) is None:
         rows = np.zeros((0, columns or 0))
     else:
         try:
-            rows = np.loadtxt(
-                io.BytesIO(text), delimiter=separator, ndmin=2, max_rows=most + 1, comments="#", encoding="latin-1"
-            )
+            rows = np.loadtxt(io.BytesIO(text), delimiter=separator, ndmin=2, comments="#", encoding="latin-1")
         except (ValueError, OverflowError) as error:
             raise ReadError("cloud.numbers", _said(str(error), first_line)) from error
     if columns is not None and len(rows) and rows.shape[1] != columns:
         raise ReadError(
             "cloud.numbers", f"The points have {rows.shape[1]} numbers each, but the header says {columns}."
         )
-    if n is None and len(rows) > most:
-        raise LimitError("cloud.too_many_points", f"The file holds more points than the limit of {most}.")
     if n is not None and len(rows) < n:
         raise ReadError("cloud.truncated", f"The file ends early: {n} points claimed, {len(rows)} there.")
     return rows[:n] if n is not None else rows

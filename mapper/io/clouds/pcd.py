@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pypcd4.pypcd4 import MetaData
 
 MOST_HEADER_BYTES = 1 << 16
+MOST_NUMBERS = 4096  #: of one point
 LZF_EXPANSION = 132  #: LZF writes at most 264 bytes for two: a run of 264 takes three, one of 8 two
 COMPRESSED = ("binary_compressed", "binaryscompressed")
 
@@ -41,6 +42,10 @@ def read_pcd(data: bytes, limits: Limits) -> PointCloud:
     check_count(n, limits)
     if len({len(meta.fields), len(meta.size), len(meta.type), len(meta.count)}) != 1:
         raise ReadError("cloud.header", "The header's FIELDS, SIZE, TYPE and COUNT have different lengths.")
+    if sum(meta.count) > MOST_NUMBERS:
+        raise ReadError(
+            "cloud.header", f"A point of {sum(meta.count)} numbers is none of a sensor; {MOST_NUMBERS} are the most."
+        )
     if meta.width * meta.height != n:
         raise ReadError(
             "cloud.header", f"The header says {n} points, but its width and height {meta.width} × {meta.height}."

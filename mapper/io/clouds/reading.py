@@ -12,8 +12,12 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds.content import content
 from mapper.io.clouds.graph import graph_nodes, looks_like_graph
+from mapper.io.clouds.las import read_las
 from mapper.io.clouds.pcd import read_pcd
-from mapper.io.logs.unpacking import Progress
+from mapper.io.clouds.ply import read_ply
+from mapper.io.clouds.text import looks_like_text, read_text
+from mapper.io.clouds.vtk import read_vtk
+from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 Reader = Callable[[bytes, Limits], PointCloud]
@@ -21,15 +25,27 @@ Reader = Callable[[bytes, Limits], PointCloud]
 #: name of the format → how its first bytes (without blanks and remarks of PCD) begin, and its reader
 FORMATS: dict[str, tuple[tuple[bytes, ...], Reader]] = {
     "PCD": ((b"# .PCD", b"VERSION ", b"FIELDS "), read_pcd),
+    "PLY": ((b"ply\n", b"ply\r\n", b"ply "), read_ply),
+    "VTK": ((b"# vtk DataFile",), read_vtk),
+    "LAS": ((b"LASF",), read_las),
 }
-HEAD_BYTES = 256
+TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
+HEAD_BYTES = 1 << 12
 
 
 def cloud_format(head: bytes) -> str | None:
     """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
     if looks_like_graph(head):
         return "scan graph"
-    return next((name for name, (begins, _) in FORMATS.items() if head.startswith(begins)), None)
+    known = next((name for name, (begins, _) in FORMATS.items() if head.startswith(begins)), None)
+    return TEXT if known is None and looks_like_text(head) else known
+
+
+def format_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> str | None:
+    """Return :func:`cloud_format` of a file, plain or packed. Raises :class:`ReadError` where it cannot be read."""
+    with opened(path) as file:
+        pieces = Unpacked(file, lambda: "at its beginning", limits)
+        return cloud_format(next(iter(pieces), b"")[:HEAD_BYTES])
 
 
 def read_cloud(
@@ -37,7 +53,8 @@ def read_cloud(
 ) -> PointCloud:
     """Return the points of the file at ``path``, plain or packed with gzip or Zstandard, float64, in the file's order.
 
-    PCD, or OctoMap's scan graph, whose scans are joined in the map's frame. Points that are not finite stay where they
+    PCD, PLY, legacy VTK, LAS, LAZ, text (XYZ, PTS, CSV), or OctoMap's scan graph, whose scans are joined in the map's
+    frame. Points that are not finite stay where they
     are, so that rows agree with the file's. Raises :class:`ReadError`, saying what is wrong and where, and
     :class:`LimitError`.
     """
@@ -47,7 +64,7 @@ def read_cloud(
         return _joined(graph_nodes(data, limits), limits)
     if kind is None:
         raise ReadError("cloud.format", f"The file {Path(path).name!r} is none of the known formats: {_known()}.")
-    return FORMATS[kind][1](data, limits)
+    return (read_text if kind == TEXT else FORMATS[kind][1])(data, limits)
 
 
 def read_scan_graph(
@@ -79,4 +96,4 @@ def _joined(nodes: Iterator[PosedCloud], limits: Limits) -> PointCloud:
 
 
 def _known() -> str:
-    return ", ".join([*FORMATS, "scan graph (OctoMap)"])
+    return ", ".join([*FORMATS, "LAZ, scan graph (OctoMap), XYZ, PTS, CSV"])

@@ -24,7 +24,7 @@ def open_clouds(
     has no clouds, and as :func:`mapper.io.logs.open_log`.
     """
     files, kind = parts_of(Path(path), limits)
-    clouds = kind.clouds(files, limits, progress) if isinstance(kind, Container) else {}
+    clouds = kind.streams(files, limits, progress).clouds if isinstance(kind, Container) else {}
     if not clouds:
         raise ReadError("clouds.none", "The file holds no point clouds (sensor_msgs/PointCloud2 in a bag or an MCAP).")
     return clouds

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from array import array
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -28,6 +29,7 @@ from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.streams import CloudStream, ImuStream
 
 MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
 MAX_EDGES = 5000  #: pairs of frames
@@ -226,6 +228,31 @@ def open_inspected(
     inspector = Inspector(limits)
     robot = open_robot_log(path, selection=selection, limits=limits, progress=progress, also=inspector)
     return robot, inspector.contents() if inspector.taken else inspect(path, limits=limits)
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A recording without looking for scans: the name of its format, its contents, its clouds and its IMUs."""
+
+    format: str
+    contents: Contents
+    clouds: Mapping[str, CloudStream]
+    imus: Mapping[str, ImuStream]
+
+
+def open_held(
+    path: str | os.PathLike[str], *, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None
+) -> Held | None:
+    """Return what the recording at ``path`` holds, which need not have scans; None for a file that is no recording.
+
+    It is read once. Raises :class:`ReadError` and :class:`LimitError` as :func:`inspect`.
+    """
+    files, kind = parts_of(Path(path), limits)
+    if not isinstance(kind, Container):
+        return None
+    inspector = Inspector(limits)
+    streams = kind.streams(files, limits, progress, also=inspector)
+    return Held(kind.form, inspector.contents(), streams.clouds, streams.imus)
 
 
 def _of_all(progress: Progress, done: int, of: int, share: float) -> None:

@@ -50,7 +50,9 @@ class RecordedCostmap:
 
 
 @dataclass(frozen=True, slots=True)
-class _Kept:
+class KeptCostmap:
+    """A costmap whose costs are compressed with zlib."""
+
     stamp_ns: int
     received_ns: int
     frame: str
@@ -65,7 +67,12 @@ class CostmapStream(Sequence[RecordedCostmap]):
     def __init__(self, topic: str) -> None:
         self.topic = topic
         self.bad = 0  #: messages that could not be read
-        self._kept: list[_Kept] = []
+        self._kept: list[KeptCostmap] = []
+
+    @property
+    def kept(self) -> Sequence[KeptCostmap]:
+        """All of them, compressed."""
+        return tuple(self._kept)
 
     def __len__(self) -> int:
         """Return how many there are."""
@@ -101,8 +108,12 @@ class CostmapStream(Sequence[RecordedCostmap]):
     def add(self, found: RecordedCostmap) -> int:
         """Keep one; return the bytes that it takes."""
         packed = zlib.compress(found.costs.tobytes(), 1)
-        self._kept.append(_Kept(found.stamp_ns, found.received_ns, found.frame, found.layer, found.geometry, packed))
+        self.keep(KeptCostmap(found.stamp_ns, found.received_ns, found.frame, found.layer, found.geometry, packed))
         return len(packed)
+
+    def keep(self, kept: KeptCostmap) -> None:
+        """Keep one that is compressed."""
+        self._kept.append(kept)
 
 
 def costmap_message(

@@ -10,13 +10,12 @@ from itertools import pairwise
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.recorded_streams import streams_of, with_streams
+from mapper.io.logs.recorded_streams import Streams, streams_of, with_streams
 from mapper.io.logs.recording import Recording
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sink import BothSinks, MessageSink
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.robot_log import RobotLog
-from mapper.sensors.streams import CloudStream
 
 MAX_NOTES = 20
 NO_SENSOR = "\0"  #: what no topic is named
@@ -82,13 +81,24 @@ class Container:
         log = recording.robot_log(name, f"{self.form}, {len(files)} files")
         return with_streams(log, files, self.take, recording.parts)
 
-    def clouds(self, files: Sequence[Source], limits: Limits, progress: Progress | None) -> dict[str, CloudStream]:
-        """Return the point clouds of a recording by topic; of its messages only poses are read now."""
+    def streams(
+        self,
+        files: Sequence[Source],
+        limits: Limits,
+        progress: Progress | None,
+        *,
+        also: MessageSink | None = None,
+    ) -> Streams:
+        """Return the point clouds, IMUs and images of a recording by topic; of its messages only poses are read now.
+
+        ``also`` takes the messages in the same pass.
+        """
         recording = Recording(limits, Selection((NO_SENSOR,)))
+        sink = _with(recording, also)
         for done, file in enumerate(files):
-            self.take(file, recording, limits, _part_of(progress, done, len(files)))
-            recording.next_file()
-        return streams_of(files, self.take, recording.parts)[0]
+            self.take(file, sink, limits, _part_of(progress, done, len(files)))
+            sink.next_file()
+        return streams_of(files, self.take, recording.parts)
 
 
 def _with(recording: Recording, also: MessageSink | None) -> MessageSink:

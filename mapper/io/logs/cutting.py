@@ -64,7 +64,7 @@ class Cutter:
 
     def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
         """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
-        self._cameras[_folder(stream.topic)] = camera_info(data, cdr=stream.cdr)
+        self._cameras[topic_folder(stream.topic)] = camera_info(data, cdr=stream.cdr)
         self._cut_held()
 
     def finish(self) -> None:
@@ -104,7 +104,7 @@ class Cutter:
 
     def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
         if isinstance(message, DepthImage):
-            return _folder(stream.topic) in self._cameras
+            return topic_folder(stream.topic) in self._cameras
         if message.frame in self._placements:
             return True
         chain = self._tf.ancestors(message.frame)
@@ -152,9 +152,9 @@ class Cutter:
         return found
 
     def _beams_of_image(self, image: DepthImage, topic: str) -> Beams:
-        camera = self._cameras.get(_folder(topic))
+        camera = self._cameras.get(topic_folder(topic))
         if camera is None:
-            raise BadMessageError(f"no CameraInfo has come on {_folder(topic)}/camera_info")
+            raise BadMessageError(f"no CameraInfo has come on {topic_folder(topic)}/camera_info")
         try:
             ranges = cut_depth(image.metres(), camera, self._cut)
         except ConfigError as error:
@@ -166,7 +166,7 @@ class Cutter:
         return Beams(image.stamp_ns, frame, first + 0.5 * step, step, least, greatest, ranges)
 
 
-def _folder(topic: str) -> str:
+def topic_folder(topic: str) -> str:
     """Return a topic without its last part: an image and its CameraInfo are in one folder."""
     return topic.rpartition("/")[0]
 

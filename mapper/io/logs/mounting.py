@@ -17,6 +17,7 @@ Int64Array = NDArray[np.int64]
 #: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan's x is ahead and its y to the left.
 AHEAD_IN_OPTICAL = Poses3(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
 MOVED_M, MOVED_RAD = 0.002, 0.002  #: a sensor that moves no more than this on the robot has a fixed mount
+LEVEL = 0.9986  #: the z component of the z axis of a sensor that is tilted by 3°
 TILTED = 0.01  #: of the z component of a frame's z axis: a sensor by which it varies more tilts
 
 
@@ -54,9 +55,13 @@ def mounting_of(taken: Taken, chain: list[str], stamps: Int64Array, sensor: Sens
         return _mounting(level, False, poses, notes)
     planar = poses.planar
     notes += _note_on_moving(chain, planar)
-    if abs(float(up[0])) < 0.9:
+    upright = min(1.0, abs(float(up[0])))
+    if upright < LEVEL:
+        tilt = np.degrees(np.arccos(upright))
+        farther = f"up to {100.0 * (1.0 / upright - 1.0):.1f} % too far away" if upright > 0.5 else "at wrong distances"
         notes.append(
-            f"The sensor is tilted by {np.degrees(np.arccos(abs(float(up[0])))):.0f}°; the map takes it to be level."
+            f"The sensor is tilted by {tilt:.0f}°, in all scans alike. The map takes it to be level: walls are drawn "
+            f"{farther}, and where it looks down the floor is drawn as a wall."
         )
     missing = int(np.count_nonzero(~taken.tf.covers(chain, stamps))) if _moves(planar) else 0
     if missing:

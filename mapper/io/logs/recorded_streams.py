@@ -6,18 +6,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.cloud_messages import point_cloud
-from mapper.io.logs.cutting import CLOUD
+from mapper.io.logs.cloud_messages import NotDepthError, camera_info, depth_image, point_cloud
+from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, topic_folder
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.pulling import Take, pulled
 from mapper.io.logs.ros_messages import imu
 from mapper.io.logs.taken import Taken
+from mapper.io.logs.transforms import Poses3
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.point_cloud import PointCloud
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.streams import CloudStream, ImuSamples, ImuStream
@@ -77,30 +81,105 @@ class _Recorded:
         out[:, :3, :3], out[:, :3, 3] = poses.matrices, poses.positions
         return out
 
+    def poses(self, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
+        """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN where it is not known; None where nothing says it.
+
+        The fixed frame is tf's ``map`` above the frame, else the highest in which it moves, else that of odometry
+        messages, or of others with poses, of a frame above this one.
+        """
+        tf = self.taken.tf
+        chain = tf.ancestors(frame)
+        worlds = tf.worlds(chain)
+        if worlds:
+            chain = chain[: chain.index(worlds[0]) + 1]
+            return _matrices(tf.lookup(chain, stamps_ns), tf.covers(chain, stamps_ns))
+        bases = [tf.base_of(chain, self.taken.children)]
+        for topic in self.taken.poses.values():
+            up_to = chain.index(topic.child) if topic.child in chain else bases[0] if not topic.child else None
+            if up_to is None or not len(topic.timeline):
+                continue
+            mount = tf.lookup(chain[: up_to + 1], stamps_ns)
+            return _matrices(topic.timeline.at(stamps_ns) @ mount, topic.timeline.covers(stamps_ns))
+        return None
+
+    def depths(self, topic: str) -> Iterator[PointCloud]:
+        """Yield the depth images of a topic as organised clouds in the optical frame.
+
+        Raises :class:`ReadError` for a topic without a CameraInfo beside it, for images of another size than that says,
+        and behind the last depth image for images of another encoding.
+        """
+        camera = self._camera(topic)
+        other = ""
+        for message in pulled(self.files, self.take, topic, IMAGE, self.limits):
+            try:
+                image = depth_image(message.data, cdr=message.cdr)
+            except NotDepthError as error:
+                other = str(error)
+                continue
+            except BadMessageError:
+                continue
+            depth = image.metres()
+            depth[~(depth > 0.0)] = np.nan  # 0 is no reading
+            try:
+                points = camera.points(depth)
+            except ConfigError as error:
+                raise ReadError("clouds.camera", f"{topic}: {error.message}.") from error
+            yield PointCloud(points, image.stamp_ns or message.stamp_ns, image.frame, (camera.height, camera.width))
+        if other:
+            raise ReadError("clouds.not_depth", f"Images on {topic} hold no depths: their encoding is {other!r:.40}.")
+
+    def _camera(self, topic: str) -> Intrinsics:
+        info = f"{topic_folder(topic)}/camera_info"
+        for message in pulled(self.files, self.take, info, CAMERA, self.limits):
+            try:
+                return camera_info(message.data, cdr=message.cdr)
+            except BadMessageError:
+                continue
+        raise ReadError("clouds.no_camera", f"The depth images on {topic} have no CameraInfo on {info}.")
+
+
+def _matrices(poses: Poses3, known: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return poses as matrices (n, 4, 4), NaN where ``known`` (n,) is not set."""
+    out = np.tile(np.eye(4), (len(known), 1, 1))
+    out[:, :3, :3], out[:, :3, 3] = poses.matrices, poses.positions
+    out[~known] = np.nan
+    return out
+
 
 def with_streams(log: RobotLog, files: Sequence[Source], take: Take, taken: Taken) -> RobotLog:
     """Return the log of a recording with its clouds and IMUs, which are read from ``files`` when asked for."""
-    clouds, imus = streams_of(files, take, taken)
-    return replace(log, clouds=clouds, imus=imus)
+    streams = streams_of(files, take, taken)
+    return replace(log, clouds=streams.clouds, imus=streams.imus)
 
 
-def streams_of(
-    files: Sequence[Source], take: Take, taken: Taken
-) -> tuple[dict[str, CloudStream], dict[str, ImuStream]]:
-    """Return the clouds and the IMUs of a recording by topic, which are read from ``files`` when asked for."""
+class Streams(NamedTuple):
+    """The streams of a recording by topic; ``depths`` are depth images as organised clouds in the optical frame."""
+
+    clouds: dict[str, CloudStream]
+    imus: dict[str, ImuStream]
+    depths: dict[str, CloudStream]
+
+
+def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
+    """Return the clouds, IMUs and images of a recording, which are read from ``files`` when asked for."""
     recorded = _Recorded(files, take, taken)
     counts: dict[tuple[str, str], int] = {}
     for stream in taken.streams:
-        if stream.kind in (CLOUD, IMU):
+        if stream.kind in (CLOUD, IMU, IMAGE):
             counts[stream.topic, stream.kind] = counts.get((stream.topic, stream.kind), 0) + stream.count
     clouds = {
-        topic: CloudStream(topic, count, partial(recorded.clouds, topic), recorded.mounts)
+        topic: CloudStream(topic, count, partial(recorded.clouds, topic), recorded.mounts, recorded.poses)
         for (topic, kind), count in counts.items()
         if kind == CLOUD
+    }
+    depths = {
+        topic: CloudStream(topic, count, partial(recorded.depths, topic), recorded.mounts, recorded.poses)
+        for (topic, kind), count in counts.items()
+        if kind == IMAGE
     }
     imus = {
         topic: ImuStream(topic, count, partial(recorded.imu, topic), recorded.mounts)
         for (topic, kind), count in counts.items()
         if kind == IMU
     }
-    return clouds, imus
+    return Streams(clouds, imus, depths)

@@ -66,6 +66,7 @@ class LogSummary:
     upside_down: bool = False
     time: TimeSummary | None = None
     topics: tuple[Topic, ...] = ()
+    costmaps: int = 0  #: of a recording that has no scans
 
 
 def summarise(log: ScanLog) -> LogSummary:

@@ -19,7 +19,7 @@ def block_code(x: int, y: int, z: int) -> int:
 
 
 @jit
-def home_of(code: int, n: int) -> int:
+def _home_of(code: int, n: int) -> int:
     """Return where the search for a code begins in a table of length ``n``, a power of two.
 
     Source: Teschner, Heidelberger, Müller, Pomerantes & Gross, Optimized spatial hashing for collision detection of
@@ -32,7 +32,7 @@ def home_of(code: int, n: int) -> int:
 def slot_of(table: BlockTable, code: int) -> int:
     """Return the slot of a block, −1 for one that is not in the table."""
     n = table.codes.shape[0]
-    at = home_of(code, n)
+    at = _home_of(code, n)
     while table.codes[at] >= 0:
         if table.codes[at] == code:
             return int(table.slots[at])
@@ -57,7 +57,7 @@ def add_blocks(table: BlockTable, codes: Int64Array, first_slot: int, out: Int32
     slot = first_slot
     for i in range(codes.shape[0]):
         code = codes[i]
-        at = home_of(code, n)
+        at = _home_of(code, n)
         while table.codes[at] >= 0 and table.codes[at] != code:
             at = (at + 1) & (n - 1)
         if table.codes[at] < 0:

@@ -18,7 +18,7 @@ ENDS_EARLY, NO_CHILDREN, TOO_DEEP = -1, -2, -3  #: what is wrong with the data o
 
 
 @jit
-def spread(key: int) -> int:
+def _spread(key: int) -> int:
     """Return the 16 bits of a key with two zeros before each."""
     key = (key | key << 16) & 0x0000FF0000FF
     key = (key | key << 8) & 0x00F00F00F00F
@@ -27,8 +27,8 @@ def spread(key: int) -> int:
 
 
 @jit
-def gather(code: int) -> int:
-    """Return every third bit of a Morton code: the inverse of :func:`spread`."""
+def _gather(code: int) -> int:
+    """Return every third bit of a Morton code: the inverse of :func:`_spread`."""
     code &= 0x249249249249
     code = (code | code >> 2) & 0x0C30C30C30C3
     code = (code | code >> 4) & 0x00F00F00F00F
@@ -40,14 +40,14 @@ def gather(code: int) -> int:
 def morton_codes(keys: Int64Array, out: Int64Array) -> None:
     """Write the Morton codes (n,) of keys (n, 3)."""
     for i in range(keys.shape[0]):
-        out[i] = spread(keys[i, 0]) | spread(keys[i, 1]) << 1 | spread(keys[i, 2]) << 2
+        out[i] = _spread(keys[i, 0]) | _spread(keys[i, 1]) << 1 | _spread(keys[i, 2]) << 2
 
 
 @jit
 def morton_keys(codes: Int64Array, out: Int64Array) -> None:
     """Write the keys (n, 3) of Morton codes (n,)."""
     for i in range(codes.shape[0]):
-        out[i, 0], out[i, 1], out[i, 2] = gather(codes[i]), gather(codes[i] >> 1), gather(codes[i] >> 2)
+        out[i, 0], out[i, 1], out[i, 2] = _gather(codes[i]), _gather(codes[i] >> 1), _gather(codes[i] >> 2)
 
 
 @jit

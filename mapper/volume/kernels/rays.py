@@ -11,7 +11,7 @@ from math import sqrt
 
 import numpy as np
 
-from mapper.core.array_types import Float32Array, Int64Array, UInt8Array
+from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.kernels.types import Belief, Box, CastRule
@@ -37,6 +37,22 @@ def _crossing(key: int, origin: float, along: float, resolution: float, half: fl
 
 
 @jit
+def voxel_keys(points: Float32Array, resolution: float, out: Int64Array, out_inside: BoolArray) -> None:
+    """Write the keys (n, 3) of the voxels that hold points (n, 3), and which points are finite and in the lattice."""
+    factor, top = 1.0 / resolution, float(CENTRE)
+    for i in range(points.shape[0]):
+        x = np.floor(factor * float(points[i, 0]))
+        y = np.floor(factor * float(points[i, 1]))
+        z = np.floor(factor * float(points[i, 2]))
+        inside = (x >= -top) & (x < top) & (y >= -top) & (y < top) & (z >= -top) & (z < top)
+        out_inside[i] = inside
+        if inside:
+            out[i, 0], out[i, 1], out[i, 2] = int(x) + CENTRE, int(y) + CENTRE, int(z) + CENTRE
+        else:
+            out[i, 0], out[i, 1], out[i, 2] = 0, 0, 0
+
+
+@jit
 def mark_rays(
     origin: Float32Array, ends: Float32Array, first: Int64Array, lasts: Int64Array, resolution: float, box: Box,
     marks: UInt8Array,
@@ -48,15 +64,16 @@ def mark_rays(
     """
     half = float(np.float32(resolution * 0.5))
     top_x, top_y, top_z = box.x + box.nx, box.y + box.ny, box.z + box.nz
+    row, layer = box.nx, box.nx * box.ny
     for i in range(ends.shape[0]):
         x, y, z = first[0], first[1], first[2]
         last_x, last_y, last_z = lasts[i, 0], lasts[i, 1], lasts[i, 2]
         if x == last_x and y == last_y and z == last_z:
             continue
         # A ray that ends a voxel too far for rounding is still within these bounds.
-        if max(x, last_x) + 1 < box.x or max(y, last_y) + 1 < box.y or max(z, last_z) + 1 < box.z:
-            continue
-        if min(x, last_x) - 1 >= top_x or min(y, last_y) - 1 >= top_y or min(z, last_z) - 1 >= top_z:
+        low_x, low_y, low_z = min(x, last_x) - 1, min(y, last_y) - 1, min(z, last_z) - 1
+        high_x, high_y, high_z = max(x, last_x) + 1, max(y, last_y) + 1, max(z, last_z) + 1
+        if high_x < box.x or high_y < box.y or high_z < box.z or low_x >= top_x or low_y >= top_y or low_z >= top_z:
             continue
         dx, dy, dz = ends[i, 0] - origin[0], ends[i, 1] - origin[1], ends[i, 2] - origin[2]
         length = np.float32(_norm(dx, dy, dz))
@@ -64,6 +81,7 @@ def mark_rays(
         step_y, ty, apart_y = _crossing(y, origin[1], dy / length, resolution, half)
         step_z, tz, apart_z = _crossing(z, origin[2], dz / length, resolution, half)
         limit = float(length)
+        # There are no branches but the loop's: which axis comes next cannot be predicted.
         x, y, z, last_x, last_y, last_z = (
             x - box.x,
             y - box.y,
@@ -72,10 +90,9 @@ def mark_rays(
             last_y - box.y,
             last_z - box.z,
         )
-        # Without branches: which axis comes next cannot be predicted.
         while True:
             if (x >= 0) & (x < box.nx) & (y >= 0) & (y < box.ny) & (z >= 0) & (z < box.nz):
-                marks[(z * box.ny + y) * box.nx + x] = PASSED
+                marks[z * layer + y * row + x] = PASSED
             x_first = tx < ty
             not_z = min(tx, ty) < tz
             x_next, y_next = x_first & not_z, (not x_first) & not_z
@@ -112,6 +129,7 @@ def cast_rays(
     """
     resolution, reach = rule.resolution, rule.range_max * rule.range_max
     limited = rule.range_max > 0.0
+    near = rule.range_max - 2.0 * resolution  # centres of voxels that a ray enters before are in range
     for i in range(origins.shape[0]):
         ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
         x, y, z = firsts[i, 0], firsts[i, 1], firsts[i, 2]
@@ -120,16 +138,31 @@ def cast_rays(
         step_x, tx, apart_x = _crossing(x, ox, dx / length, resolution, resolution * 0.5)
         step_y, ty, apart_y = _crossing(y, oy, dy / length, resolution, resolution * 0.5)
         step_z, tz, apart_z = _crossing(z, oz, dz / length, resolution, resolution * 0.5)
-        code, slot, search, absent = -1, -1, False, False
+        code, slot, search, absent, entered = -2, -1, False, False, -np.inf
         while True:
             here = block_code(x, y, z)
             if here != code:
+                if min(x, y, z) < 0 or max(x, y, z) >= 2 * CENTRE:  # the lattice ends where a block does
+                    x, y, z = (
+                        min(max(x, 0), 2 * CENTRE - 1),
+                        min(max(y, 0), 2 * CENTRE - 1),
+                        min(max(z, 0), 2 * CENTRE - 1),
+                    )
+                    end = OUTSIDE
+                    break
                 code = here
                 slot = slot_of(belief.table, code)
                 absent = slot < 0
                 search = not absent and (
                     belief.maxima[slot] >= rule.occupied or (not rule.through_unknown and belief.known[slot] < 512)
                 )
+            if limited and entered > near:
+                ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
+                ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
+                az = np.float32((z - CENTRE + 0.5) * resolution) - oz
+                if float(ax * ax) + float(ay * ay) + float(az * az) > reach:
+                    end = TOO_FAR
+                    break
             if absent:
                 if not rule.through_unknown:
                     end = UNKNOWN
@@ -143,30 +176,15 @@ def cast_rays(
                     end = UNKNOWN
                     break
             x_first = tx < ty
-            not_z = min(tx, ty) < tz
-            if x_first & not_z:
-                if x + step_x < 0 or x + step_x >= 2 * CENTRE:
-                    end = OUTSIDE
-                    break
-                x += step_x
-                tx += apart_x
-            elif not_z:
-                if y + step_y < 0 or y + step_y >= 2 * CENTRE:
-                    end = OUTSIDE
-                    break
-                y += step_y
-                ty += apart_y
-            else:
-                if z + step_z < 0 or z + step_z >= 2 * CENTRE:
-                    end = OUTSIDE
-                    break
-                z += step_z
-                tz += apart_z
-            if limited:
-                ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
-                ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
-                az = np.float32((z - CENTRE + 0.5) * resolution) - oz
-                if float(ax * ax) + float(ay * ay) + float(az * az) > reach:
-                    end = TOO_FAR
-                    break
+            entered = min(tx, ty)
+            not_z = entered < tz
+            entered = min(entered, tz)
+            x_next, y_next = x_first & not_z, (not x_first) & not_z
+            x += step_x if x_next else 0
+            y += step_y if y_next else 0
+            z += 0 if not_z else step_z
+            after_x, after_y, after_z = tx + apart_x, ty + apart_y, tz + apart_z
+            tx = after_x if x_next else tx
+            ty = after_y if y_next else ty
+            tz = tz if not_z else after_z
         out_keys[i, 0], out_keys[i, 1], out_keys[i, 2], out_ends[i] = x, y, z, end

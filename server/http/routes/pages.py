@@ -84,9 +84,9 @@ async def asset(request: Request, name: str) -> Response:
 
 @router.get("/3d")
 async def three_d(sessions: Sessions, session: str) -> Response:
-    """Redirect to the 3D view of a session."""
+    """Redirect to the 3D view of a session, without viser's panel: the controls are in the page of the session."""
     found = sessions.get(session)
-    return RedirectResponse(f"/scenes/{found.id}/", status_code=307)
+    return RedirectResponse(f"/scenes/{found.id}/plain/", status_code=307)
 
 
 @router.api_route("/{name}", methods=["GET", "HEAD"])

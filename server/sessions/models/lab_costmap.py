@@ -34,7 +34,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError
 
 MOST_STROKES = 100
-MOST_POINTS = 4000  #: of all strokes together
+MOST_POINTS = 3000  #: of all strokes together: a command has at most 64 KiB
 WIDEST_M = 5.0
 _ROUND = 10  #: sides of a brush
 
@@ -71,17 +71,17 @@ class LabCostmap:
     :meth:`paint` the keepout zones; :meth:`update` brings the costs up to date.
     """
 
-    def __init__(self, grid: OccupancyGrid, world: World, parameters: LabParameters) -> None:
-        self._world, self._plan = world, None if parameters.values["map"] == "belief" else plan_map(world)
+    def __init__(self, grid: OccupancyGrid, world: World | None, parameters: LabParameters) -> None:
+        self._world, self._plan = world, _plan_of(world, parameters)
         self.parameters = parameters
         self.strokes: tuple[Stroke, ...] = ()
         names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
         self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
         self._master = GridLayer("costmap", "Costmap", "costs")
         self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
-        self._begin(grid)
+        self.begin(grid)
 
-    def _begin(self, grid: OccupancyGrid) -> None:
+    def begin(self, grid: OccupancyGrid) -> None:
         """Make all layers anew over the present map; what was painted stays."""
         map_ = self._plan or grid
         self.geometry = map_.geometry
@@ -125,7 +125,7 @@ class LabCostmap:
         if self._plan is not None or not (whole or box):
             return
         if grid.geometry != self.geometry:
-            self._begin(grid)
+            self.begin(grid)
             return
         if whole or box is None:
             box = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols)
@@ -138,7 +138,7 @@ class LabCostmap:
         self._obstacle.observe(observation)
         self._dynamic.observe(observation)
 
-    def change(self, parameters: LabParameters, grid: OccupancyGrid, world: World) -> None:
+    def change(self, parameters: LabParameters, grid: OccupancyGrid, world: World | None) -> None:
         """Use other parameters. Raises :class:`ConfigError`, and nothing has changed then."""
         before, old_plan = self.parameters, self._plan
         try:
@@ -146,8 +146,8 @@ class LabCostmap:
             wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
             if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
                 if wanted != before.values["map"]:
-                    self._plan = None if wanted == "belief" else plan_map(world)
-                self._begin(grid)
+                    self._plan = _plan_of(world, parameters)
+                self.begin(grid)
                 return
             self._obstacle.configure(parameters.obstacle)
             self._dynamic.configure(parameters.dynamic)
@@ -207,6 +207,11 @@ class LabCostmap:
         """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
         row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
         return self.costmap.why(row, col)
+
+
+def _plan_of(world: World | None, parameters: LabParameters) -> OccupancyGrid | None:
+    """Return the plan of the world if the static map is to be that; None for the robot's own map."""
+    return None if world is None or parameters.values["map"] == "belief" else plan_map(world)
 
 
 def _continues(before: Stroke, after: Stroke) -> bool:

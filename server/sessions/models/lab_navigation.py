@@ -11,7 +11,7 @@ import numpy as np
 
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
-from mapper.costmap import CellReason, Footprint
+from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import CellBox
 from mapper.mapping.integrate import Change
@@ -22,6 +22,7 @@ from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_costmap import LabCostmap, strokes_of
 from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2
 from server.sessions.models.lab_path import LabPath
+from server.sessions.models.navigation_messages import cost_message, costmap_message
 from server.sessions.models.simulation_commands import act
 from server.sessions.tick import TickResult
 from server.sessions.view import as_pose
@@ -29,7 +30,6 @@ from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError, number, text, values
 
 CONTROL_S = 0.2  #: simulated time between two decisions of the follower of a path
-COMMANDS = ("costmap", "goal", "cost", "nav2")
 
 
 def believed_now(mapper: LiveMap) -> PoseTuple:
@@ -87,6 +87,8 @@ class LabNavigation:
             self._steered = time
             linear, angular = (round(v, 3) for v in velocities)
             act(self._mapper, {"type": "drive", "linear": linear, "angular": angular}, result)
+        if not self._path.drives:
+            result.slot(self._path.message())  # it has arrived
 
     def stop_driving(self, result: TickResult) -> None:
         """Drive no longer: somebody else drives the robot."""
@@ -118,7 +120,7 @@ class LabNavigation:
                 self._is_stale = True
             case "cost":
                 x, y = number(command, "x"), number(command, "y")
-                result.answer(_cost_message(x, y, self._costmap.why(x, y)))
+                result.answer(cost_message(x, y, self._costmap.why(x, y)))
             case "nav2":
                 self._exchange(self._costmap, command, result)
 
@@ -187,27 +189,4 @@ class LabNavigation:
 
     def messages(self) -> list[dict[str, Any]]:
         """Return the messages ``costmap`` and ``path``."""
-        costmap = self._costmap
-        parameters = LabParameters() if costmap is None else costmap.parameters
-        outline = parameters.outline
-        strokes = () if costmap is None else costmap.strokes
-        return [
-            {
-                "type": "costmap",
-                "is_on": costmap is not None,
-                "values": dict(parameters.values),
-                "footprint": [list(corner) for corner in parameters.footprint.vertices],
-                "inscribed_radius": round(outline.inscribed_radius, 4),
-                "circumscribed_radius": round(outline.circumscribed_radius, 4),
-                "keepout": [
-                    {"width": one.width, "erases": one.erases, "points": [list(point) for point in one.points]}
-                    for one in strokes
-                ],
-            },
-            self._path.message(),
-        ]
-
-
-def _cost_message(x: float, y: float, reasons: list[CellReason]) -> dict[str, Any]:
-    layers = [{"layer": one.layer, "cost": one.cost, "master": one.master, "sentence": one.sentence} for one in reasons]
-    return {"type": "cost", "x": round(x, 4), "y": round(y, 4), "layers": layers}
+        return [costmap_message(self._costmap), self._path.message()]

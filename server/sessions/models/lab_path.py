@@ -62,7 +62,10 @@ class LabPath:
         self._plan_ms = 1e3 * (time.perf_counter() - started)
         path = self._path
         self._line.set(np.zeros((2, 0)) if path is None else path.points.T)
-        if path is not None:
+        if path is None:
+            if self._is_shown:
+                self._potential.set_bytes(geometry, np.full(geometry.shape, 255, dtype=np.uint8))
+        else:
             known = path.potential < math.inf
             scale = 254.0 / max(float(path.potential.max(where=known, initial=0.0)), 1.0)
             shares = np.full(path.potential.shape, 255, dtype=np.uint8)

@@ -26,6 +26,7 @@ from server.sessions.models.log_comparison import LogComparison
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_localization import LogLocalization
+from server.sessions.models.log_navigation import ROWS, LogNavigation
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.models.log_updates import LogUpdates
 from server.sessions.playback import Playback
@@ -113,6 +114,7 @@ class LogModel(SessionModel):
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)
+        self._navigation = LogNavigation(self.recording)
         self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)
@@ -129,7 +131,8 @@ class LogModel(SessionModel):
     @property
     def layers(self) -> Sequence[Layer]:
         """The map, the second map of a comparison, the pose graph, and what it is localized in."""
-        return (self._map, *self.comparison.layers, *self.graph.layers, *self.localization.layers)
+        others = (self.comparison, self.graph, self.localization, self._navigation)
+        return (self._map, *(layer for one in others for layer in one.layers))
 
     @property
     def title(self) -> str:
@@ -156,7 +159,8 @@ class LogModel(SessionModel):
         """The cells of both maps, and their logs."""
         other = self.comparison.footprint
         return Footprint(
-            int(self.grid.log_odds.size) + other.cells + self.localization.cells, (self.recording.log, *other.logs)
+            int(self.grid.log_odds.size) + other.cells + self.localization.cells + self._navigation.cells,
+            (self.recording.log, *other.logs),
         )
 
     @property
@@ -216,6 +220,7 @@ class LogModel(SessionModel):
         recording, log = self.recording, self.recording.log
         return {
             "parameters": self.parameters.table(recording.first_config()),
+            "navigation": ROWS,
             "log": {
                 "id": recording.log_id,
                 "topic": log.topic,
@@ -231,8 +236,9 @@ class LogModel(SessionModel):
         }
 
     def messages(self) -> list[dict[str, Any]]:
-        """Return the parameters, the trajectory, and how the robot is localized."""
-        return [self._parameters_message(), self._trajectory_message(), self.localization.message()]
+        """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
+        first = [self._parameters_message(), self._trajectory_message(), self.localization.message()]
+        return [*first, *self._navigation.messages()]
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
@@ -291,6 +297,7 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
+        self._navigation.draw(result.box, result, whole=result.new_grid)
         message = self.localization.draw()
         if message is not None:
             result.slot(message)
@@ -321,7 +328,7 @@ class LogModel(SessionModel):
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
-        if self._updates.obey(command, result):
+        if self._updates.obey(command, result) or self._navigation.obey(command, result):
             return
         count = self.recording.log.n_scans
         if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):

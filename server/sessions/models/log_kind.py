@@ -12,6 +12,7 @@ from server.sessions.making import Making
 from server.sessions.view import LogView
 
 if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream
     from server.sessions.hosting import ModelHost
     from server.sessions.model import SessionModel
 
@@ -66,11 +67,26 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
     view = LogView(wanted.topic, wanted.trajectory, cut=wanted.cut)
     making.watched = lambda: library.opening(wanted.log)
     try:
+        costmaps = await library.costmaps(resources.visitor, wanted.log)
+        if costmaps is not None:
+            title = library.get(resources.visitor, wanted.log).name
+            return _costmaps_plan(costmaps, wanted, title)
         log = await library.load(resources.visitor, wanted.log, wanted.topic, view.planar_cut)
     finally:
         making.watched = None
     title = resources.library.get(resources.visitor, wanted.log).name
     return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
+
+
+def _costmaps_plan(streams: dict[str, CostmapStream], wanted: NewLog, title: str) -> Plan:
+    """Return the plan of a session that shows the costmaps of a recording without scans."""
+
+    def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans
+        from server.sessions.models.costmaps import CostmapsModel  # noqa: PLC0415 - few logs have them
+
+        return CostmapsModel(streams, log_id=wanted.log, title=title, topic=wanted.topic)
+
+    return Plan(make, playing=wanted.playing)
 
 
 LOG = Kind(NewLog, _plan)

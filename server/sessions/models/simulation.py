@@ -27,9 +27,10 @@ from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.lab_localization import LabLocalization
-from server.sessions.models.lab_navigation import COMMANDS, LabNavigation, believed_now
+from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.lab_navigation_parameters import TABLE
 from server.sessions.models.localization_message import OFF
+from server.sessions.models.navigation_messages import COMMANDS
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
@@ -195,12 +196,12 @@ class SimulationModel(SessionModel):
         }
 
     def messages(self) -> list[dict[str, Any]]:
-        """Return the parameters, the world, how the robot is localized, its costmap and its path."""
+        """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
         return [
             self._parameters_message(),
             self._world_message(),
-            OFF if self._localization is None else self._localization.message(),
             *self._navigation.messages(),
+            OFF if self._localization is None else self._localization.message(),
         ]
 
     def _parameters_message(self) -> dict[str, Any]:
@@ -352,7 +353,7 @@ class SimulationModel(SessionModel):
 
     def _act(self, command: dict[str, Any], result: TickResult) -> None:
         mapper, second = self._mapper, self._mapper.second
-        if command["type"] == "edit":
+        if command["type"] in ("edit", "sensor"):
             with self._cancellable():
                 act(mapper, command, result)
         else:

@@ -10,25 +10,28 @@ import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
+import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
-import { openSession } from "./logs/library";
+import { arrived, openSession } from "./logs/library";
 import { linkOf } from "./logs/links";
 import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
 
 /**
- * The query of the address, `?log=ID&topic=NAME&session=ID`; the topic is one of the log's sensors, null the default.
+ * The query of the address, `?log=ID&topic=NAME&session=ID&kind=costmaps`; the topic is one of the log's sensors, null
+ * the default; the kind is that of the session, null for one of a log.
  */
 interface Place {
   readonly log: string | null;
   readonly topic: string | null;
   readonly session: string | null;
+  readonly kind?: string | null;
 }
 
 function placeOf(search: string): Place {
   const query = new URLSearchParams(search);
-  return { log: query.get("log"), topic: query.get("topic"), session: query.get("session") };
+  return { log: query.get("log"), topic: query.get("topic"), session: query.get("session"), kind: query.get("kind") };
 }
 
 /** The token of the shared link that this page was opened with, or null. */
@@ -36,19 +39,26 @@ const link = linkOf(location.pathname);
 const place = signal<Place>(placeOf(location.search));
 const failure = signal<string | null>(null);
 
+const arrival = new URLSearchParams(location.search).get("arrived");
+if (arrival) {
+  arrived.value = arrival;
+  history.replaceState(null, "", location.pathname);
+}
+
 /** Time until the next request to a server that did not answer. */
 const RETRY_MS = 3000;
 
-function go({ log, topic, session }: Place, replace = false): void {
+function go({ log, topic, session, kind = null }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
   if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
+  if (session && kind) query.set("kind", kind);
   // When the entry is replaced, the fragment stays: it may describe a comparison.
   const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
   if (replace) history.replaceState(null, "", address);
   else history.pushState(null, "", address);
-  place.value = { log, topic, session };
+  place.value = { log, topic, session, kind };
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
@@ -69,7 +79,8 @@ async function open(log: string, topic: string | null, replace: boolean): Promis
   try {
     const session = await openSession(log, topic, own.signal);
     failure.value = null;
-    if (place.peek().log === log && place.peek().topic === topic) go({ log, topic, session }, true);
+    if (place.peek().log !== log || place.peek().topic !== topic) return;
+    go({ log, topic, session: session.id, kind: session.kind === "costmaps" ? session.kind : null }, true);
   } catch (error) {
     if (own.signal.aborted) return;
     const isAway = error instanceof TypeError;
@@ -94,7 +105,17 @@ const close = (): void => go({ log: null, topic: null, session: null });
 
 function Page() {
   if (link) return <Guest token={link} />;
-  const { log, topic, session } = place.value;
+  const { log, topic, session, kind } = place.value;
+  if (session && kind === "costmaps") {
+    return (
+      <CostmapViewer
+        key={session}
+        session={session}
+        onClose={close}
+        onGone={() => (log ? void open(log, topic, true) : close())}
+      />
+    );
+  }
   if (session) {
     return (
       <Viewer

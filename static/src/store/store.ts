@@ -64,9 +64,9 @@ export class Store extends SessionState {
     this.#change(key, [{ type: "costmap", keepout: old }], [{ type: "costmap", keepout }]);
   }
 
-  /** Set the goal of the path; null for none. */
+  /** Set the goal of the path, at once: the path has to be planned before the hand has moved on. Null for none. */
   setGoal(point: Point | null): void {
-    this.sendSoon(point ? { type: "goal", x: point[0], y: point[1] } : { type: "goal" });
+    this.send(point ? { type: "goal", x: point[0], y: point[1] } : { type: "goal" });
   }
 
   /** Drag the goal to a point; null when it is released. */
@@ -121,6 +121,10 @@ export class Store extends SessionState {
       const sensor = initialOf(hello.sensor.table);
       undo.push(...this.#back("sensor", sensor));
       redo.push({ type: "sensor", values: sensor });
+    }
+    if (hello.navigation && this.navigation.costmap.peek()?.is_on) {
+      undo.push({ type: "costmap", values: this.navigation.values.values.peek() });
+      redo.push({ type: "costmap", values: initialOf(hello.navigation) });
     }
     const faults = this.faults.peek();
     if (faults) {

@@ -13,10 +13,24 @@ interface ButtonProps {
   /** With an address it is a link that looks like a button. */
   readonly href?: string;
   readonly download?: boolean | string;
+  /** Of a link: a tab of its own. */
+  readonly target?: "_blank";
   readonly children?: ComponentChildren;
 }
 
-export function Button({ onClick, icon, label, kind, size, pressed, disabled, href, download, children }: ButtonProps) {
+export function Button({
+  onClick,
+  icon,
+  label,
+  kind,
+  size,
+  pressed,
+  disabled,
+  href,
+  download,
+  target,
+  children,
+}: ButtonProps) {
   const iconOnly = icon !== undefined && children === undefined;
   const className = ["button", kind, size, iconOnly && "icon-only"].filter(Boolean).join(" ");
   const inside = (
@@ -33,6 +47,7 @@ export function Button({ onClick, icon, label, kind, size, pressed, disabled, hr
         href={href}
         {...name}
         {...(download === undefined ? {} : { download })}
+        {...(target === undefined ? {} : { target, rel: "noopener" })}
         {...(onClick ? { onClick } : {})}
       >
         {inside}

@@ -30,6 +30,8 @@ const PATHS = {
   file: "M6 3h8l4 4v14H6zM14 3v4h4",
   map: "M4 6l5-2 6 2 5-2v14l-5 2-6-2-5 2zM9 4v14M15 6v14",
   up: "M5 15l7-7 7 7",
+  grip: "M9 6v.1M15 6v.1M9 12v.1M15 12v.1M9 18v.1M15 18v.1",
+  pen: "M4 20l1-4L16 5l3 3L8 19zM14 7l3 3",
   plus: "M12 5v14M5 12h14",
   slides: "M3 5h18v11H3zM12 16v4M8 20h8",
   notes: "M5 4h14v16H5zM8.5 8.5h7M8.5 12h7M8.5 15.5h4",

@@ -23,7 +23,7 @@ export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | 
       </a>
       <a class="site-brand" href="/" {...(current === "home" ? { "aria-current": "page" } : {})}>
         <Icon name="logo" />
-        Gridbloom
+        <span>Gridbloom</span>
       </a>
       <nav aria-label="Pages">
         {PAGES.map((page) => (

@@ -3,9 +3,12 @@
 export interface SessionKind {
   /** Whether the user can drive the robot. */
   readonly isDriven: boolean;
+  /** Whether there is a robot whose pose is known. */
+  readonly hasRobot: boolean;
 }
 
 export const KINDS: Record<string, SessionKind> = {
-  simulation: { isDriven: true },
-  log: { isDriven: false },
+  simulation: { isDriven: true, hasRobot: true },
+  log: { isDriven: false, hasRobot: true },
+  costmaps: { isDriven: false, hasRobot: false },
 };

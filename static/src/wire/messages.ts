@@ -237,7 +237,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -255,7 +255,7 @@ export interface Hello {
   readonly world?: string;
   /** simulations: seed; the same seed and commands give the same scans */
   readonly seed?: number;
-  /** simulations: parameters of the costmap and the path */
+  /** parameters of the costmap and the path */
   readonly navigation?: readonly Parameter[];
 }
 
@@ -461,7 +461,7 @@ export interface LocalizationMessage {
   readonly error_rad: number | null;
 }
 
-/** Simulations: the costmap over the robot's map. */
+/** The costmap over the map of a simulation or a log. */
 export interface CostmapMessage {
   readonly type: "costmap";
   /** whether there is one */
@@ -478,7 +478,7 @@ export interface CostmapMessage {
   readonly keepout: readonly KeepoutStroke[];
 }
 
-/** Simulations with a costmap: the path to the goal; its points are in the layer `plan`. */
+/** Sessions with a costmap: the path to the goal; its points are in the layer `plan`. */
 export interface PathMessage {
   readonly type: "path";
   /** the goal; null: there is none */
@@ -733,7 +733,7 @@ export interface LocalizeCommand {
   readonly map?: string;
 }
 
-/** Simulations: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
+/** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
 export interface CostmapCommand {
   readonly type: "costmap";
   /** whether there is one */
@@ -746,7 +746,7 @@ export interface CostmapCommand {
   readonly keepout?: readonly KeepoutStroke[] | null;
 }
 
-/** Simulations with a costmap: set the goal of the path, and whether the robot drives along it. */
+/** Sessions with a costmap: set the goal of the path, and whether the robot drives along it. */
 export interface GoalCommand {
   readonly type: "goal";
   /** x in the map frame, m; null: no goal */
@@ -757,7 +757,7 @@ export interface GoalCommand {
   readonly drives?: boolean | null;
 }
 
-/** Simulations with a costmap: ask why a cell has its cost; answered with `cost`. */
+/** Sessions with a costmap: ask why a cell has its cost; answered with `cost`. */
 export interface CostCommand {
   readonly type: "cost";
   /** x in the map frame, m */
@@ -766,7 +766,7 @@ export interface CostCommand {
   readonly y: number;
 }
 
-/** Simulations with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one. */
+/** Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one. */
 export interface Nav2Command {
   readonly type: "nav2";
   /** a Nav2 parameter file; null: answer with one */

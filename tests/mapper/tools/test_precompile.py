@@ -7,9 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from mapper.tools import precompile
 
 
+@pytest.mark.long  # `make test` runs the same command before the tests, and ends where it fails
 def test_every_kernel_is_compiled_by_it():
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_DISABLE_JIT"}
     done = subprocess.run(

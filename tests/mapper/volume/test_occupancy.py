@@ -10,7 +10,15 @@ import pytest
 
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS
-from mapper.volume import OccupancyVolume, VolumeConfig, cast, changes, distance_to_obstacle, project, voxels_in_box
+from mapper.volume import (
+    OccupancyVolume,
+    VolumeConfig,
+    cast,
+    changes_between,
+    distance_to_obstacle,
+    project,
+    voxels_in_box,
+)
 from mapper.volume.queries import HIT, OUTSIDE, TOO_FAR, UNKNOWN
 
 CONFIG = VolumeConfig(resolution=0.1)
@@ -97,14 +105,14 @@ def test_changes_are_those_of_voxels_that_both_maps_know() -> None:
     after.insert_scan([[0.55, 0.05, 0.05]] * 1, ORIGIN)
     for _ in range(3):
         after.insert_scan([[1.95, 0.05, 0.05]], ORIGIN)
-    found = changes(before, after)
+    found = changes_between(before, after)
     assert (found.vanished - 32768).tolist() == [[10, 0, 0]]
     assert found.appeared.tolist() == []
     assert (found.same, found.only_first, found.only_second) == (10, 0, 9)
-    turned = changes(after, before)
+    turned = changes_between(after, before)
     assert (turned.appeared - 32768).tolist() == [[10, 0, 0]]
     with pytest.raises(ConfigError, match=r"of one size, not 0\.1 and 0\.2 m"):
-        changes(before, OccupancyVolume(VolumeConfig(resolution=0.2)))
+        changes_between(before, OccupancyVolume(VolumeConfig(resolution=0.2)))
 
 
 def test_points_that_are_nowhere_are_left_out_and_counted() -> None:

@@ -207,4 +207,4 @@ def test_the_3d_view_opens(service: Service) -> None:
     session_id = service.begin()
     answer = service.http.get(f"/3d?session={session_id}")
     assert answer.status_code == 307
-    assert answer.headers["location"] == f"/scenes/{session_id}/"
+    assert answer.headers["location"] == f"/scenes/{session_id}/plain/"

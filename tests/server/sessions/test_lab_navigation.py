@@ -48,11 +48,14 @@ class Lab:
 
     @property
     def path(self) -> dict[str, Any]:
-        return self.model.messages()[-1]
+        return self.message("path")
 
     @property
     def costmap(self) -> dict[str, Any]:
-        return self.model.messages()[-2]
+        return self.message("costmap")
+
+    def message(self, kind: str) -> dict[str, Any]:
+        return next(one for one in self.model.messages() if one["type"] == kind)
 
     @property
     def costs(self) -> LayeredCostmap:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
@@ -71,6 +71,22 @@ def test_many_sensors_do_not_pile_up() -> None:
         mapper.look()
     assert len(mapper.recordings) <= 32
     assert mapper.logs()[0].n_beams == 360  # the longest one is kept
+
+
+def test_a_change_of_the_sensor_that_is_cancelled_has_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mapper.simulation.live_map.MAX_SEGMENTS", 2)
+    mapper = LiveMap(WORLDS["room"], seed=1)
+    mapper.advance(1.0)
+    mapper.set_sensor(SensorConfig(n_beams=60))
+    mapper.advance(0.5)
+    sensor, grid, recordings = mapper.simulation.sensor, mapper.grid, [*mapper.recordings]
+    mapper.wanted = lambda: False
+    with pytest.raises(WorkCancelledError):
+        mapper.set_sensor(SensorConfig(n_beams=90))  # one recording too many: the map is made anew
+    assert (mapper.simulation.sensor, mapper.grid is grid, mapper.recordings) == (sensor, True, recordings)
+    mapper.wanted = lambda: True
+    mapper.advance(1.0)
+    assert [log.n_beams for log in mapper.logs()] == [360, 60]
 
 
 def test_a_map_that_would_be_too_large_is_refused_and_the_old_one_stays() -> None:

@@ -15,6 +15,7 @@ import {
   ReadingTitle,
   readingScale,
   TITLE_PX,
+  ZoneNames,
 } from "../../render/chart/LogOddsBackground";
 
 export const START: readonly CellEvent[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
@@ -106,6 +107,7 @@ export function Cell({ parameters, events: given }: CellProps) {
         <LogOddsBackground width={WIDTH} evidence={up} limits={limits} />
         <ReadingTitle width={WIDTH} height={HEIGHT} text="readings of the cell" />
         <path class="profile-line" d={stairs.join("")} />
+        <ZoneNames width={WIDTH} evidence={up} />
         {events.value.slice(-SHOWN + 1).map((event, i, shown) => {
           const at = path.length - shown.length + i;
           return <circle key={at} class={`dot-${event}`} cx={x(at)} cy={y(path[at] ?? 0)} r={4} />;

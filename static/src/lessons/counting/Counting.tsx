@@ -110,8 +110,7 @@ export function Counting({ beams, scans }: CountingProps) {
       <figcaption class="quiet number">
         One scan updates the cell under the cross, {written(distanceOf(cell), 2)} m from the sensor,{" "}
         <b>
-          {" "}
-          {touched} {touched === 1 ? "time" : "times"}{" "}
+          {touched} {touched === 1 ? "time" : "times"}
         </b>
         .
       </figcaption>

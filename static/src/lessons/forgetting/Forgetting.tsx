@@ -1,6 +1,6 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
-import { evidenceScale, LogOddsBackground, readingScale } from "../../render/chart/LogOddsBackground";
+import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/reducedMotion";
@@ -238,6 +238,7 @@ function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartP
       </text>
       <path class="forgetting-line free" d={line(free)} />
       <path class="forgetting-line clamped" d={line(clamped)} />
+      <ZoneNames width={width} evidence={up} />
       {[clamped, free].map(
         (history, i) =>
           history.forgottenAfter !== null &&

@@ -1,8 +1,8 @@
 import { Plot } from "../common/Plot";
 import { type Kernel, robustWeight } from "./solver";
 
-const HEIGHT = 128;
-const PAD = { left: 34, right: 10, top: 24, bottom: 30 };
+const HEIGHT = 152;
+const PAD = { left: 34, right: 14, top: 32, bottom: 42 };
 /** Standard deviations at the right end. */
 const FARTHEST = 30;
 const TICKS = [0, 5, 10, 15, 20, 25, 30];
@@ -34,7 +34,7 @@ export function KernelPlot({ kernel, scale, loops }: KernelPlotProps) {
               </text>
             ))}
             {TICKS.map((tick) => (
-              <text key={tick} class="kernel-tick" x={x(tick)} y={y(0) + 14} text-anchor="middle">
+              <text key={tick} class="kernel-tick" x={x(tick)} y={y(0) + 18} text-anchor="middle">
                 {tick}
               </text>
             ))}

@@ -1,4 +1,4 @@
-import { evidenceScale, LogOddsBackground, readingScale } from "../../render/chart/LogOddsBackground";
+import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
 import { signed } from "../../ui/numbers";
 import type { Rect } from "./camera";
@@ -35,6 +35,7 @@ export function Ladder({ rect, scene, shown }: LadderProps) {
       <rect class="world-stage-ladder-ground" width={rect.width} height={rect.height} />
       <LogOddsBackground width={rect.width} evidence={up} limits={limits} />
       <path class="profile-line" d={line} />
+      <ZoneNames width={rect.width} evidence={up} />
       <circle class="world-stage-ladder-now" cx={x(path.length - 1)} cy={y(last)} r={5} />
       <text class="world-stage-ladder-name" x={rect.width > 300 ? 44 : 0} y={-6}>
         {rect.width > 300 && (scene.ladder ? "visited cell: " : "marked cell: ")}ℓ = {signed(last)} after{" "}

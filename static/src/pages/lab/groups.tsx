@@ -110,7 +110,6 @@ const GROUPS: readonly Group[] = [
     id: "path",
     title: "Path",
     purpose: "A goal, and the cheapest way there around the obstacles",
-    badge: ({ store }) => (store.navigation.path.value?.drives ? "drives" : null),
     content: ({ store }) => <PathGroup store={store} />,
   },
   {

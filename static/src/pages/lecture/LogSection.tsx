@@ -4,26 +4,27 @@ import { Dropzone } from "../../ui/Dropzone";
 import type { Folder } from "../../ui/droppedFiles";
 import { bytes } from "../../ui/numbers";
 import { groupIntoLogs } from "../logs/groupFiles";
-import { upload, uploads } from "../logs/library";
+import { arrivalAddress, arrived, upload, uploads } from "../logs/library";
 import { Section, type SectionHead } from "./Section";
 
-/** Uploads files and then opens the logs page. */
+/** Uploads files and then opens the logs page; a log that comes alone is opened there once it was read. */
 function YourLog() {
   const sending = uploads.value;
   const failed = sending.some((one) => one.error !== null);
   const begun = useRef(false);
   const take = (folders: readonly Folder[]): void => {
     begun.current = true;
-    for (const log of folders.flatMap(groupIntoLogs)) upload(log);
+    const logs = folders.flatMap(groupIntoLogs);
+    for (const log of logs) upload(log, logs.length === 1);
   };
   useEffect(() => {
-    if (begun.current && sending.length === 0) location.assign("/logs.html");
+    if (begun.current && sending.length === 0) location.assign(arrivalAddress(arrived.peek()));
   }, [sending]);
   return (
     <figure class="your-log" aria-label="Open your own log">
       <Dropzone onFolders={take} button="Choose files">
         <p>
-          <b>Drop a log here.</b> The logs page shows its map.
+          <b>Drop a log here.</b> Its map opens and fills in.
         </p>
       </Dropzone>
       <p class="quiet" role="status">

@@ -5,26 +5,19 @@ import { written } from "../../ui/numbers";
 
 interface HeadProps {
   readonly store: Store;
-  readonly session: string;
   /** Back to the logs; not for a guest. */
   readonly onClose: (() => void) | undefined;
 }
 
 /** The title of the log, above its map. */
-export function Head({ store, session, onClose }: HeadProps) {
+export function Head({ store, onClose }: HeadProps) {
   const hello = store.hello.value;
   return (
     <header class="viewer-head">
       {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
       <h1>{hello?.title ?? "…"}</h1>
       <RecomputeTime store={store} />
-      {onClose ? (
-        <Button icon="cube" label="3D view" href={`/3d?session=${encodeURIComponent(session)}`}>
-          <span class="button-text">3D</span>
-        </Button>
-      ) : (
-        <span class="guest-note">Shared view: your changes are not seen by others.</span>
-      )}
+      {!onClose && <span class="guest-note">Shared view: your changes are not seen by others.</span>}
     </header>
   );
 }

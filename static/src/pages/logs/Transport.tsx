@@ -21,12 +21,12 @@ const stampAt = ({ stamps, every }: Trajectory, index: number): number =>
   stamps[Math.floor(Math.max(0, index - 1) / every)] ?? 0;
 
 /** The notes that have a time, for the seek bar. */
-function marksOf({ notes, chosen }: NotesState, trajectory: Trajectory | null, count: number): TimelineMark[] {
-  return (notes.value ?? []).flatMap((note) => {
+function marksOf(state: NotesState | undefined, trajectory: Trajectory | null, count: number): TimelineMark[] {
+  return (state?.notes.value ?? []).flatMap((note) => {
     const index = scanOf(note, trajectory, count);
     return index === null
       ? []
-      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: chosen.value === note.id }];
+      : [{ id: note.id, index, label: `Note: ${note.text}`, chosen: state?.chosen.value === note.id }];
   });
 }
 
@@ -35,13 +35,15 @@ const isTyping = (target: EventTarget | null): boolean =>
 
 interface TransportProps {
   readonly store: Store;
-  readonly notes: NotesState;
+  /** What one step is. */
+  readonly unit?: string;
+  readonly notes?: NotesState;
   /** Called when a note's mark was pressed. */
-  readonly onNote: () => void;
+  readonly onNote?: () => void;
 }
 
 /** Playback of the log: play, step, seek, speed. */
-export function Transport({ store, notes, onNote }: TransportProps) {
+export function Transport({ store, unit = "scan", notes, onNote }: TransportProps) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
@@ -72,13 +74,13 @@ export function Transport({ store, notes, onNote }: TransportProps) {
       />
       <Button
         icon="stepBack"
-        label="Back one scan"
+        label={`Back one ${unit}`}
         disabled={!frame}
         onClick={() => store.send({ type: "step", scans: -1 })}
       />
       <Button
         icon="stepForward"
-        label="Forward one scan"
+        label={`Forward one ${unit}`}
         disabled={!frame}
         onClick={() => store.send({ type: "step", scans: 1 })}
       />
@@ -89,9 +91,9 @@ export function Transport({ store, notes, onNote }: TransportProps) {
         onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
         marks={marksOf(notes, trajectory, count)}
         onMark={(id) => {
-          const note = notes.notes.peek()?.find((one) => one.id === id);
-          if (!note) return;
-          onNote();
+          const note = notes?.notes.peek()?.find((one) => one.id === id);
+          if (!notes || !note) return;
+          onNote?.();
           goToNote(store, notes, note);
         }}
       />

@@ -6,6 +6,7 @@ import { framed, type SharedView } from "../../render/view";
 import { connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
+import { useTool } from "../../tools/navigation/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
@@ -117,13 +118,15 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const log = hello?.log ?? null;
   return (
     <div class="viewer">
-      <Head store={store} session={session} onClose={onClose} />
+      <Head store={store} onClose={onClose} />
       <div class="viewer-stage">
         <div class="viewer-map">
           <BeliefView
             store={store}
             comparison={comparison}
-            takesTap={(point) => localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false)}
+            takesTap={(point) =>
+              localizing.takeTap(point) || (healing.takesTap.peek()?.(point) ?? false) || useTool(store, point)
+            }
             onPicture={(made) => {
               picture.current = made;
             }}

@@ -14,6 +14,7 @@ const intel: LogRecord = {
   has_picture: false,
   tags: [],
   scans: 13_631,
+  costmaps: 0,
   beams: 180,
   duration_s: 2650.86,
   format: "CARMEN FLASER",

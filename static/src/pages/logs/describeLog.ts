@@ -31,14 +31,14 @@ export function run(log: LogRecord): readonly string[] {
   return [
     ...(log.duration_s ? [clock(log.duration_s)] : []),
     ...(length > 0 ? [`${metres(length)} driven`] : []),
-    `${log.scans.toLocaleString("en")} scans`,
+    log.costmaps > 0 ? `${log.costmaps.toLocaleString("en")} costmaps` : `${log.scans.toLocaleString("en")} scans`,
   ];
 }
 
 /** Number of beams, format and size of the file. */
 export function file(log: LogRecord): readonly string[] {
   return [
-    ...(log.beams === null ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
+    ...(log.beams === null || log.costmaps > 0 ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
     ...(log.format ? [log.format] : []),
     ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
   ];
@@ -60,7 +60,8 @@ export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
   const sensor = log.topics.find((one) => one.chosen);
   // A file that names the sensor's frame and not its place: the centre is a guess.
-  const mount = sensor?.frame && !sensor.mount ? null : log.mount;
+  const mount = log.costmaps > 0 || (sensor?.frame && !sensor.mount) ? null : log.mount;
+  const unit = log.costmaps > 0 ? "costmaps" : "scans";
   const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
   return [
     ...(time?.start_s
@@ -68,14 +69,16 @@ export function inside(log: LogRecord): readonly string[] {
       : []),
     ...(time?.rate_hz
       ? [
-          `${written(time.rate_hz, 1)} scans a second${
+          `${written(time.rate_hz, 1)} ${unit} a second${
             time.gaps > 0
               ? `; ${gaps(time.gaps)}, the longest of ${written(time.longest_gap_s, 1)} s at ${clock(time.longest_gap_at_s)}`
               : ", without gaps"
           }`,
         ]
       : []),
-    ...(log.mount && !mount ? ["Sensor mount not stated in the file; the robot's centre is assumed"] : []),
+    ...(log.mount && !mount && log.costmaps === 0
+      ? ["Sensor mount not stated in the file; the robot's centre is assumed"]
+      : []),
     ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
   ];
 }

@@ -7,6 +7,7 @@ import type { Store } from "../../store/store";
 import type { Comparison } from "../../tools/compare/comparison";
 import { WhyGroup } from "../../tools/why/Why";
 import type { DockGroup } from "../../ui/Dock";
+import { lazy } from "../../ui/lazy";
 import type { LogInfo } from "../../wire/protocol";
 import { Compare } from "./compare/Compare";
 import { FrameTree } from "./contents/FrameTree";
@@ -26,6 +27,8 @@ import { Share } from "./Share";
 import type { SensorState } from "./sensor/useSensor";
 import type { TrajectoryErrors } from "./trajectories/errors";
 import { Trajectories } from "./trajectories/Trajectories";
+
+const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
 export interface LogView {
@@ -57,6 +60,9 @@ interface Group {
   readonly badge?: (view: LogView) => string | null;
   readonly content: (view: LogView) => ComponentChildren;
 }
+
+const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
+const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 
 const GROUPS: readonly Group[] = [
   {
@@ -108,6 +114,24 @@ const GROUPS: readonly Group[] = [
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
+  },
+  {
+    id: "costmap",
+    title: "Costmap",
+    isThere: ({ log }) => log !== null,
+    content: ({ store }) => <CostmapGroup store={store} />,
+  },
+  {
+    id: "path",
+    title: "Path",
+    isThere: ({ log }) => log !== null,
+    content: ({ store }) => <PathGroup store={store} />,
+  },
+  {
+    id: "3d",
+    title: "3D",
+    isThere: ({ isGuest }) => !isGuest,
+    content: ({ session }) => <Scene session={session} />,
   },
   {
     id: "topics",

@@ -31,6 +31,8 @@ export interface LogRecord {
   /** The visitor's own. */
   readonly tags: readonly string[];
   readonly scans: number | null;
+  /** How many, of a recording without scans. */
+  readonly costmaps: number;
   readonly beams: number | null;
   readonly duration_s: number | null;
   readonly format: string | null;
@@ -94,6 +96,10 @@ export const total = signal(0);
 export const allTags = signal<Readonly<Record<string, number>>>({});
 /** The log of a single file that was uploaded here, to be opened once it was read. */
 export const arrived = signal<string | null>(null);
+
+/** The logs page, which opens what has arrived on another page. */
+export const arrivalAddress = (id: string | null): string =>
+  id === null ? "/logs.html" : `/logs.html?arrived=${encodeURIComponent(id)}`;
 export const uploads = signal<readonly Upload[]>([]);
 /** Why the list could not be fetched. */
 export const listError = signal<string | null>(null);
@@ -267,8 +273,8 @@ async function sendAll(key: number, name: string, file: File, opens: boolean): P
       return;
     }
     if (request.status >= 200 && request.status < 300) {
-      dismiss(key);
       if (opens) arrived.value = (JSON.parse(request.responseText) as LogRecord).id;
+      dismiss(key);
       break;
     }
     const isPassing = request.status === 0 || request.status === 409 || request.responseText.includes("library.busy");
@@ -350,10 +356,16 @@ export async function ask(id: string, what: "cancel" | "read"): Promise<string |
 /** The progress of the log that is being opened; null while there is none. */
 export const opening = signal<Making | null>(null);
 
+/** A session: its id and its kind. */
+export interface OpenedSession {
+  readonly id: string;
+  readonly kind: string;
+}
+
 /**
- * Open a session on a log; resolves to its id, rejects with an error message. `ending` ends the request.
+ * Open a session on a log; rejects with an error message. `ending` ends the request.
  */
-export async function openSession(log: string, topic: string | null, ending: AbortSignal): Promise<string> {
+export async function openSession(log: string, topic: string | null, ending: AbortSignal): Promise<OpenedSession> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
@@ -366,7 +378,7 @@ export async function openSession(log: string, topic: string | null, ending: Abo
       signal: ending,
     });
     if (!answer.ok) throw new Error(await sentence(answer));
-    return ((await answer.json()) as { id: string }).id;
+    return (await answer.json()) as OpenedSession;
   } finally {
     stop();
   }

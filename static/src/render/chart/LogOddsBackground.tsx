@@ -50,9 +50,43 @@ export function ReadingTitle({ width, height, text }: AxisTitleProps) {
   );
 }
 
-interface LogOddsBackgroundProps {
+const zonesOf = ({ low, high }: Scale) =>
+  [
+    ["zone-hit", "occupied", high, OCCUPIED],
+    ["zone-prior", "unknown", OCCUPIED, FREE],
+    ["zone-miss", "free", FREE, low],
+  ] as const;
+
+interface ZonesProps {
   readonly width: number;
   readonly evidence: Scale;
+}
+
+/** The names of the zones, drawn after the lines, so that none strikes them out. */
+export function ZoneNames({ width, evidence }: ZonesProps) {
+  const y = (value: number): number => toPixel(value, evidence);
+  return (
+    <>
+      {zonesOf(evidence).map(
+        ([name, state, top, bottom]) =>
+          y(bottom) - y(top) > 15 && (
+            <text
+              key={name}
+              class={`zone-name in-${name}`}
+              x={width - EDGE_PX - 6}
+              // Most lines of free cells are at the lower clamp: the label is placed above them.
+              y={name === "zone-miss" ? y(top) + 13 : y(bottom) - 5}
+              text-anchor="end"
+            >
+              {state}
+            </text>
+          ),
+      )}
+    </>
+  );
+}
+
+interface LogOddsBackgroundProps extends ZonesProps {
   readonly limits: readonly number[];
 }
 
@@ -60,11 +94,7 @@ export function LogOddsBackground({ width, evidence, limits }: LogOddsBackground
   const y = (value: number): number => toPixel(value, evidence);
   const { low, high } = evidence;
   const right = width - EDGE_PX;
-  const zones = [
-    ["zone-hit", "occupied", high, OCCUPIED],
-    ["zone-prior", "unknown", OCCUPIED, FREE],
-    ["zone-miss", "free", FREE, low],
-  ] as const;
+  const zones = zonesOf(evidence);
   // At most one tick in seven, and no two labels over each other.
   const every = Math.max(high - low > 14 ? Math.ceil((high - low) / 7) : 1, Math.ceil(LABEL_PX / (y(0) - y(1))));
   const ticks: number[] = [];
@@ -77,21 +107,6 @@ export function LogOddsBackground({ width, evidence, limits }: LogOddsBackground
       {limits.map((limit) => (
         <line key={limit} class="clamp-line" x1={AXIS_PX} x2={right} y1={y(limit)} y2={y(limit)} />
       ))}
-      {zones.map(
-        ([name, state, top, bottom]) =>
-          y(bottom) - y(top) > 15 && (
-            <text
-              key={name}
-              class={`zone-name in-${name}`}
-              x={right - 6}
-              // Most lines of free cells are at the lower clamp: the label is placed above them.
-              y={name === "zone-miss" ? y(top) + 13 : y(bottom) - 5}
-              text-anchor="end"
-            >
-              {state}
-            </text>
-          ),
-      )}
       {ticks.map((tick) => (
         <text key={tick} class="tick" x={AXIS_PX - 6} y={y(tick) + 4} text-anchor="end">
           {tick === 0 ? "0" : signed(tick, 0)}

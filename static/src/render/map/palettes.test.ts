@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { afterEach, expect, test } from "vitest";
 import type { Geometry } from "../../wire/protocol";
 import { Cells } from "./cells";

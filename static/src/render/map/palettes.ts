@@ -21,8 +21,28 @@ const VALUES: Palette = {
   },
 };
 
+/** Costs 0 … 254 as bytes 1 … 255: free, rising, inscribed (253), lethal (254); byte 0 is no information. */
+const RECORDED_COSTS: Palette = {
+  key: "recorded_costs",
+  colours: () => {
+    const [low, high] = [toLab(tokenRgb("--cost-low")), toLab(tokenRgb("--cost-high"))];
+    const row = new Uint8Array(256 * 4);
+    const ends = ["--map-unobserved", "--map-free"] as const;
+    for (const [byte, token] of ends.entries()) row.set([...tokenRgb(token), 255], byte * 4);
+    for (let cost = 1; cost <= 252; cost++)
+      row.set([...fromLab(mixed(low, high, (cost - 1) / 251)), 255], (cost + 1) * 4);
+    row.set([...tokenRgb("--cost-inscribed"), 255], 254 * 4);
+    row.set([...tokenRgb("--cost-lethal"), 255], 255 * 4);
+    return plain(row);
+  },
+};
+
 /** By style. A style that is not here is painted as `values`. */
-export const PALETTES: Record<string, PaletteMaker> = { belief: beliefPalette, values: () => VALUES };
+export const PALETTES: Record<string, PaletteMaker> = {
+  belief: beliefPalette,
+  values: () => VALUES,
+  recorded_costs: () => RECORDED_COSTS,
+};
 
 /** The palette with which a map is painted. */
 export const paletteOf = ({ style, geometry }: MapPicture): Palette => (PALETTES[style] ?? (() => VALUES))(geometry);

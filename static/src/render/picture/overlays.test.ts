@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
 import type { Brush } from "./brush";
 import { columnOf, type LayerContent, OVERLAYS, paintLayer, shadesOf } from "./overlays";

@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { afterAll, expect, test } from "vitest";
 import { logOddsAt } from "../../grid/cellValues";
 import { PALETTES, paletteOf } from "../../render/map/palettes";

@@ -39,7 +39,7 @@ const paintFloats: Overlay = ({ ctx, view, size }, content) => {
 
 /** Let the pages know this kind. */
 export function registerWaves(): void {
-  KINDS.waves = { isDriven: false };
+  KINDS.waves = { isDriven: false, hasRobot: false };
   PALETTES.height = () => HEIGHT;
   OVERLAYS.floats = paintFloats;
 }

@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { expect, test } from "vitest";
 import type { LayerContent } from "../../render/picture/overlays";
 import { type Candidate, edgeAt, loopAt, residualLabel, whyNone } from "./model";

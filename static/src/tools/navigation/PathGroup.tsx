@@ -4,6 +4,7 @@ import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
+import { KINDS } from "../../wire/kinds";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scenes } from "./Scenes";
 import { OverChoice, Tools } from "./Tools";
@@ -32,7 +33,7 @@ export function PathGroup({ store }: { readonly store: Store }) {
       <Tools store={store} />
       <Outcome store={store} />
       {store.navigation.lastTool.value === "cost" && <WhyCost store={store} />}
-      <Scenes store={store} />
+      {isDriven(store) && <Scenes store={store} />}
       <OverChoice store={store} />
       <div class="navigation-settings">
         <ParameterRows rows={rows} values={store.navigation.values.values} set={set} />
@@ -41,6 +42,9 @@ export function PathGroup({ store }: { readonly store: Store }) {
     </div>
   );
 }
+
+/** Whether the robot can drive along the path: that of a log cannot. */
+const isDriven = (store: Store): boolean => KINDS[store.hello.value?.kind ?? ""]?.isDriven ?? false;
 
 /** A button that begins the costmap after the user has ended it. */
 export function Begin({ store }: { readonly store: Store }) {
@@ -97,14 +101,16 @@ function Outcome({ store }: { readonly store: Store }) {
       )}
       <p role="status">{path.reason}</p>
       <div class="navigation-row">
-        <Button
-          kind={path.drives ? undefined : "primary"}
-          icon={path.drives ? "pause" : "play"}
-          disabled={path.length === null && !path.drives}
-          onClick={() => drive(!path.drives)}
-        >
-          {path.drives ? "Stop" : "Drive there"}
-        </Button>
+        {isDriven(store) && (
+          <Button
+            kind={path.drives ? undefined : "primary"}
+            icon={path.drives ? "pause" : "play"}
+            disabled={path.length === null && !path.drives}
+            onClick={() => drive(!path.drives)}
+          >
+            {path.drives ? "Stop" : "Drive there"}
+          </Button>
+        )}
         <Button kind="quiet" onClick={() => store.setGoal(null)}>
           Remove goal
         </Button>

@@ -14,7 +14,16 @@ import { zoomOf } from "../../ui/zoom";
 import type { Geometry, Point } from "../../wire/protocol";
 import { COSTS, costOfByte } from "./palettes";
 import { Sheet } from "./sheetImage";
-import { cellOn, draggedGaps, placeOn, type SheetPlan, sheetPlan, transformOf, type Window } from "./sheetPlan";
+import {
+  cellOn,
+  draggedGaps,
+  LEAST_GAP,
+  placeOn,
+  type SheetPlan,
+  sheetPlan,
+  transformOf,
+  type Window,
+} from "./sheetPlan";
 import { LAYER_NAMES } from "./WhyCost";
 
 /** The sheets from the bottom up: the layers, and the costs of all of them. */
@@ -47,7 +56,7 @@ export function Sheets({ store }: { readonly store: Store }) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useWidth(box, 400).value;
-  const gaps = useSignal<readonly number[]>(SHEETS.slice(1).map(() => (reducedMotion.peek() ? FIRST_GAP : 12)));
+  const gaps = useSignal<readonly number[]>(SHEETS.slice(1).map(() => (reducedMotion.peek() ? FIRST_GAP : LEAST_GAP)));
   const images = useRef<readonly Sheet[]>([]);
   if (images.current.length === 0) images.current = SHEETS.map(() => new Sheet());
   const held = useRef<{ sheet: number; y: number; gaps: readonly number[]; moved: boolean } | null>(null);
@@ -63,7 +72,7 @@ export function Sheets({ store }: { readonly store: Store }) {
     const began = performance.now();
     let frame = requestAnimationFrame(function open(now) {
       const share = Math.min(1, (now - began) / OPENING_MS);
-      const gap = 12 + (FIRST_GAP - 12) * (1 - (1 - share) ** 3);
+      const gap = LEAST_GAP + (FIRST_GAP - LEAST_GAP) * (1 - (1 - share) ** 3);
       gaps.value = gaps.peek().map(() => gap);
       if (share < 1) frame = requestAnimationFrame(open);
     });

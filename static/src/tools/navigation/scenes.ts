@@ -21,6 +21,7 @@ export interface Scene {
 export const WORLD = "office";
 const START: Point = [6.2, 7];
 const CORRIDOR: Point = [12, 7];
+const BEHIND: Point = [10.5, 7];
 const KITCHEN: Point = [7.5, 9.5];
 const UNSEEN: Point = [17, 11];
 const TABLE: DrawnSolid = ["box", 830, 670, 890, 730];
@@ -49,6 +50,10 @@ function set(store: Store, { values, goal, footprint, added = [], clamp }: Setti
   store.send({ type: "costmap", values, footprint: footprint ?? OUTLINES[0]?.corners ?? null });
   store.send({ type: "goal", x: goal[0], y: goal[1], drives: false });
   store.send({ type: "play" });
+  const { navigation } = store;
+  navigation.over.value = "costmap";
+  navigation.lastTool.value = navigation.tool.value = "goal";
+  navigation.asked.value = null;
   store.viewHeld.value = false;
 }
 
@@ -82,7 +87,11 @@ export const SCENES: readonly Scene[] = [
       {
         label: "Map a table, clamp off",
         look: "Only the static layer is on: the belief itself. Each scan adds to the log-odds of the table's cells, without a limit. Let some seconds pass.",
-        run: (store) => set(store, { values: STATIC_ONLY, goal: CORRIDOR, added: [TABLE], clamp: false }),
+        run: (store) => {
+          // What the table hides is unknown, and may be crossed.
+          const values = { ...STATIC_ONLY, allow_unknown: true };
+          set(store, { values, goal: BEHIND, added: [TABLE], clamp: false });
+        },
       },
       {
         label: "Take the table away",

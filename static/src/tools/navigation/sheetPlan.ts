@@ -77,4 +77,4 @@ export function draggedGaps(before: readonly number[], n: number, by: number, mo
   );
 }
 
-export const LEAST_GAP = 10;
+export const LEAST_GAP = 30; // the names of the sheets do not overlap

@@ -19,6 +19,7 @@ import { pictureColours } from "../../render/picture/pictureColours";
 import { scanFade } from "../../render/picture/scanFade";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
+import { KINDS } from "../../wire/kinds";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
@@ -133,7 +134,8 @@ function paintOverlay(
   ctx.rect(from * size.width, 0, (to - from) * size.width, size.height);
   ctx.clip();
   for (const content of store.layers.contents.peek()) paintLayer(brush, content);
-  const moves = paintScan(store, brush, fade, now);
+  const hasRobot = KINDS[store.hello.peek()?.kind ?? ""]?.hasRobot ?? true;
+  const moves = hasRobot && paintScan(store, brush, fade, now);
   ctx.restore();
   paintLocalization(store, brush);
   paintNavigation(store, brush);

@@ -1,6 +1,15 @@
+import type { MapTool } from "../../store/navigation";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { LiveRegion } from "../../ui/LiveRegion";
+
+/** What a click does while a group of the costmap is open. */
+const MAP_TOOL_HINTS: Readonly<Record<MapTool, string>> = {
+  goal: "Click to set the goal, or drag it.",
+  keepout: "Drag to paint where the robot must not go.",
+  erase: "Drag over a keepout zone to erase it.",
+  cost: "Click a cell to ask for its cost.",
+};
 
 /** The button that puts the editing tools away: a click on the world then places the robot. */
 export function PlaceRobot({ store }: { readonly store: Store }) {
@@ -13,6 +22,8 @@ export function PlaceRobot({ store }: { readonly store: Store }) {
 /** One line on how the robot is placed and driven; nothing while a tool edits the world. */
 export function PlacingHint({ store }: { readonly store: Store }) {
   if (store.editing.tool.value !== null) return null;
+  const tool = store.navigation.tool.value;
+  if (tool !== null && store.navigation.costmap.value?.is_on) return <p class="hint">{MAP_TOOL_HINTS[tool]}</p>;
   return (
     <p class="hint">
       Click to send the robot, or drag it

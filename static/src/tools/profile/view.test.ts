@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { signal } from "@preact/signals";
 import { describe, expect, test } from "vitest";
 import { ProfileView } from "./view";

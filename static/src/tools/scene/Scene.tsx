@@ -1,7 +1,7 @@
 /** The 3D view of a session: the canvas of the server's scene, and our own controls of its camera and its layers. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
@@ -25,20 +25,36 @@ const addressOf = (session: string, part: string): string => `/scenes/${encodeUR
 const AGAIN_MS = 700;
 
 export function Scene({ session }: SceneProps) {
+  const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
   useSignalEffect(() => {
     if (!printing.value) dark.value = isDark.value;
   });
+  useEffect(() => {
+    // The panel has scrolled to its top meanwhile: back to what was pressed.
+    const back = (): void => {
+      if (!document.fullscreenElement && group.current?.contains(document.activeElement))
+        document.activeElement?.scrollIntoView({ block: "nearest" });
+    };
+    document.addEventListener("fullscreenchange", back);
+    return () => document.removeEventListener("fullscreenchange", back);
+  }, []);
   const query = dark.value ? "?darkMode" : "";
   return (
-    <div class="scene-group">
+    <div class="scene-group" ref={group}>
       <iframe class="scene" title="3D view" src={addressOf(session, `plain/${query}`)} />
-      <SceneControls session={session} />
+      <SceneControls session={session} onFullScreen={() => group.current && fullScreen(group.current)} />
     </div>
   );
 }
 
-function SceneControls({ session }: SceneProps) {
+/** Show the view and its controls on the whole screen, or in the page again. */
+function fullScreen(element: Element): void {
+  const change = document.fullscreenElement ? document.exitFullscreen() : element.requestFullscreen?.();
+  (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
+}
+
+function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = useSignal<Settings | null>(null);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -83,9 +99,14 @@ function SceneControls({ session }: SceneProps) {
         step={0.1}
         onInput={(value) => void change({ height: value })}
       />
-      <a href={`/3d?session=${encodeURIComponent(session)}`} target="_blank" rel="noopener">
-        Open in a new tab, with all parameters
-      </a>
+      <div class="actions">
+        <Button icon="fit" onClick={onFullScreen}>
+          Full screen
+        </Button>
+        <Button icon="cube" href={`/3d?session=${encodeURIComponent(session)}`} target="_blank">
+          In a tab of its own
+        </Button>
+      </div>
     </div>
   );
 }

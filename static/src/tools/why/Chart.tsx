@@ -5,6 +5,7 @@ import {
   ReadingTitle,
   readingScale,
   TITLE_PX,
+  ZoneNames,
 } from "../../render/chart/LogOddsBackground";
 import { toPixel, toValue } from "../../render/chart/scale";
 import type { Contribution, WhyMessage } from "../../wire/protocol";
@@ -60,6 +61,7 @@ export function Chart({ why, selected, onSelect }: ChartProps) {
       <path class="why-level" d={paths.level} />
       <path class="why-miss" d={paths.miss} />
       <path class="why-hit" d={paths.hit} />
+      <ZoneNames width={WIDTH} evidence={up} />
       {!isRoomy && (
         <>
           <path class="why-hit" d={rug(why, true, x, up.to)} />

@@ -152,7 +152,7 @@ def test_a_chain_of_mounts_and_the_tilt_of_a_sensor(tmp_path):
     ]
     log = open_log(written(tmp_path, said, "db3"))
     np.testing.assert_allclose(log.mount, (0.5, 0.2, math.pi / 2), atol=1e-12)
-    assert any("tilted by 34°" in note for note in log.notes)
+    assert any("tilted by 34°, in all scans alike" in note and "too far away" in note for note in log.notes)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -2,74 +2,88 @@ import "./deckEditor.css";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
+import { Icon } from "../../../ui/Icon";
 import { toast } from "../../../ui/Toast";
-import { AddSlide } from "./AddSlide";
+import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
-import { deck, deckLink, place, takeDeck } from "./state";
+import { reordered } from "./deckOrder";
+import { SlideForm } from "./SlideForm";
+import { SlidePicture } from "./SlidePicture";
+import { deck, deckLink, hashOf, place, takeDeck } from "./state";
 
-const KIND_NAMES = { section: "", derivation: "derivation", text: "own text", lab: "lab", log: "log" } as const;
+/** A slide shows its last step where an address names a later one. */
+const LAST_STEP = 98;
 
 /** Change the slides; the present slide stays, where it still is there. */
-function change(slides: readonly Slide[]): void {
+async function change(slides: readonly Slide[]): Promise<void> {
   const now = deck.peek().slides[place.peek().index];
   const index = now ? slides.indexOf(now) : -1;
   const title = deck.peek() === WHOLE_LECTURE ? `${WHOLE_LECTURE.title}, my deck` : deck.peek().title;
-  void takeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
+  await takeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
 
-function moved(slides: readonly Slide[], from: number, by: 1 | -1): readonly Slide[] {
-  const next = [...slides];
-  const [one] = next.splice(from, 1);
-  if (one) next.splice(from + by, 0, one);
-  return next;
-}
+/** How long a row is at hand before its picture is shown, ms: the pointer passes over many. */
+const REST_MS = 150;
 
-function Row({ slide, index, last }: { slide: Slide; index: number; last: boolean }) {
+/** The list of slides, and a picture of the one at hand. */
+function Slides() {
   const { slides } = deck.value;
-  const title = titleOf(slide);
-  const isOwn = !("section" in slide);
-  const hide = (): void => {
-    const { hidden, ...rest } = slide;
-    const next = slides.map((one, i) => (i === index ? (hidden ? (rest as Slide) : { ...slide, hidden: true }) : one));
+  const list = useRef<HTMLOListElement>(null);
+  const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
+  const drag = useSignal<Drag | null>(null);
+  const edited = useSignal(-1);
+  const atHand = useSignal(place.peek().index);
+  const said = useSignal("");
+  useEffect(() => () => clearTimeout(timer.current), []);
+  const shown = Math.min(atHand.value, slides.length - 1);
+  const title = titleOf(slides[shown] as Slide);
+  const move = async (from: number, to: number): Promise<void> => {
+    await change(reordered(slides, from, to));
+    edited.value = -1;
+    atHand.value = to;
+    said.value = `“${titleOf(slides[from] as Slide)}” is slide ${to + 1} of ${slides.length}.`;
+    requestAnimationFrame(() => list.current?.querySelectorAll<HTMLElement>(".deck-grip")[to]?.focus());
+  };
+  const replace = (index: number, slide: Slide | null): void => {
+    const next = slides.flatMap((one, i) => (i !== index ? [one] : slide ? [slide] : []));
     if (next.every((one) => one.hidden)) toast("One slide has to stay.", "error");
-    else change(next);
+    else {
+      void change(next);
+      edited.value = -1;
+    }
   };
   return (
-    <li class={`deck-row${slide.hidden ? " is-hidden" : ""}`}>
-      <span class="deck-row-number">{index + 1}</span>
-      <span class="deck-row-title">
-        {title}
-        {KIND_NAMES[slide.kind] && isOwn && <small> {KIND_NAMES[slide.kind]}</small>}
-        {slide.hidden && <small> hidden</small>}
-      </span>
-      <Button
-        kind="quiet"
-        icon="up"
-        label={`Move “${title}” up`}
-        disabled={index === 0}
-        onClick={() => change(moved(slides, index, -1))}
-      />
-      <Button
-        kind="quiet"
-        icon="unfold"
-        label={`Move “${title}” down`}
-        disabled={last}
-        onClick={() => change(moved(slides, index, 1))}
-      />
-      <Button
-        kind="quiet"
-        icon={slide.hidden ? "hidden" : "shown"}
-        label={`${slide.hidden ? "Show" : "Hide"} “${title}”`}
-        onClick={hide}
-      />
-      <Button
-        kind="quiet"
-        icon="trash"
-        label={isOwn ? `Remove “${title}”` : "Slides of the lecture can be hidden, not removed"}
-        disabled={!isOwn || slides.length === 1}
-        onClick={() => change(slides.filter((_, i) => i !== index))}
-      />
-    </li>
+    <div class="deck-slides">
+      <ol class="deck-list" ref={list}>
+        {slides.map((slide, i) => (
+          <DeckRow
+            key={`${titleOf(slide)} ${i}`}
+            slide={slide}
+            index={i}
+            count={slides.length}
+            drag={drag}
+            edited={edited}
+            onMove={(to) => void move(i, to)}
+            onChange={(next) => replace(i, next)}
+            onLook={() => {
+              clearTimeout(timer.current);
+              timer.current = setTimeout(() => {
+                atHand.value = i;
+              }, REST_MS);
+            }}
+          />
+        ))}
+      </ol>
+      <figure class="deck-picture">
+        <SlidePicture hash={hashOf({ index: shown, step: LAST_STEP })} title={`Picture of “${title}”`} />
+        <figcaption>
+          {shown + 1}: {title}
+        </figcaption>
+      </figure>
+      <p class="visually-hidden" role="status">
+        {said.value}
+      </p>
+    </div>
   );
 }
 
@@ -98,7 +112,7 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
   const file = useRef<HTMLInputElement>(null);
   const problem = useSignal("");
   useEffect(() => dialog.current?.showModal(), []);
-  const { title, slides } = deck.value;
+  const { title } = deck.value;
   const load = async (chosen: File | undefined): Promise<void> => {
     if (!chosen) return;
     problem.value = "";
@@ -111,10 +125,10 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
   };
   return (
     <dialog ref={dialog} class="dialog deck-dialog" aria-labelledby="deck-title" onClose={onClose}>
-      <header class="deck-head">
+      <div class="deck-head">
         <h2 id="deck-title">The slides</h2>
         <Button icon="close" kind="quiet" label="Close" onClick={() => dialog.current?.close()} />
-      </header>
+      </div>
       <label class="deck-name">
         <span>Name of the deck</span>
         <input
@@ -128,12 +142,13 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
           }}
         />
       </label>
-      <ol class="deck-list">
-        {slides.map((slide, i) => (
-          <Row key={`${titleOf(slide)} ${i}`} slide={slide} index={i} last={i === slides.length - 1} />
-        ))}
-      </ol>
-      <AddSlide onAdd={(slide) => change([...deck.peek().slides, slide])} />
+      <Slides />
+      <details class="deck-add">
+        <summary>
+          <Icon name="plus" /> Add a slide
+        </summary>
+        <SlideForm button="Add at the end" onSave={(slide) => void change([...deck.peek().slides, slide])} />
+      </details>
       <p class="deck-problem" role="alert">
         {problem.value}
       </p>

@@ -3,30 +3,10 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
 import { type Act, listenToKeys } from "./keys";
+import { SlidePicture } from "./SlidePicture";
 import { followSlides, type Told } from "./sync";
 
 const two = (value: number): string => String(value).padStart(2, "0");
-
-/** A slide as the audience sees it, without its controls. */
-function Picture({ hash, title }: { readonly hash: string; readonly title: string }) {
-  const frame = useRef<HTMLIFrameElement>(null);
-  const first = useRef(hash);
-  useEffect(() => {
-    const inside = frame.current?.contentWindow;
-    if (inside && inside.location.pathname === location.pathname && inside.location.hash !== hash)
-      inside.location.replace(`${location.pathname}?present=view${hash}`);
-  }, [hash]);
-  return (
-    <iframe
-      class="speaker-picture"
-      ref={frame}
-      title={title}
-      tabIndex={-1}
-      src={`/lecture.html?present=view${first.current}`}
-      inert
-    />
-  );
-}
 
 /** Time of day, and since the window was opened or the watch was reset. */
 function Watch() {
@@ -96,11 +76,11 @@ export function SpeakerView({ channel }: { readonly channel: string }) {
       </header>
       <section class="speaker-now" aria-label="On the screen">
         <h2>{now.blank ? "The screen is blank" : "On the screen"}</h2>
-        <Picture hash={now.now} title="The present slide" />
+        <SlidePicture hash={now.now} title="The present slide" />
       </section>
       <section class="speaker-next" aria-label="Next">
         <h2>{now.next ? "Next" : "This is the end"}</h2>
-        {now.next && <Picture hash={now.next} title="What comes next" />}
+        {now.next && <SlidePicture hash={now.next} title="What comes next" />}
       </section>
       <section class="speaker-notes" aria-label="Notes">
         <h2>Notes</h2>

@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { afterEach, describe, expect, it } from "vitest";
 import { LESSONS } from "../lessons";
 import { type Slide, WHOLE_LECTURE } from "./deck";

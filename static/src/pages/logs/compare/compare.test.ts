@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { describe, expect, test } from "vitest";
 import type { Compared, Parameter } from "../../../wire/protocol";
 import { changed, fragmentOf, type Linked, linkFromAddress, whole } from "./link";

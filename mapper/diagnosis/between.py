@@ -1,0 +1,138 @@
+"""Two lidars of one robot against each other: where both see the same walls, their mounts must put them in one place.
+
+Scans of one are matched to scans of the other from about the same way of the robot, in the base's frame. A mount that
+is wrong by a constant gives the same correction everywhere: ``T_base_true ∘ T_base_stated⁻¹`` of it. Poses that drift,
+clocks that differ and moving things give corrections that differ from place to place, and no finding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.diagnosis.finding import Finding
+from mapper.sensors.joint_log import SEPARATOR, JointLog
+from mapper.sensors.motion import at_middle_of_sweep
+from mapper.sensors.scan import ScanLog
+
+CHECK = "mount.between"
+MATCHED = 32  #: scans of the second sensor that are matched, evenly spread
+NEIGHBOURS = 8  #: scans of the first sensor that each is matched to
+REACH_M = 1.5  #: metres of the robot's way, a radian counting as one, within which those were taken
+WINDOW_M, WINDOW_RAD = 0.8, math.radians(30.0)  #: the greatest correction
+LEAST_SCORE = 0.6  #: of a match that counts
+FEWEST = 6  #: such matches
+TOLERANCE_M, TOLERANCE_RAD = 0.06, math.radians(1.5)  #: of the median, within which matches agree
+SHARE = 0.6  #: of the matches that must agree
+LEAST_M, LEAST_RAD = 0.05, math.radians(1.0)  #: smaller corrections are not told
+SIGNIFICANT = 4.0  #: standard errors of the median
+SPOILED_BY = frozenset({"mount.turned", "readings.few", "timing.delay"})  #: findings on either sensor
+
+Float64Array = NDArray[np.float64]
+
+
+def check_between(
+    log: JointLog,
+    trajectory: str | None,
+    found: Sequence[Sequence[Finding]],
+    wanted: Callable[[], bool],
+    time_offset: float = 0.0,
+) -> list[Finding]:
+    """Return a finding for each lidar whose walls disagree with those of the log's first lidar.
+
+    ``found`` are the findings on each part; a sensor with one of :data:`SPOILED_BY` is left out. Raises
+    :class:`WorkCancelledError` where ``wanted`` says False.
+    """
+    usable = [
+        part
+        for part, findings in zip(log.parts, found, strict=True)
+        if part.beam_width == 0.0 and part.bearings is None and not SPOILED_BY & {one.check for one in findings}
+    ]
+    if len(usable) < 2:
+        return []
+    first = at_middle_of_sweep(usable[0], trajectory, time_offset)
+    told = []
+    for part in usable[1:]:
+        corrections = _corrections(first, at_middle_of_sweep(part, trajectory, time_offset), trajectory, wanted)
+        finding = _finding(first, part, corrections)
+        if finding is not None:
+            told.append(finding)
+    return told
+
+
+def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted: Callable[[], bool]) -> Float64Array:
+    """Return by how much scans of the second sensor have to be moved (n, 3), in the base's frame, to fit the first."""
+    from mapper.matching import MatchConfig, match_scan, prepare_scans  # noqa: PLC0415 - SciPy, for few logs
+    from mapper.matching.target import Target  # noqa: PLC0415
+
+    config = MatchConfig(window_m=WINDOW_M, window_rad=WINDOW_RAD)
+    bases, others = first.trajectory(trajectory).poses, second.trajectory(trajectory).poses
+    own_way, way = _ways(bases, first.stamps_ns, second.stamps_ns)
+    corrections = []
+    chosen = np.unique(np.linspace(0, second.n_scans - 1, MATCHED).astype(np.int64))
+    for k in chosen.tolist():
+        if not wanted():
+            raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
+        near = np.flatnonzero(np.abs(own_way - way[k]) <= REACH_M)
+        if not len(near):
+            continue
+        near = near[np.unique(np.linspace(0, len(near) - 1, NEIGHBOURS).astype(np.int64))]
+        try:
+            scans = prepare_scans(first.take(near))
+            target = Target(scans, np.arange(len(near)), compose(inverse(others[k]), bases[near]))
+            match = match_scan(prepare_scans(second, k, k + 1), 0, target, np.zeros(3), config)
+        except (ConfigError, LimitError):
+            continue  # no point of it is near the other sensor's
+        if match.score >= LEAST_SCORE and not match.is_degenerate:
+            corrections.append(match.pose)
+    return np.reshape(corrections, (-1, 3))
+
+
+def _ways(
+    poses: Float64Array, stamps_ns: NDArray[np.int64], wanted_ns: NDArray[np.int64]
+) -> tuple[Float64Array, Float64Array]:
+    """Return how far the robot had come at each of its poses (n,), and at other stamps; a radian counts as a metre."""
+    steps = np.diff(poses, axis=0)
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]) + np.abs(wrap_angle(steps[:, 2])))])
+    order = np.argsort(stamps_ns, kind="stable")
+    seconds = (stamps_ns[order] - stamps_ns[order[0]]) * 1e-9
+    return way, np.interp((wanted_ns - stamps_ns[order[0]]) * 1e-9, seconds, way[order])
+
+
+def _finding(first: ScanLog, second: ScanLog, corrections: Float64Array) -> Finding | None:
+    if len(corrections) < FEWEST:
+        return None
+    middle = np.median(corrections, axis=0)
+    off = np.abs(corrections - middle)
+    agree = (np.hypot(off[:, 0], off[:, 1]) <= TOLERANCE_M) & (off[:, 2] <= TOLERANCE_RAD)
+    share = float(agree.mean())
+    if agree.sum() < FEWEST or share < SHARE:
+        return None
+    middle = np.median(corrections[agree], axis=0)
+    error = 1.2533 * corrections[agree].std(axis=0, ddof=1) / math.sqrt(agree.sum())  # of a median
+    far, turn = math.hypot(middle[0], middle[1]), abs(float(middle[2]))
+    is_moved = far > LEAST_M and far > SIGNIFICANT * math.hypot(error[0], error[1])
+    is_turned = turn > LEAST_RAD and turn > SIGNIFICANT * float(error[2])
+    if not (is_moved or is_turned):
+        return None
+    x, y, yaw = (float(value) for value in middle)
+    mount = compose(middle, np.array(second.mount))
+    return Finding(
+        CHECK,
+        f"The walls of {second.topic} and {first.topic} disagree: they fit with {second.topic} turned by "
+        f"{math.degrees(yaw):+.1f}° about the robot's centre and moved by {x:+.2f} m ahead and {y:+.2f} m to the left, "
+        f"in {int(agree.sum())} of {len(corrections)} places alike.",
+        f"Measure both mounts again. If that of {first.topic} is right, {second.topic} sits at {_mount(mount)}, not at "
+        f"{_mount(np.array(second.mount))}.",
+        min(0.97, 0.35 + 0.65 * share),
+        sensor=SEPARATOR.join((first.topic, second.topic)),
+    )
+
+
+def _mount(mount: Float64Array) -> str:
+    return f"({mount[0]:.2f} m, {mount[1]:.2f} m, {math.degrees(mount[2]):.1f}°)"

@@ -1,0 +1,103 @@
+"""The clouds and depth images of a recording with the poses of their sensor, for maps in three dimensions."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.logs.container import Container
+from mapper.io.logs.opening import parts_of
+from mapper.io.logs.unpacking import Progress
+from mapper.sensors.point_cloud import PointCloud, PosedCloud
+from mapper.sensors.streams import CloudStream, Mounts
+
+KNOTS = 128  #: poses within one sweep, between which the sensor is taken to stand still
+
+
+@dataclass(frozen=True, slots=True)
+class PosedClouds:
+    """The clouds of one topic along the recording's transforms; each iteration reads the recording.
+
+    Clouds at times of which the recording does not say where their frame was are left out. With ``deskew`` points that
+    state their times are put where they are seen from the sensor's pose at the cloud's stamp.
+    """
+
+    stream: CloudStream
+    deskew: bool = True
+
+    def __iter__(self) -> Iterator[PosedCloud]:
+        for cloud in self.stream:
+            poses = self.stream.poses(cloud.frame_id, np.array([cloud.stamp_ns]))
+            if poses is None:
+                raise ReadError(
+                    "clouds.no_poses",
+                    f"Nothing in the recording says where the frame {cloud.frame_id!r:.100} of {self.stream.topic} "
+                    "was: it needs tf up to a fixed frame, or odometry.",
+                )
+            if np.isfinite(poses[0]).all():
+                yield PosedCloud(deskewed(cloud, self.stream.poses) if self.deskew else cloud, poses[0])
+
+
+def deskewed(cloud: PointCloud, poses: Mounts) -> PointCloud:
+    """Return a cloud with each point where it is seen from the frame's pose at the cloud's stamp.
+
+    ``poses`` returns ``T_fixed_frame`` at stamps. The times of the points are rounded to :data:`KNOTS` in the sweep.
+    A cloud without times, or at times of which the poses are not known, is returned as it is.
+    """
+    if cloud.times is None or not len(cloud):
+        return cloud
+    known = np.isfinite(cloud.times)
+    if not known.any():
+        return cloud
+    first, last = float(cloud.times[known].min()), float(cloud.times[known].max())
+    knots = np.unique(np.append(np.linspace(first, last, KNOTS), 0.0))
+    found = poses(cloud.frame_id, cloud.stamp_ns + np.round(knots * 1e9).astype(np.int64))
+    if found is None or not np.isfinite(found).all():
+        return cloud
+    stamp = int(np.searchsorted(knots, 0.0))
+    relative = np.linalg.inv(found[stamp]) @ found
+    knot = _nearest(knots, np.where(known, cloud.times, 0.0))
+    points = cloud.points.astype(np.float64)
+    turned = np.einsum("nij,nj->ni", relative[knot, :3, :3], points) + relative[knot, :3, 3]
+    return replace(cloud, points=turned)
+
+
+def _nearest(knots: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.int64]:
+    middles = 0.5 * (knots[1:] + knots[:-1])
+    return np.asarray(np.searchsorted(middles, times), dtype=np.int64)
+
+
+def open_posed_clouds(
+    path: str | os.PathLike[str],
+    *,
+    topic: str | None = None,
+    deskew: bool = True,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+) -> PosedClouds:
+    """Return the clouds of the recording at ``path`` along its transforms, those of ``topic``; else of the first topic.
+
+    A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, with its CameraInfo beside it) counts as one
+    of clouds; without a name it is taken where there are no others. Raises :class:`ReadError` for a file that is no
+    recording, has no clouds, or lacks the topic, and as :func:`mapper.io.clouds.open_clouds`.
+    """
+    files, kind = parts_of(Path(path), limits)
+    if not isinstance(kind, Container):
+        raise ReadError("clouds.none", "The file is no recording (bag, MCAP, db3) with point clouds.")
+    streams = kind.streams(files, limits, progress)
+    known = {**streams.clouds, **streams.depths}
+    # What an image's encoding is, only its messages tell; drivers name the topics of depths so.
+    usual = [*streams.clouds, *(name for name in streams.depths if "depth" in name.lower())]
+    if topic is None and not usual:
+        raise ReadError("clouds.none", "The recording holds no point clouds and no depth images.")
+    if topic is not None and topic not in known:
+        has = ", ".join(known) or "none"
+        raise ReadError("clouds.topic", f"The recording has no clouds on {topic!r:.80}; it has them on: {has:.300}.")
+    return PosedClouds(known[topic or usual[0]], deskew)

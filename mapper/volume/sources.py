@@ -1,0 +1,153 @@
+"""Where the scans of a map come from: clouds, scan graphs, depth folders and recordings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array
+from mapper.core.errors import ConfigError, WorkCancelledError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.clouds import PosedClouds, open_posed_clouds, read_cloud, read_depth_folder, read_scan_graph
+from mapper.io.clouds.depth_folder import is_depth_folder
+from mapper.io.clouds.reading import HEAD_BYTES, cloud_format
+from mapper.io.logs.unpacking import Progress, Unpacked, opened
+from mapper.sensors.point_cloud import PosedCloud
+from mapper.volume.occupancy import OccupancyVolume
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedScan:
+    """Points (n, 3) in the map's frame, metres, at ``stamp_ns``; ``origin`` (3,) is None where it is not known."""
+
+    points: Float64Array
+    origin: Float64Array | None
+    stamp_ns: int = 0
+
+
+@dataclass(slots=True)
+class ScanSource:
+    """The scans of one file or folder, in order: iterate ``scans`` once. ``count`` is how many there are, if known.
+
+    ``notes`` are sentences on what was found; reading the scans adds to them.
+    """
+
+    kind: str
+    scans: Iterator[PlacedScan]
+    count: int | None
+    notes: list[str]
+
+
+def open_source(
+    path: str | os.PathLike[str],
+    *,
+    topic: str | None = None,
+    sensor: Float64Array | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Progress | None = None,
+) -> ScanSource:
+    """Return the scans of a cloud's file, a scan graph, a folder of depth images or a recording with clouds.
+
+    The points of a cloud's file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
+    Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several.
+    Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
+    """
+    path = Path(path)
+    if is_depth_folder(path):
+        folder = read_depth_folder(path, limits=limits)
+        return ScanSource("depth images", map(_placed, folder.clouds()), len(folder), list(folder.notes))
+    kind = None if path.is_dir() else cloud_format(_head(path, limits))
+    if kind == "scan graph":
+        graph = read_scan_graph(path, limits=limits, progress=progress)
+        return ScanSource(kind, map(_placed, graph), None, [])
+    if kind is None:
+        return _of_recording(open_posed_clouds(path, topic=topic, limits=limits, progress=progress))
+    cloud = read_cloud(path, limits=limits, progress=progress)
+    notes = list(cloud.notes)
+    origin = cloud.sensor_pose[:3, 3] if sensor is None and cloud.sensor_pose is not None else sensor
+    if origin is None:
+        notes.append("The file does not say where the sensor was: its points are occupied, and nothing is free.")
+    points = cloud.points[cloud.finite].astype(np.float64)
+    return ScanSource(kind, iter([PlacedScan(points, origin, cloud.stamp_ns)]), 1, notes)
+
+
+def _head(path: Path, limits: Limits) -> bytes:
+    """Return the first bytes of a file, unpacked."""
+    head = b""
+    with opened(path) as file:
+        for piece in Unpacked(file, lambda: "at its beginning", limits):
+            head += piece
+            if len(head) >= HEAD_BYTES:
+                break
+    return head[:HEAD_BYTES]
+
+
+def _placed(posed: PosedCloud) -> PlacedScan:
+    points = posed.points_in_map()
+    return PlacedScan(points[posed.cloud.finite], posed.origin, posed.cloud.stamp_ns)
+
+
+def _of_recording(clouds: PosedClouds) -> ScanSource:
+    stream = clouds.stream
+    notes = [f"The clouds are those of {stream.topic}."]
+    return ScanSource("recording", _with_poses(clouds, notes), stream.count, notes)
+
+
+def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
+    n = 0
+    for posed in clouds:
+        n += 1
+        yield _placed(posed)
+    if n < clouds.stream.count:
+        notes.append(f"{clouds.stream.count - n} of {clouds.stream.count} clouds have no pose and are left out.")
+
+
+@dataclass(slots=True)
+class Insertion:
+    """What inserting the scans of sources did: numbers of scans, points, and points that were left out."""
+
+    scans: int = 0
+    points: int = 0
+    left_out: int = 0
+    _last_ns: int = field(default=0, repr=False)
+
+    def insert(self, volume: OccupancyVolume, scan: PlacedScan) -> None:
+        """Update the map by one scan, after it has decayed for the time since the last one."""
+        if self._last_ns and scan.stamp_ns > self._last_ns:
+            volume.decay((scan.stamp_ns - self._last_ns) * 1e-9)
+        self._last_ns = scan.stamp_ns or self._last_ns
+        did = volume.insert_scan(scan.points, scan.origin)
+        self.scans, self.points = self.scans + 1, self.points + len(scan.points)
+        self.left_out += did.left_out
+
+
+def insert_all(
+    volume: OccupancyVolume,
+    source: ScanSource,
+    into: Insertion,
+    progress: Callable[[float], None] | None = None,
+    is_cancelled: Callable[[], bool] = lambda: False,
+) -> None:
+    """Update a map by all scans of a source and count them in ``into``.
+
+    ``progress`` is called with the share of the scans, 0 … 1, where their number is known. Raises
+    :class:`WorkCancelledError` between two scans once ``is_cancelled``, :class:`ConfigError` for a source all of whose
+    points are left out, and as :meth:`OccupancyVolume.insert_scan`.
+    """
+    before = into.points - into.left_out
+    for k, scan in enumerate(source.scans):
+        if is_cancelled():
+            raise WorkCancelledError("volume.cancelled", f"The map was cancelled after {into.scans} scans.")
+        into.insert(volume, scan)
+        if progress is not None and source.count:
+            progress(min((k + 1) / source.count, 1.0))
+    if into.points - into.left_out == before:
+        raise ConfigError(
+            "volume.no_points",
+            f"None of the points is finite and within {volume.reach:g} m of 0 along each axis, as far as a map with "
+            f"voxels of {volume.config.resolution:g} m goes.",
+        )

@@ -1,0 +1,205 @@
+"""``map3d``: a map of occupied and free voxels from point clouds, and what an octree file holds."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mapper.core.errors import ConfigError, MapperError
+from mapper.volume.parameters import VOLUME_PARAMETERS, VolumeConfig
+from server.cli.app import app
+from server.cli.common import (
+    AsJson,
+    fail,
+    numbers,
+    print_json,
+    progress_bar,
+    refusing,
+    value_of,
+    with_parameter_options,
+)
+
+if TYPE_CHECKING:
+    from mapper.volume import OccupancyVolume, Octree, OctreeFile
+
+_ROWS = {row.name: row for row in VOLUME_PARAMETERS}
+KINDS = (".bt", ".ot")
+
+
+@app.command()
+@with_parameter_options(more=VOLUME_PARAMETERS)
+def map3d(
+    inputs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="INPUT...",
+            help="Clouds, scan graphs, folders of depth images and recordings with point clouds; an octree (.bt, .ot) "
+            "first is the map to go on with.",
+        ),
+    ],
+    out: Annotated[
+        list[Path], typer.Option(metavar="PREFIX.bt|.ot", help="Write an octree of OctoMap; may be repeated.")
+    ],
+    projection: Annotated[
+        Path | None,
+        typer.Option("--map", metavar="PREFIX", help="Write PREFIX.yaml and PREFIX.pgm, the map from above."),
+    ] = None,
+    band: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LOW,HIGH", help="The heights of the map from above (m, m); equal ones are a slice. [all]"
+        ),
+    ] = None,
+    topic: Annotated[
+        str | None, typer.Option(metavar="NAME", help="The clouds of a recording that has several.")
+    ] = None,
+    sensor: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z", help="Where the sensor of a cloud's file was (m, m, m), if the file does not say it."
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - the table's
+) -> None:
+    """Map point clouds in three dimensions, as OctoMap does, and write the octree."""
+    import numpy as np  # noqa: PLC0415 - start-up
+
+    from mapper.volume import OccupancyVolume, Octree  # noqa: PLC0415 - start-up
+    from mapper.volume.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
+
+    for path in out:
+        if path.suffix not in KINDS:
+            fail(f"--out must end in {' or '.join(KINDS)}, not {path.name!r:.80}.")
+    heights = None if band is None else numbers("--band", "two numbers, LOW,HIGH in metres", 2, band)
+    place = None if sensor is None else np.array(numbers("--sensor", "three numbers, X,Y,Z in metres", 3, sensor))
+    given: dict[str, Any] = {
+        name: value_of(_ROWS[name], value) if isinstance(value, str) else value
+        for name, value in parameters.items()
+        if value is not None
+    }
+    began = time.process_time()
+    read = _first_octree(inputs[0])
+    if read is not None:
+        given.setdefault("resolution", read.tree.resolution)
+    try:
+        config = VolumeConfig(**given)
+        if read is not None and config.resolution != read.tree.resolution:
+            raise ConfigError(
+                "volume.resolutions",
+                f"The voxels of {inputs[0].name} are of {read.tree.resolution:g} m, not {config.resolution:g} m.",
+            )
+    except MapperError as error:
+        fail(error.message)
+    scans, notes = Insertion(), []
+    rest = inputs if read is None else inputs[1:]
+    with refusing(inputs[0]):
+        from_tree = read is not None and (rest or projection is not None)  # a tree may be larger than a map may be
+        volume = read.tree.volume(config) if read is not None and from_tree else OccupancyVolume(config)
+    for path in rest:
+        with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
+            source = open_source(path, topic=topic, sensor=place)
+            insert_all(volume, source, scans, bar)
+        notes += [f"{path.name}: {note}" for note in source.notes]
+    tree = read.tree if read is not None and not rest else Octree.of(volume)
+    files = [_write(path, tree, config, read if not rest else None) for path in out]
+    if projection is not None:
+        files += _write_projection(volume, projection, heights, inputs[0])
+    facts: dict[str, Any] = {
+        "inputs": [str(path) for path in inputs],
+        "scans": scans.scans,
+        "points": scans.points,
+        "left_out": scans.left_out,
+        **tree_facts(tree, config),
+        "cpu_seconds": round(time.process_time() - began, 3),
+        "files": [str(path) for path in files],
+        "notes": notes,
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(
+        f"{scans.scans} scans, {scans.points} points" + (f", {scans.left_out} left out" if scans.left_out else "")
+    )
+    print_tree(facts)
+    typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")
+    for path in files:
+        typer.echo(f"  wrote {path}")
+    for note in notes:
+        typer.echo(f"  note: {note}")
+
+
+def _first_octree(path: Path) -> OctreeFile | None:
+    """Return the octree in a file, None for a file that holds something else."""
+    from mapper.volume.octree_files import is_octree, read_octree  # noqa: PLC0415 - start-up
+
+    if not path.is_file():
+        return None
+    with refusing(path), path.open("rb") as file:
+        return read_octree(path) if is_octree(file.read(64)) else None
+
+
+def _write(path: Path, tree: Octree, config: VolumeConfig, read: OctreeFile | None) -> Path:
+    """Write a tree; one that was read and is written as the same kind is written byte for byte."""
+    from mapper.volume import octree_file, write_octree  # noqa: PLC0415 - start-up
+
+    with refusing(path):
+        same = read is not None and read.kind == path.suffix
+        write_octree(read if same and read is not None else octree_file(tree, path.suffix, config), path, config)
+    return path
+
+
+def _write_projection(volume: OccupancyVolume, prefix: Path, heights: list[float] | None, of: Path) -> list[Path]:
+    from mapper.volume import project  # noqa: PLC0415 - start-up
+    from server.cli.map_files import save  # noqa: PLC0415 - start-up
+
+    with refusing(of):
+        grid = project(volume) if heights is None else project(volume, *heights)
+    return save(grid, prefix, "trinary", "map")
+
+
+def tree_facts(tree: Octree, config: VolumeConfig) -> dict[str, Any]:
+    """Return the numbers of an octree: its nodes, and the space that its leaves take."""
+    import numpy as np  # noqa: PLC0415 - start-up
+
+    keys, depths, values = tree.leaves()
+    sides = np.int64(1) << (16 - depths.astype(np.int64))
+    occupied = values >= config.log_odds_occupied
+    voxels = sides.astype(np.float64) ** 3
+    low, high = (keys.min(axis=0), (keys + sides[:, None]).max(axis=0)) if len(keys) else (np.full(3, 32768),) * 2
+    return {
+        "resolution": tree.resolution,
+        "nodes": tree.n_nodes,
+        "leaves": tree.n_leaves,
+        "occupied": int(voxels[occupied].sum()),
+        "free": int(voxels[~occupied].sum()),
+        "low": [round(float(k - 32768) * tree.resolution, 6) for k in low],
+        "high": [round(float(k - 32768) * tree.resolution, 6) for k in high],
+    }
+
+
+def print_tree(facts: dict[str, Any]) -> None:
+    """Print the numbers of an octree in words."""
+    typer.echo(f"  {facts['nodes']} nodes, {facts['leaves']} of them leaves, voxels of {facts['resolution']:g} m")
+    typer.echo(f"  {facts['occupied']} voxels occupied, {facts['free']} free")
+    corners = (", ".join(f"{value:g}" for value in facts[end]) for end in ("low", "high"))
+    typer.echo(f"  from {next(corners)} m to {next(corners)} m")
+
+
+def describe_octree(path: Path, *, as_json: bool) -> bool:
+    """Print what an octree file holds; return whether the file is one."""
+    read = _first_octree(path)
+    if read is None:
+        return False
+    with refusing(path):
+        config = VolumeConfig()
+        facts = {"name": path.name, "format": f"OctoMap {read.kind}", **tree_facts(read.tree, config)}
+    if as_json:
+        print_json(facts)
+        return True
+    typer.echo(f"{facts['name']}: {facts['format']}")
+    print_tree(facts)
+    return True

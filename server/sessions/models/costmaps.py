@@ -1,0 +1,171 @@
+"""The model of a session that shows recorded costmaps: it plays them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from mapper.costmap import NO_INFORMATION
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.playback import Playback
+from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError, integer, text
+
+if TYPE_CHECKING:
+    from mapper.io.costmaps import CostmapStream, RecordedCostmap
+
+#: No reading: pages wait for a first scan.
+_NO_READINGS: dict[str, Any] = {
+    "scan_pose": [0.0, 0.0, 0.0], "ranges": [], "angle_min": 0.0, "angle_increment": 0.0, "range_max": 0.0,
+}  # fmt: skip
+LOWEST, HIGHEST = 0.0, 254.0  #: of a cell's cost: 254 steps, so that each cost has a byte of its own
+
+
+class CostmapsModel(SessionModel):
+    """The costmaps of a recording: those of one topic, one after the other."""
+
+    kind: ClassVar[str] = "costmaps"
+    replacing: ClassVar[frozenset[str]] = frozenset({"seek", "restart", "trajectory"})
+
+    def __init__(
+        self, streams: Mapping[str, CostmapStream], *, log_id: str, title: str, topic: str | None = None
+    ) -> None:
+        """Show the costmaps of ``topic``, else of the topic with most of them."""
+        self._streams = dict(streams)
+        self._log_id, self._title = log_id, title
+        self._layer = GridLayer("map", "Costmap", "recorded_costs")
+        most = max(self._streams, key=lambda name: len(self._streams[name]))
+        super().__init__(Playback(speed=1.0, speeds=(0.1, 100.0)))
+        self._choose(most if topic is None else topic)
+
+    def _choose(self, topic: str) -> None:
+        if topic not in self._streams:
+            raise ProtocolError("costmaps.topic", f"The recording has no costmaps on {topic!r:.80}.")
+        self._topic = topic
+        stream = self._streams[topic]
+        stamps = np.maximum.accumulate(stream.received_ns)
+        self._times = (stamps - stamps[0]).astype(np.float64) * 1e-9
+        self._time, self._index = 0.0, 1
+        self._show()
+
+    def _show(self) -> None:
+        one: RecordedCostmap = self._streams[self._topic][self._index - 1]
+        self._now = one
+        self._layer.set(one.geometry, one.costs, LOWEST, HIGHEST, one.costs == NO_INFORMATION)
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> Sequence[Layer]:
+        """The costmap."""
+        return (self._layer,)
+
+    @property
+    def title(self) -> str:
+        """The title of the recording."""
+        return self._title
+
+    @property
+    def frame_id(self) -> str | None:
+        """The frame of the present costmap."""
+        return self._now.frame or None
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of the greatest costmap, and bytes of all as cells."""
+        kept = [one for stream in self._streams.values() for one in stream.kept]
+        return Footprint(max(one.geometry.rows * one.geometry.cols for one in kept) + sum(len(k.packed) for k in kept))
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """The number of the costmap that is shown, and how many there are."""
+        return (self._index, len(self._times))
+
+    def particulars(self) -> dict[str, Any]:
+        """Return the recording as a log without scans; its trajectories are the topics."""
+        return {
+            "log": {
+                "id": self._log_id,
+                "topic": self._topic,
+                "cut": None,
+                "trajectory": self._topic,
+                "trajectories": [
+                    {"name": topic, "description": f"{len(stream)} costmaps, frame {', '.join(stream.frames)}"}
+                    for topic, stream in self._streams.items()
+                ],
+                "n_beams": 0,
+                "n_scans": len(self._times),
+                "duration_s": float(self._times[-1]),
+                "format": "costmaps",
+                "notes": [],
+            }
+        }
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return when each costmap was recorded, with the middle of its window."""
+        middles = [
+            geometry.cell_to_world(((geometry.rows - 1) / 2, (geometry.cols - 1) / 2)).round(3).tolist()
+            for geometry in self._streams[self._topic].geometries
+        ]
+        stamps = np.round(self._times, 2).tolist()
+        return [{"type": "trajectory", "name": self._topic, "every": 1, "poses": middles, "stamps": stamps}]
+
+    def frame(self) -> dict[str, Any]:
+        """Return the time of the present costmap."""
+        return {"stamp": round(float(self._times[self._index - 1]), 3)}
+
+    def scan(self) -> dict[str, Any]:
+        """Return a scan without readings."""
+        return _NO_READINGS
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def advance(self, dt: float, result: TickResult) -> None:
+        """Play."""
+        if dt <= 0.0 or not self.playback.playing:
+            return
+        self._time = min(self._time + dt * self.playback.speed, float(self._times[-1]))
+        index = int(np.searchsorted(self._times, self._time, side="right"))
+        if index != self._index:
+            self._index = index
+            self._show()
+        result.changed = True
+        if index == len(self._times):
+            self.playback.playing = False
+
+    def play(self) -> None:
+        """Play; from the start if the end was reached."""
+        if self._index == len(self._times):
+            self._go_to(1)
+        super().play()
+
+    def _go_to(self, index: int) -> None:
+        self._index = min(max(index, 1), len(self._times))
+        self._time = float(self._times[self._index - 1])
+        self._show()
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+        """Carry out a command: seek, step, restart, or another topic (``trajectory``)."""
+        count = len(self._times)
+        match command["type"]:
+            case "seek":
+                index = integer(command, "index")
+                if not 0 <= index <= count:
+                    raise ProtocolError("command.index", f"There are {count} costmaps; there is none after {index}.")
+                self._go_to(index)
+            case "step":
+                self.playback.playing = False
+                self._go_to(self._index + integer(command, "scans", 1))
+            case "restart":
+                self._go_to(1)
+                self.playback.playing = True
+            case "trajectory":
+                self._choose(text(command, "name"))
+                result.is_new_hello = True
+                result.slot(self.messages()[0])
+            case other:
+                raise ProtocolError("command.unknown", f"A recording of costmaps has no command {other!r:.80}.")
+        result.changed = True

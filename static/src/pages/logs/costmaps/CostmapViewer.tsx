@@ -1,0 +1,119 @@
+import { useSignal } from "@preact/signals";
+import { useEffect, useMemo } from "preact/hooks";
+import { connect } from "../../../store/connect";
+import type { Store } from "../../../store/store";
+import { BeliefView } from "../../../tools/picture/BeliefView";
+import { Button } from "../../../ui/Button";
+import { Dock } from "../../../ui/Dock";
+import { Icon } from "../../../ui/Icon";
+import { Panel } from "../../../ui/Panel";
+import { exposeHook } from "../../debugHook";
+import { Transport } from "../Transport";
+import { CostReadout } from "./CostReadout";
+import { MEANINGS } from "./meanings";
+import "./costmaps.css";
+
+interface CostmapViewerProps {
+  readonly session: string;
+  readonly onClose: () => void;
+  /** The session has ended on the server: begin another on the same recording. */
+  readonly onGone: () => void;
+}
+
+/** The costmaps of a recording, one after the other. */
+export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) {
+  const connection = useMemo(() => connect(session), [session]);
+  useEffect(() => {
+    exposeHook(connection, () => null);
+    connection.start();
+    return () => connection.stop();
+  }, [connection]);
+  const { store, status, trouble } = connection;
+  const openGroup = useSignal("costmap");
+  const hello = store.hello.value;
+  useEffect(() => {
+    if (hello) document.title = `${hello.title} · Gridbloom`;
+  }, [hello]);
+  if (status.value === "gone") {
+    return (
+      <div class="viewer-message" role="alert">
+        <h1>This session has ended</h1>
+        <p class="prose">The server ends sessions that are idle. The recording is still there.</p>
+        <div class="actions">
+          <Button kind="primary" icon="restart" onClick={onGone}>
+            Open the recording again
+          </Button>
+          <Button onClick={onClose}>All logs</Button>
+        </div>
+      </div>
+    );
+  }
+  return (
+    <div class="viewer">
+      <header class="viewer-head">
+        <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
+        <h1>{hello?.title ?? "…"}</h1>
+      </header>
+      <div class="viewer-stage">
+        <div class="viewer-map">
+          <BeliefView store={store} />
+          {(!hello || trouble.value) && (
+            <p class="viewer-over" role="status">
+              {trouble.value ? <Icon name="warning" /> : null} {trouble.value ?? "Opening the costmaps …"}
+            </p>
+          )}
+        </div>
+        <Transport store={store} unit="costmap" />
+        <div class="viewer-readout">
+          <CostReadout store={store} />
+        </div>
+      </div>
+      <Dock
+        label="About these costmaps"
+        groups={[{ id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> }]}
+        open={openGroup}
+      />
+    </div>
+  );
+}
+
+/** The topic, the size of the grid, and what the colours mean. */
+function Facts({ store }: { readonly store: Store }) {
+  const log = store.hello.value?.log ?? null;
+  const geometry = store.map.value?.geometry ?? null;
+  return (
+    <Panel title="Costmap">
+      {log && log.trajectories.length > 1 && (
+        <label class="costmaps-topic">
+          <span>Topic</span>
+          <select
+            class="select"
+            value={log.trajectory}
+            onChange={(event) => store.send({ type: "trajectory", name: event.currentTarget.value })}
+          >
+            {log.trajectories.map(({ name }) => (
+              <option key={name} value={name}>
+                {name}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
+      {log && (
+        <p class="quiet">
+          {log.trajectory}: {log.trajectories.find(({ name }) => name === log.trajectory)?.description}
+          {geometry && `, ${geometry.cols} × ${geometry.rows} cells of ${geometry.resolution} m`}
+        </p>
+      )}
+      <ul class="costmaps-key">
+        {MEANINGS.map(({ token, costs, text }) => (
+          <li key={text}>
+            <span class="costmaps-swatch" style={{ background: token }} aria-hidden="true" />
+            <span class="number">{costs}</span>
+            <span>{text}</span>
+          </li>
+        ))}
+      </ul>
+    </Panel>
+  );
+}

@@ -1,0 +1,94 @@
+"""Recorded costmaps on the logs page: played back, cell for cell as an independent reader has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from playwright.sync_api import Page, expect
+
+from mapper.grid import GridGeometry
+from mapper.io.costmaps import RecordedCostmap, write_costmaps
+from tests.browser.looking import frame, map_bytes, until
+
+OPEN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
+COUNT = 231
+
+
+def costs_of(path: Path) -> np.ndarray:
+    """Return the costs (messages, rows, cols) of a recording, by mcap-ros2-support."""
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        messages = reader.iter_decoded_messages(topics=["/local_costmap/costmap", "/costmap_raw"])
+        return np.array(
+            [
+                np.frombuffer(bytes(message.data), np.uint8).reshape(message.metadata.size_y, message.metadata.size_x)
+                for _, _, _, message in messages
+            ]
+        )
+
+
+def shown(page: Page, rows: int, cols: int) -> np.ndarray:
+    """Return the costs that the page has: a byte 0 is no information, 1 … 255 are 0 … 254."""
+    found = page.evaluate(
+        """([rows, cols]) => {
+          const { cells } = gridbloom.connection.store.map.peek();
+          return Array.from({ length: rows * cols }, (_, k) => cells.at(Math.floor(k / cols), k % cols));
+        }""",
+        [rows, cols],
+    )
+    found = np.array(found)
+    return np.where(found == 0, 255, found - 1).reshape(rows, cols).astype(np.uint8)
+
+
+def seek(page: Page, index: int) -> None:
+    page.evaluate(f"() => gridbloom.connection.store.send({{ type: 'seek', index: {index} }})")
+    until("the costmap is shown", lambda: frame(page)["index"] == index)
+
+
+def test_a_recording_of_nav2_is_shown_cell_for_cell(page: Page, server: str, data_file: Callable[[str], Path]) -> None:
+    path = data_file("bags/cm_moving_obstacle_0.mcap")
+    expected = costs_of(path)
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", path)
+    page.wait_for_function(OPEN)
+    assert frame(page)["count"] == COUNT == len(expected)
+    different = np.flatnonzero(np.any(expected[1:] != expected[:-1], axis=(1, 2))) + 1
+    for k in (0, *different[:3].tolist(), COUNT - 1):
+        seek(page, k + 1)
+        until(f"costmap {k}", lambda k=k: np.array_equal(shown(page, 100, 100), expected[k]))  # type: ignore[misc]
+    lethal = next(k for k in range(COUNT) if (expected[k] == 254).any())
+    seek(page, lethal + 1)
+    row, col = (int(v) for v in np.argwhere(expected[lethal] == 254)[0])
+    point = [-2.475 + 0.05 * col, -2.475 + 0.05 * row]
+    page.evaluate("(point) => { gridbloom.connection.store.pinned.value = point; }", point)
+    expect(page.locator("[data-cost]")).to_have_attribute("data-cost", "254")
+    expect(page.locator(".readout").get_by_text("lethal", exact=True)).to_be_visible()
+    page.get_by_role("button", name="Forward one costmap").click()
+    until("the next costmap", lambda: frame(page)["index"] == lethal + 2)
+    seek(page, COUNT - 1)
+    page.get_by_role("button", name="Play", exact=True).click()
+    until("the end", lambda: frame(page)["index"] == COUNT and not frame(page)["playing"])
+
+
+def test_costs_of_each_value_and_windows_that_move(page: Page, server: str, tmp_path: Path) -> None:
+    """Every cost 0 … 255, and a second costmap of another size and place."""
+    first = np.arange(256, dtype=np.uint8).reshape(8, 32)
+    second = np.full((70, 65), 100, np.uint8)
+    stamps = (10**9, 2 * 10**9)
+    geometries = (GridGeometry(0.1, 8, 32, (1.0, 2.0, 0.0)), GridGeometry(0.1, 70, 65, (3.0, 2.0, 0.0)))
+    with (tmp_path / "two.mcap").open("wb") as file:
+        made = zip(stamps, geometries, (first, second), strict=True)
+        write_costmaps(file, [RecordedCostmap(t, t, "odom", "master", where, costs) for t, where, costs in made])
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "two.mcap")
+    page.wait_for_function(OPEN)
+    until("all costs", lambda: np.array_equal(shown(page, 8, 32), first))
+    seek(page, 2)
+    until("the second", lambda: map_bytes(page)["cols"] == 65)
+    until("its costs", lambda: np.array_equal(shown(page, 70, 65), second))

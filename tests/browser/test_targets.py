@@ -1,0 +1,67 @@
+"""Whatever one presses is at least 24 pixels wide and high (WCAG 2.5.8), on every page and in every open panel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import await_map
+
+LEAST = 24
+
+# Targets on show that are smaller. Links within a sentence are as high as its lines; what is larger than it looks (a
+# handle with a wide grip, a box with its label) is measured by what takes the pointer.
+_SMALL = """(least) => {
+  const found = [];
+  const targets = "a[href], button, select, summary, textarea, input:not([type=file]), [role=slider], [role=tab]";
+  for (const one of document.querySelectorAll(targets)) {
+    if (!one.checkVisibility({ visibilityProperty: true, opacityProperty: true })) continue;
+    if (one.disabled || one.closest("[inert], .visually-hidden, .skip-link")) continue;
+    if (one.matches("a") && getComputedStyle(one).display === "inline") continue;
+    if (getComputedStyle(one).clipPath === "inset(50%)") continue;
+    const shown = one.querySelector(".handle-grab, .drag-handle-grab")
+      ?? (one.matches("[type=checkbox], [type=radio]") ? one.closest("label") : null) ?? one;
+    const box = shown.getBoundingClientRect();
+    if (box.width < 1 || box.height < 1) continue;
+    if (Math.min(box.width, box.height) < least - 0.5)
+      found.push([Math.round(box.width), Math.round(box.height), one.outerHTML.slice(0, 130)]);
+  }
+  return found;
+}"""
+
+
+def small(page: Page) -> list[object]:
+    """Return the targets on show that are too small: width, height, what it is."""
+    return list(page.evaluate(_SMALL, LEAST))
+
+
+@pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
+def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page]) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    found: dict[str, list[object]] = {}
+    page.goto(server)
+    await_map(page)
+    found["front page"] = small(page)
+    page.goto(f"{server}/lecture.html")
+    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
+    expect(page.locator(".figure-awaited")).to_have_count(0)
+    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    found["lecture"] = small(page)
+    page.route("**/scenes/*/plain/**", lambda route: route.fulfill(content_type="text/html", body="<!doctype html>"))
+    open_lab(scans=15)
+    for place in ("lab", "log"):
+        if place == "log":
+            page.goto(f"{server}/logs.html")
+            card = page.locator(".log-card", has_text="sample")
+            card.wait_for()
+            found["logs"] = small(page)
+            card.get_by_role("button", name="Open map").click()
+            await_map(page)
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            expect(tab).to_have_attribute("aria-selected", "true")
+            page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
+            found[f"{place}, {tab.inner_text()}"] = small(page)
+    assert {where: targets for where, targets in found.items() if targets} == {}

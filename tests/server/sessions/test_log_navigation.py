@@ -1,0 +1,114 @@
+"""The costmap over a log's map and the path on it, against a costmap that is built at once of the same map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError
+from mapper.costmap import LETHAL, cost_of_distance
+from mapper.sensors.scan import ScanLog
+from server.sessions import SessionRegistry
+from server.sessions.models import log_navigation
+from server.sessions.models.lab_navigation_parameters import LabParameters
+from server.sessions.models.log import LogModel
+from server.sessions.tick import TickResult
+from server.stream.protocol import ProtocolError
+from tests.server.begin import new_log
+
+STATIC_ONLY = {"obstacle_layer": False, "dynamic_layer": False}
+
+
+class Log:
+    """A log's model without its host's clock."""
+
+    def __init__(self, model: LogModel) -> None:
+        self.model = model
+        self.answers: list[dict[str, Any]] = []
+
+    def do(self, **command: Any) -> dict[str, Any]:
+        result = TickResult()
+        self.model.obey(command, result)
+        while self.model.is_catching_up:
+            self.model.advance(0.0, result)
+        self.model.draw(result)
+        self.answers = [answer for _, answer in result.answers]
+        return self.model.messages()[-1]
+
+    @property
+    def costs(self) -> np.ndarray:
+        costmap = self.model._navigation._costmap
+        assert costmap is not None
+        return costmap.costs
+
+
+@pytest.fixture
+async def log(registry: SessionRegistry, office_log: ScanLog) -> Log:
+    session = await new_log(registry, "me", office_log, playing=False)
+    model = session.model
+    assert isinstance(model, LogModel)
+    return Log(model)
+
+
+async def test_costs_are_those_of_the_whole_map_at_each_scan(log: Log) -> None:
+    parameters = LabParameters().with_values(STATIC_ONLY)
+    log.do(type="costmap", values=STATIC_ONLY)
+    for index in (120, 150, 40):
+        log.do(type="seek", index=index)
+        grid = log.model.grid
+        lethal = grid.classify() == 100
+        np.testing.assert_array_equal(log.costs == LETHAL, lethal, err_msg=str(index))
+        row, col = (int(v) for v in np.argwhere(lethal)[0])
+        inscribed = parameters.outline.inscribed_radius
+        near = cost_of_distance(grid.geometry.resolution, inscribed, 3.0)
+        around = log.costs[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2]
+        assert around.min() >= min(near, 253)
+
+
+async def test_the_newest_scan_marks_and_a_scan_before_it_forgets(log: Log) -> None:
+    log.do(type="seek", index=150)
+    log.do(type="costmap", values={"static_layer": False, "dynamic_layer": False, "track_unknown_space": False})
+    late = log.costs == LETHAL
+    robot = log.model.recording.robot_state()
+    ranges = robot.scan.ranges
+    seen = (ranges >= robot.scan.range_min) & (ranges <= robot.scan.range_max) & (ranges < 4.9)
+    assert seen.any()
+    x, y, yaw = robot.scan_pose
+    at = yaw + robot.scan.angles[seen]
+    points = np.column_stack([x + ranges[seen] * np.cos(at), y + ranges[seen] * np.sin(at)])
+    cells = log.model.grid.geometry.world_to_cell(points)
+    assert late[cells[:, 0], cells[:, 1]].mean() > 0.95
+    log.do(type="seek", index=20)
+    assert not (log.costs[cells[:, 0], cells[:, 1]] == LETHAL).all()
+
+
+async def test_the_path_begins_at_the_robot_and_ends_at_the_goal(log: Log) -> None:
+    log.do(type="seek", index=150)
+    log.do(type="costmap", values=STATIC_ONLY | {"allow_unknown": False})
+    goal = log.model.recording.log.trajectory(None).poses[10, :2]
+    path = log.do(type="goal", x=float(goal[0]), y=float(goal[1]))
+    assert path["reaches_goal"], path
+    straight = float(np.hypot(*(log.model.recording.robot_state().pose[:2] - goal)))
+    assert path["length"] >= straight - 0.2
+    log.do(type="cost", x=float(goal[0]), y=float(goal[1]))
+    assert log.answers[0]["layers"][0]["layer"] == "static_layer"
+    there_and_back = log.do(type="nav2")
+    assert there_and_back["goal"] == path["goal"]
+    text = log.answers[0]["text"].replace("inflation_radius: 0.55", "inflation_radius: 0.8")
+    log.do(type="nav2", text=text)
+    assert log.model.messages()[-2]["values"]["inflation_radius"] == 0.8
+    assert log.do(type="costmap", value=False)["goal"] is None
+    assert log.model._navigation.layers == ()
+
+
+async def test_what_a_log_cannot_have_is_refused(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ProtocolError, match="has to be begun first"):
+        log.do(type="goal", x=0.0, y=0.0)
+    with pytest.raises(ConfigError, match="A log has no plan of its world"):
+        log.do(type="costmap", values={"map": "plan"})
+    monkeypatch.setattr(log_navigation, "MOST_CELLS", 10)
+    with pytest.raises(ConfigError, match="a costmap at most 10; choose a coarser resolution"):
+        log.do(type="costmap")
+    assert log.model._navigation.layers == ()
