@@ -152,11 +152,8 @@ def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, 
     return took
 
 
-def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
-    """Return the laps from a slider's move to the whole map of the real log, made anew and repainted.
-
-    First those of the map alone, then those of its difference from the map of before, which stands beside it.
-    """
+def _whole_log(browser: Browser, server: str) -> Page:
+    """Return a page with the real log at its end."""
     page = new_page(browser)
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text=LOG).get_by_role("button", name="Open map").click()
@@ -165,6 +162,39 @@ def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
     page.keyboard.press("End")
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
+    return page
+
+
+def goal_on_log(browser: Browser, server: str) -> Laps:
+    """Return the laps as :func:`goal`, on the whole map of the real log, with goals all over the robot's path."""
+    page = _whole_log(browser, server)
+    open_group(page, "Path")
+    path = "gridbloom.connection.store.navigation.path.peek()"
+    page.wait_for_function("() => gridbloom.connection.store.navigation.costmap.peek()?.is_on")
+    poses = page.evaluate("() => gridbloom.connection.store.trajectory.peek().poses")
+    box = page.locator(".viewer .picture").bounding_box()
+    assert box is not None
+    at = [poses[(37 * i) % len(poses)] for i in range(TIMES + 1)]
+
+    def place(point: list[float]) -> tuple[float, float]:
+        px, py = page.evaluate("(xy) => gridbloom.screen(xy)", point)
+        return box["x"] + px, box["y"] + py
+
+    page.mouse.click(*place(at[TIMES]))
+    page.wait_for_function(f"() => {path}?.reaches_goal")
+    page.mouse.move(*place(page.evaluate(f"() => {path}.goal")))
+    page.mouse.down()
+    took = laps(page, ["pointermove"], "path", lambda i: page.mouse.move(*place(at[i])), TIMES)
+    page.context.close()
+    return took
+
+
+def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
+    """Return the laps from a slider's move to the whole map of the real log, made anew and repainted.
+
+    First those of the map alone, then those of its difference from the map of before, which stands beside it.
+    """
+    page = _whole_log(browser, server)
     single_threaded = _slid(page)
     open_group(page, "Compare")
     page.get_by_role("button", name="Save as A").click()
@@ -288,6 +318,7 @@ def feel() -> None:
             row("teleport click → first new cells", teleport(browser, server), "100 ms", "50 ms")
             row("goal dragged → path repainted", goal(browser, server), "50 ms", "")
             if real.is_file():
+                row("goal dragged → path repainted on the whole Intel map", goal_on_log(browser, server), "50 ms", "")
                 single_threaded, compared = retuned(browser, server)
                 row("slider moved → the whole Intel map", single_threaded, "150 ms", "50 ms")
                 row("the same while comparing → its difference", compared, "", "")

@@ -37,7 +37,8 @@ class LogNavigation:
         self._costmap: LabCostmap | None = None
         self._path = LabPath()
         self._index = -1  #: of the scan that the layers of obstacles saw last
-        self._is_stale = False
+        self._is_new = False  #: whether the costs have to be brought up to date, and the path with them
+        self._is_stale = False  #: whether the path has to be planned anew
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -100,7 +101,7 @@ class LogNavigation:
                 costmap.change(parameters, grid, None)
             if strokes is not None:
                 costmap.paint(strokes)
-        self._is_stale = True
+        self._is_new = True
         for told in self.messages():
             result.slot(told)
 
@@ -116,7 +117,7 @@ class LogNavigation:
             costmap.parameters, parse_nav2_costmap(data), parse_nav2_planner(data), parse_nav2_pursuit(data)
         )
         costmap.change(found, self._recording.replay.grid, None)
-        self._is_stale = True
+        self._is_new = True
         result.slot(self.messages()[0])
         result.answer({"type": "nav2", "text": None})
 
@@ -131,12 +132,14 @@ class LogNavigation:
             costmap.follow(replay.grid, box, whole=whole)
         robot = self._recording.robot_state()
         if replay.index != self._index:
-            self._index, self._is_stale = replay.index, True
+            self._index, self._is_new = replay.index, True
             costmap.look(robot.scan, robot.scan_pose)
-        if not (self._is_stale or whole):
+        if self._is_new or whole:
+            self._is_new, self._is_stale = False, True
+            costmap.update(robot.scan.stamp_ns * 1e-9, robot.pose)
+        if not self._is_stale:
             return
         self._is_stale = False
-        costmap.update(robot.scan.stamp_ns * 1e-9, robot.pose)
         self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters)
         result.changed = True
         result.slot(self._path.message())

@@ -1,7 +1,7 @@
 /**
  * What is lost with the assumption of independent cells: cells on the arc of one sonar echo, as a grid map stores them
  * (one number for each cell), and as the joint posterior by Bayes' rule over all 2ⁿ maps. The mapper does only the
- * first. Source: Probabilistic Robotics, section 9.4 (inverse and forward models).
+ * first. Source: Probabilistic Robotics, chapter 9 (inverse and forward models).
  */
 
 import { logOdds, probability } from "../../grid/logOdds";

@@ -1,7 +1,7 @@
 /**
  * The most probable position along a corridor: the likelihood of a scan in a map times what the odometry says.
  *
- * Source: Probabilistic Robotics, section 6.4 (the likelihood field: a normal distribution of the distance from each end
+ * Source: Probabilistic Robotics, chapter 6 (the likelihood field: a normal distribution of the distance from each end
  * point to the nearest wall, and a small constant for readings that the map does not explain).
  */
 

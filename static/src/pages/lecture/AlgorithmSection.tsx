@@ -9,7 +9,7 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
       title={title}
       figure={<Program />}
       sources={[
-        ["probabilistic-robotics", "table 9.1 (the loop) and table 4.2 (the filter)"],
+        ["probabilistic-robotics", "table 9.1 (the loop) and chapter 4 (the filter)"],
         ["bresenham", ""],
       ]}
       after={

@@ -270,7 +270,7 @@ export function CellSection({ id, number, title }: SectionHead) {
         </div>
       }
       sources={[
-        ["probabilistic-robotics", "section 4.2 and table 4.2"],
+        ["probabilistic-robotics", "chapter 4, the binary Bayes filter"],
         ["octomap", "section 5.1 for the increments; also the source of the clamp"],
       ]}
       after={

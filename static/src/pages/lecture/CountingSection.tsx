@@ -34,7 +34,7 @@ export function CountingSection({ id, number, title }: SectionHead) {
           </div>
         </>
       }
-      sources={[["probabilistic-robotics", "section 9.2, tables 9.1 and 9.2"]]}
+      sources={[["probabilistic-robotics", "tables 9.1 and 9.2"]]}
       after={
         <>
           <p>

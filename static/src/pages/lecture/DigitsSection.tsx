@@ -19,7 +19,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
       title={title}
       figure={<Digits readings={readings} />}
       sources={[
-        ["probabilistic-robotics", "section 4.2"],
+        ["probabilistic-robotics", "chapter 4"],
         ["ieee754", "binary32"],
       ]}
       after={

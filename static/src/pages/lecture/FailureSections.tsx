@@ -19,7 +19,7 @@ export function PolishedSection({ id, number, title }: SectionHead) {
           <ToggleOf label="polished wall" signal={polishedOn} />
         </OnStage>
       }
-      sources={[["probabilistic-robotics", "section 6.3.1: failures, of which specular reflection is a cause"]]}
+      sources={[["probabilistic-robotics", "chapter 6: failures, of which specular reflection is a cause"]]}
       after={
         <p>
           Glass and polished metal or stone do the same. A beam that is reflected to another surface and back reports a

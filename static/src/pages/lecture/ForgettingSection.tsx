@@ -40,7 +40,7 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
       }
       sources={[
         ["octomap", "for the clamp, which keeps a map able to change"],
-        ["probabilistic-robotics", "section 4.2: a state that never changes"],
+        ["probabilistic-robotics", "chapter 4: a state that never changes"],
       ]}
       after={
         <p>

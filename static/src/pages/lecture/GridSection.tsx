@@ -23,7 +23,7 @@ export function GridSection({ id, number, title }: SectionHead) {
       sources={[
         ["moravec-elfes", ""],
         ["elfes", ""],
-        ["probabilistic-robotics", "sections 9.1, 9.2 and 9.4"],
+        ["probabilistic-robotics", "chapter 9"],
       ]}
       after={
         <>

@@ -58,7 +58,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
           </table>
         </OnStage>
       }
-      sources={[["probabilistic-robotics", "sections 6.6 and 7.4 for landmarks, chapter 9 for grids"]]}
+      sources={[["probabilistic-robotics", "chapters 6 and 7 for landmarks, chapter 9 for grids"]]}
       after={
         <p>
           A grid is <b>non-parametric</b>: it assumes no shapes and no number of objects. A round pillar, a plant and a

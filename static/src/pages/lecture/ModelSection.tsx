@@ -52,7 +52,7 @@ export function ModelSection({ id, number, title }: SectionHead) {
         </>
       }
       sources={[
-        ["probabilistic-robotics", "section 9.2 and table 9.2"],
+        ["probabilistic-robotics", "table 9.2"],
         ["octomap", "section 5.1, for the fixed increments"],
         ["elfes", "for the ramp"],
         ["moravec-elfes", ""],

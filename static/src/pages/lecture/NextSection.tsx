@@ -28,7 +28,7 @@ export function NextSection({ id, number, title }: SectionHead) {
         </OnStage>
       }
       sources={[
-        ["probabilistic-robotics", "sections 4.2, 9.1 and 9.2 for this lecture; chapters 8 and 13 for what follows"],
+        ["probabilistic-robotics", "chapters 4 and 9 for this lecture; chapters 8 and 13 for what follows"],
         ["octomap", ""],
         ["curless-levoy", ""],
       ]}

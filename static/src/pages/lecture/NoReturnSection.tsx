@@ -33,7 +33,7 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
       }
       sources={[
         ["rep-117", ""],
-        ["probabilistic-robotics", "table 9.2; section 6.3 for what else a reading can be"],
+        ["probabilistic-robotics", "table 9.2; chapter 6 for what else a reading can be"],
       ]}
       after={
         <>

@@ -13,7 +13,7 @@ export function ProbableSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<MostProbable uncertainty={uncertainty} />}
-      sources={[["probabilistic-robotics", "sections 5.4 and 6.4, for the two factors"]]}
+      sources={[["probabilistic-robotics", "chapters 5 and 6, for the two factors"]]}
       after={
         <p>
           <b>With cabinets</b> only one position fits the scan: the product is there, however far off the odometry is

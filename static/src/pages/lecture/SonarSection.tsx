@@ -22,7 +22,7 @@ export function SonarSection({ id, number, title }: SectionHead) {
       sources={[
         ["moravec-elfes", ""],
         ["elfes", ""],
-        ["probabilistic-robotics", "sections 9.2 and 9.4"],
+        ["probabilistic-robotics", "chapter 9"],
       ]}
       after={
         <>

@@ -14,7 +14,7 @@ export function TableSection({ id, number, title }: SectionHead) {
           <Table91 />
         </OnStage>
       }
-      sources={[["probabilistic-robotics", "section 9.2, tables 9.1 and 9.2"]]}
+      sources={[["probabilistic-robotics", "tables 9.1 and 9.2"]]}
       after={
         <p>
           The inverse sensor model here is table 9.2: it looks for the beam that is nearest in bearing to the cell, and

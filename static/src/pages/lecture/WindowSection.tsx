@@ -66,7 +66,7 @@ export function WindowSection({ id, number, title }: SectionHead) {
         </OnStage>
       }
       sources={[
-        ["probabilistic-robotics", "section 6.3.1 for the noise of a range, table 9.2 for the window α"],
+        ["probabilistic-robotics", "chapter 6 for the noise of a range, table 9.2 for the window α"],
         ["laser-scan", ""],
       ]}
       after={

@@ -119,10 +119,10 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
             {now.kind === "busy" ? "Examining …" : "Examine this log"}
           </Button>
         )}
-        {!showsFindings && (
+        {now.kind === "cancelled" && <p class="quiet">Cancelled.</p>}
+        {now.kind !== "cancelled" && !showsFindings && (
           <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
         )}
-        {now.kind === "cancelled" && <p class="quiet">Cancelled.</p>}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
         {showsFindings && now.examination.findings.length === 0 && (
           <p>

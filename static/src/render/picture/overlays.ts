@@ -3,6 +3,7 @@
 import type { LayerKind } from "../../wire/protocol";
 import { toScreen } from "../view";
 import type { Brush } from "./brush";
+import { paintDots } from "./dots";
 import { SHADES } from "./pictureColours";
 
 /** The content of a layer. Places are in metres of the map frame, angles in radians; NaN is no value. */
@@ -27,6 +28,8 @@ const DOT_PX = 3;
 const ARROW_PX = 9;
 /** With more points on the screen than this only some of them have arrows. */
 const MAX_ARROWS = 2000;
+/** More points than this are painted as pixels. */
+const MANY = 1000;
 
 export function paintLayer(brush: Brush, content: LayerContent): void {
   (OVERLAYS[content.style] ?? PAINTERS[content.kind])(brush, content);
@@ -82,6 +85,7 @@ const paintPoints: Overlay = (brush, content) => {
   const yaws = columnOf(content, "yaw");
   const every = Math.max(1, Math.ceil(xs.length / MAX_ARROWS));
   ctx.lineWidth = 1;
+  if (xs.length > MANY && paintMany(brush, content, every)) return;
   shaded(brush, columnOf(content, "value"), colours.robot, (colour, has) => {
     ctx.fillStyle = ctx.strokeStyle = colour;
     ctx.beginPath();
@@ -97,6 +101,44 @@ const paintPoints: Overlay = (brush, content) => {
     }
     if (yaws) ctx.stroke();
   });
+};
+
+/** As `paintPoints`, for many points: the dots as pixels, then the arrows of some in one colour for each shade. */
+function paintMany(brush: Brush, content: LayerContent, every: number): boolean {
+  const { ctx, colours } = brush;
+  const [x, y, yaws, value] = ["x", "y", "yaw", "value"].map((name) => columnOf(content, name));
+  if (!x || !y) return false;
+  const { x0, y0, px } = lens(brush);
+  const xs = x.map((at) => x0 + px * at);
+  const ys = y.map((at) => y0 - px * at);
+  const shades = value ? shadesOf(value) : null;
+  if (!paintDots(brush, xs, ys, shades, value ? colours.shades : plainOf(colours.robot), DOT_PX)) return false;
+  if (!yaws) return true;
+  const paths = new Map<string, Path2D>();
+  for (let i = 0; i < xs.length; i += every) {
+    const colour = shades ? (colours.shades[shades[i] as number] ?? colours.robot) : colours.robot;
+    const [left, top] = [xs[i] as number, ys[i] as number];
+    if (!(left >= 0 && top >= 0 && left <= brush.size.width && top <= brush.size.height)) continue;
+    let path = paths.get(colour);
+    if (!path) {
+      path = new Path2D();
+      paths.set(colour, path);
+    }
+    path.moveTo(left, top);
+    path.lineTo(left + ARROW_PX * Math.cos(yaws[i] as number), top - ARROW_PX * Math.sin(yaws[i] as number));
+  }
+  for (const [colour, path] of paths) {
+    ctx.strokeStyle = colour;
+    ctx.stroke(path);
+  }
+  return true;
+}
+
+const plains = new Map<string, readonly string[]>();
+const plainOf = (colour: string): readonly string[] => {
+  const known = plains.get(colour) ?? [colour];
+  plains.set(colour, known);
+  return known;
 };
 
 /** A line through the points, with a gap where one has no value. */
