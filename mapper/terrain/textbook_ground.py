@@ -99,7 +99,7 @@ def gradient(surface: Heights, cell: float) -> Heights:
     right, left = np.minimum(np.arange(cols) + 1, cols - 1), np.maximum(np.arange(cols) - 1, 0)
     dy = (surface[up] - surface[down]) / np.maximum(size * (up - down).astype(np.float32), size)[:, None]
     dx = (surface[:, right] - surface[:, left]) / np.maximum(size * (right - left).astype(np.float32), size)
-    return np.sqrt(dx * dx + dy * dy)
+    return np.asarray(np.sqrt(dx * dx + dy * dy), dtype=np.float32)
 
 
 def between_cells(surface: Heights, x: float, y: float) -> float:
@@ -111,7 +111,7 @@ def between_cells(surface: Heights, x: float, y: float) -> float:
     right, up = min(col + 1, cols - 1), min(row + 1, rows - 1)
     low = (1.0 - s) * float(surface[row, col]) + s * float(surface[row, right])
     high = (1.0 - s) * float(surface[up, col]) + s * float(surface[up, right])
-    return (1.0 - t) * low + t * high
+    return float((1.0 - t) * low + t * high)
 
 
 def near_surface(

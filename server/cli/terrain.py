@@ -44,7 +44,7 @@ def terrain(
     from mapper.io.clouds import read_cloud  # noqa: PLC0415 - start-up
     from mapper.terrain import Patches, agreement, assess, find_ground  # noqa: PLC0415 - start-up
 
-    given = {
+    given: dict[str, Any] = {
         name: value_of(_ROWS[name], value) if isinstance(value, str) else value
         for name, value in parameters.items()
         if value is not None

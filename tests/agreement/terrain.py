@@ -92,8 +92,8 @@ def patches_by_textbook(case: TerrainCase) -> tuple[Any, ...]:
     for r, c in np.ndindex(rows, cols):
         plane = planes[r][c]
         if not math.isnan(plane.a):
-            steps[r, c] = textbook.step(planes, r, c, size)
-            scores[r, c] = textbook.score(plane.slope, plane.roughness, steps[r, c], most, weights)
+            gap = steps[r, c] = textbook.step(planes, r, c, size)
+            scores[r, c] = textbook.score(plane.slope, plane.roughness, gap, most, weights)
     return windows, parents, steps, scores
 
 

@@ -32,7 +32,7 @@ def test_a_house_and_a_bird_are_no_ground_and_a_slope_is() -> None:
     rng = np.random.default_rng(0)
     points = rng.uniform(0.0, 60.0, (8000, 3))
     points[:, 2] = 0.1 * points[:, 0]
-    house = (np.abs(points[:, :2] - 30.0) < 6.0).all(axis=1)
+    house = np.asarray((np.abs(points[:, :2] - 30.0) < 6.0).all(axis=1))
     points[house, 2] += 5.0
     points[0, 2] -= 20.0  # a reflection
     found = find_ground(points)
