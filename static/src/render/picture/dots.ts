@@ -16,8 +16,7 @@ export function stamp(
   const top = Math.max(0, Math.round(y - side / 2));
   const right = Math.min(width, Math.round(x - side / 2) + side);
   const bottom = Math.min(height, Math.round(y - side / 2) + side);
-  for (let row = top; row < bottom; row++)
-    for (let col = left; col < right; col++) pixels[row * width + col] = colour;
+  for (let row = top; row < bottom; row++) for (let col = left; col < right; col++) pixels[row * width + col] = colour;
 }
 
 /** CSS colours as pixels have them, in the machine's order of bytes. */
