@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import hashlib
+import re
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -144,8 +145,10 @@ def end_session(page: Page) -> None:
 
 def open_group(page: Page, title: str) -> Locator:
     """Open a group of the dock of the log page or of the lab; return its panel."""
-    page.get_by_role("tab", name=title).click()
-    return page.get_by_role("tabpanel", name=title)
+    # A tab may have a number behind its title; titles may end alike.
+    name = re.compile(f"^{re.escape(title)}")
+    page.get_by_role("tab", name=name).click()
+    return page.get_by_role("tabpanel", name=name)
 
 
 def await_map(page: Page) -> None:

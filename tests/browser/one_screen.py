@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from playwright.sync_api import ElementHandle, Locator, Page, expect
+from playwright.sync_api import ElementHandle, Error, Locator, Page, expect
 
 from tests.browser.looking import carried_out
 
@@ -194,6 +194,7 @@ class Turns:
 
     sizes_left: int
     used: set[str] = field(default_factory=set)
+    gone: set[str] = field(default_factory=set)
 
     def use_all(self, screen: Screen, where: Locator) -> None:
         """Use the controls of a part of the page that have their turn; at the last size also those that appear."""
@@ -205,7 +206,14 @@ class Turns:
                 return
             first, name = fresh[0]
             self.used.add(name)
-            screen.use(controls.nth(first).element_handle())
+            try:
+                screen.use(controls.nth(first).element_handle())
+            except Error as error:  # the page may have drawn it anew meanwhile: it is looked for once more
+                if "not attached" not in error.message or name in self.gone:
+                    raise
+                self.gone.add(name)
+                self.used.remove(name)
+                continue
             share -= self.sizes_left > 1
 
     def _fresh(self, controls: Locator) -> list[tuple[int, str]]:

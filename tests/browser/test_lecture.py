@@ -74,16 +74,6 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
 # --- your own log ----------------------------------------------------------------------------------------------------
 
 
-def test_a_log_dropped_at_the_end_leads_to_the_logs_page(page: Page, server: str) -> None:
-    section = open_section(page, server, "log")
-    line = "FLASER 3 1.0 1.0 1.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 lecture 0.0\n"
-    section.locator("input[type=file]").set_input_files(
-        {"name": "lecture.log", "mimeType": "text/plain", "buffer": (line * 3).encode()}
-    )
-    page.wait_for_url("**/logs.html")
-    expect(page.locator(".log-card", has_text="lecture.log").first).to_be_visible()
-
-
 def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: Page, server: str) -> None:
     page.emulate_media(color_scheme="dark")
     # What there is when the printer takes its picture: figures that are set up, and canvases with light paint on them.

@@ -34,17 +34,17 @@ export function CostmapGroup({ store }: { readonly store: Store }) {
       <Sheets store={store} />
       <WhyCost store={store} />
       <OverChoice store={store} />
-      <h3>Inflation</h3>
+      <h2>Inflation</h2>
       <CostCurve store={store} />
       <div class="navigation-settings">
         <ParameterRows rows={inflation} values={values} set={set} />
       </div>
       <Outline store={store} />
-      <h3>Layers</h3>
+      <h2>Layers</h2>
       <div class="navigation-settings">
         <ParameterRows rows={rows} values={values} set={set} />
       </div>
-      <h3>Nav2</h3>
+      <h2>Nav2</h2>
       <Nav2 store={store} />
       <End store={store} />
     </div>

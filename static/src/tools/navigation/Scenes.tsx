@@ -37,7 +37,7 @@ export function Scenes({ store }: { readonly store: Store }) {
   };
   return (
     <section class="navigation-scenes" aria-label="Try">
-      <h3>Try</h3>
+      <h2>Try</h2>
       {SCENES.map((scene) => {
         const isShown = now?.scene === scene;
         const next = isShown ? (now.step + 1) % scene.steps.length : 0;

@@ -30,9 +30,9 @@ export function WhyCost({ store }: { readonly store: Store }) {
   const last = answer.layers.at(-1);
   return (
     <section class="navigation-why" aria-label="Why this cost" aria-live="polite">
-      <h3>
+      <h2>
         ({answer.x.toFixed(2)}, {answer.y.toFixed(2)}): {nameOfCost(last?.master ?? 255)}
-      </h3>
+      </h2>
       <ol>
         {answer.layers.map(({ layer, cost: own, master, sentence }) => (
           <li key={layer}>
