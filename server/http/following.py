@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from numpy.typing import NDArray
 
@@ -13,8 +13,10 @@ from server.http.routes.trajectories import update_sessions
 from server.library import Library
 from server.library.pose_jobs import PoseJobs
 from server.sessions import SessionRegistry
-from server.sessions.host import SessionHost
 from server.stream.protocol import ProtocolError
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 _tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
 
