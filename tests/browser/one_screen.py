@@ -150,6 +150,12 @@ class Screen:
             wrong = control.evaluate(_AT_HAND)
             assert wrong is None, (self._size, control.evaluate(_NAME), wrong)
 
+    def _is_at_hand(self, control: ElementHandle) -> bool:
+        """Scroll the group to a control, not the page; return whether it is in the viewport."""
+        if control.evaluate("(one) => one.isConnected"):
+            control.scroll_into_view_if_needed()
+        return control.evaluate(_AT_HAND) is None
+
     def use(self, control: ElementHandle) -> None:
         """Use a control. It and what it changes of the map have to be in the viewport then."""
         name = control.evaluate(_NAME)
@@ -168,8 +174,8 @@ class Screen:
             control.click()
         carried_out(self.page)
         self._answer(name)
-        # After the full screen the group scrolls back with one of the next frames.
-        until(f"{name} in the viewport at {self._size}", lambda: control.evaluate(_AT_HAND) is None)
+        # After the full screen the group scrolls back with one of the next frames, also past what is used next.
+        until(f"{name} in the viewport at {self._size}", lambda: self._is_at_hand(control))
         self.stands(name)
         changed, seen = self.page.evaluate(_CHANGED, self.pictures)
         assert seen == changed, (self._size, name)
