@@ -4,6 +4,7 @@ import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { fetchLater } from "../lessons/stage/later";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -18,6 +19,7 @@ import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { KidnappingSection } from "./lecture/KidnappingSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
 import { LectureStage } from "./lecture/LectureStage";
 import { LogSection } from "./lecture/LogSection";
@@ -28,6 +30,7 @@ import { MountSection } from "./lecture/MountSection";
 import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
+import { ParticlesSection } from "./lecture/ParticlesSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
 import { OwnSlide } from "./lecture/present/OwnSlide";
@@ -38,6 +41,7 @@ import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
+import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
 import { TableSection } from "./lecture/TableSection";
 import { WindowSection } from "./lecture/WindowSection";
@@ -74,6 +78,9 @@ const BODIES: Record<LessonId, Part["body"]> = {
   matching: MatchingSection,
   graph: GraphSection,
   file: FileSection,
+  particles: ParticlesSection,
+  "sensor-models": SensorModelsSection,
+  kidnapping: KidnappingSection,
   next: NextSection,
   log: LogSection,
 };
@@ -147,4 +154,5 @@ function Page() {
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
+void fetchLater();
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);
