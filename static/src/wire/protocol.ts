@@ -27,6 +27,8 @@ export type {
   LayerKind,
   LocalizationMessage,
   LogInfo,
+  MapEditCommand,
+  MapEditsMessage,
   Numbers,
   Parameter,
   ParametersMessage,
