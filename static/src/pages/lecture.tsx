@@ -4,6 +4,8 @@ import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { followedCode } from "../store/classroom";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -30,10 +32,19 @@ import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
+import { ClassPointer } from "./lecture/present/ClassPointer";
+import { attendLecture } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
 import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
 import { SpeakerView } from "./lecture/present/SpeakerView";
-import { presenting, readAddress, sectionInSight, sectionOfSlide, setPresenting } from "./lecture/present/state";
+import {
+  isPreview,
+  presenting,
+  readAddress,
+  sectionInSight,
+  sectionOfSlide,
+  setPresenting,
+} from "./lecture/present/state";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import type { SectionHead } from "./lecture/Section";
@@ -112,7 +123,13 @@ function Page() {
   useReturn();
   return (
     <>
-      {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
+      {presenting.value ? (
+        <Presenter />
+      ) : (
+        <SiteHeader current="lecture" links={followedCode === null}>
+          <ClassButton />
+        </SiteHeader>
+      )}
       {!presenting.value && <SectionList />}
       <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
@@ -141,10 +158,13 @@ function Page() {
         </main>
       </div>
       <Blank />
+      <ClassPointer />
+      {!isPreview && <ClassHost />}
       <Toasts />
     </>
   );
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
+if (speaker === null && !isPreview) attendLecture(PARTS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);
