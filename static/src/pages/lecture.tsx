@@ -19,9 +19,12 @@ import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { InflationSection } from "./lecture/InflationSection";
 import { KidnappingSection } from "./lecture/KidnappingSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
+import { LayersSection } from "./lecture/LayersSection";
 import { LectureStage } from "./lecture/LectureStage";
+import { LifetimeSection } from "./lecture/LifetimeSection";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
@@ -31,6 +34,7 @@ import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
 import { ParticlesSection } from "./lecture/ParticlesSection";
+import { PathSection } from "./lecture/PathSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
 import { OwnSlide } from "./lecture/present/OwnSlide";
@@ -43,6 +47,7 @@ import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
 import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
+import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
 import { WindowSection } from "./lecture/WindowSection";
 
@@ -81,6 +86,11 @@ const BODIES: Record<LessonId, Part["body"]> = {
   particles: ParticlesSection,
   "sensor-models": SensorModelsSection,
   kidnapping: KidnappingSection,
+  layers: LayersSection,
+  inflation: InflationSection,
+  path: PathSection,
+  lifetime: LifetimeSection,
+  stack: StackSection,
   next: NextSection,
   log: LogSection,
 };
@@ -154,5 +164,5 @@ function Page() {
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
-void fetchLater();
+void fetchLater(async () => (await import("../lessons/later")).LATER);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);
