@@ -177,13 +177,15 @@ class LabNavigation:
         if is_scan and scan is not None:
             self._seen = scan
             costmap.look(scan, compose(mapper.believed_pose, mapper.simulation.mount))
-        if is_scan or self._is_new or whole:
+        are_new = self._is_new or whole
+        if is_scan or are_new:
             self._is_new = False
-            self._is_stale |= costmap.update(mapper.simulation.time, pose)
+            are_new |= costmap.update(mapper.simulation.time, pose)
+            self._is_stale |= are_new
         moved = self._pose is None or any(abs(a - b) > 1e-3 for a, b in zip(pose, self._pose, strict=True))
         if self._is_stale or (moved and is_scan and self._path.goal is not None):
             self._is_stale, self._pose = False, pose
-            self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters)
+            self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, are_new=are_new)
             result.changed = True
             result.slot(self._path.message())
 

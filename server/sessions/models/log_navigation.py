@@ -134,13 +134,14 @@ class LogNavigation:
         if replay.index != self._index:
             self._index, self._is_new = replay.index, True
             costmap.look(robot.scan, robot.scan_pose)
-        if self._is_new or whole:
+        are_new = self._is_new or whole
+        if are_new:
             self._is_new, self._is_stale = False, True
             costmap.update(robot.scan.stamp_ns * 1e-9, robot.pose)
         if not self._is_stale:
             return
         self._is_stale = False
-        self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters)
+        self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
         result.changed = True
         result.slot(self._path.message())
 
