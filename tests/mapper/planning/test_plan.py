@@ -85,7 +85,7 @@ def test_a_goal_that_moves_has_the_path_that_is_planned_anew(use_astar: bool) ->
     assert planner.begins_at(at(5, 5))
     assert not planner.begins_at(at(5, 6))
     rng = np.random.default_rng(4)
-    seen = set()
+    seen: set[object] = set()
     for row, col in [(6, 6), (33, 53), *rng.integers((0, 0), GEOMETRY.shape, (30, 2)).tolist()]:
         try:
             expected = plan_path(costs, GEOMETRY, at(5, 5), at(row, col), config)
