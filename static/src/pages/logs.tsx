@@ -6,6 +6,8 @@ import "./logs/finder.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { showOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { SiteHeader } from "../ui/SiteHeader";
@@ -149,13 +151,17 @@ function Page() {
 }
 
 resume();
+showOther();
 render(
   <>
-    <SiteHeader current="logs" />
+    <SiteHeader current="logs">
+      <ClassButton />
+    </SiteHeader>
     <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <ConfirmDialog />
+    <ClassHost />
     <Toasts />
   </>,
   document.getElementById("app") as HTMLElement,
