@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import CellBox
+from mapper.io.costmaps import RecordedCostmap
 from mapper.mapping.integrate import Change
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
 from mapper.sensors.scan import RangeScan
@@ -102,6 +104,14 @@ class LabNavigation:
             self._costmap, self._path = None, LabPath()
             result.slot(self.messages()[0])
             result.slot(self.messages()[1])
+
+    def present_costs(self) -> RecordedCostmap | None:
+        """Return the present costs."""
+        return None if self._costmap is None else self._costmap.recorded(self._mapper.simulation.time, None)
+
+    def present_mask(self) -> Int8Array | None:
+        """Return the mask of the keepout zones."""
+        return None if self._costmap is None else self._costmap.mask
 
     # -- commands -------------------------------------------------------------------------------------------------
 
