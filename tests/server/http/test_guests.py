@@ -45,6 +45,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/graph/candidates"),
     ("GET", "/api/sessions/{session_id}/graph/candidates/{candidate}"),
     ("GET", "/api/sessions/{session_id}/localization/course"),
+    ("GET", "/api/sessions/{session_id}/costmap/{name}"),
     ("GET", "/api/sessions/{session_id}/map.pgm"),
     ("GET", "/api/sessions/{session_id}/map.yaml"),
     ("GET", "/api/sessions/{session_id}/map.png"),
