@@ -21,7 +21,7 @@ import structlog
 
 from mapper.core.limits import Limits
 from server.sessions.computation import compute_tick
-from server.sessions.long_work import LongWork
+from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.model_messages import frame_fields_of, hello_message
 from server.sessions.requests import ReplacingRequests
@@ -88,7 +88,7 @@ class SessionHost:
         self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
         self._caught_up = asyncio.Event()  #: whether there is no such map
         self._caught_up.set()
-        self._showing: asyncio.Task[None] | None = None  #: of the progress of such a map
+        self._showing: Showing | None = None  #: of the progress of such a map
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
