@@ -157,6 +157,18 @@ class SessionHost:
         return bool(self.hub.clients or self.listeners)
 
     @property
+    def is_seen(self) -> bool:
+        """Whether somebody sees what is computed: a listener, or a client that is not stalled."""
+        return bool(self.listeners) or any(not client.is_stalled for client in self.hub.clients)
+
+    def acknowledge(self, client: Client, seq: int) -> None:
+        """Note that a client has painted the frames up to ``seq``. Raises :class:`ProtocolError`."""
+        was_stalled = client.is_stalled
+        client.acknowledge(seq)
+        if was_stalled:
+            self._wake.set()
+
+    @property
     def cells(self) -> int:
         """Cells of the model's grids."""
         return self.model.footprint.cells
@@ -230,7 +242,7 @@ class SessionHost:
         last = self._clock()
         playback = self.model.playback
         while True:
-            ticking = playback.playing and self.watched
+            ticking = playback.playing and self.is_seen
             if self._is_deferred_work_due():
                 await self._run_deferred_work()
             elif not self._queue and self._caught_up.is_set():
@@ -240,7 +252,7 @@ class SessionHost:
             now = self._clock()
             if not ticking:
                 last = now - TICK_S  # time without playback does not count
-            due = playback.playing and self.watched and now - last >= TICK_S
+            due = playback.playing and self.is_seen and now - last >= TICK_S
             commands = [*self._queue]
             if not (commands or due) and self._caught_up.is_set():
                 continue
