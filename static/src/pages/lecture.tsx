@@ -4,6 +4,7 @@ import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { fetchLater } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
@@ -20,8 +21,12 @@ import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { InflationSection } from "./lecture/InflationSection";
+import { KidnappingSection } from "./lecture/KidnappingSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
+import { LayersSection } from "./lecture/LayersSection";
 import { LectureStage } from "./lecture/LectureStage";
+import { LifetimeSection } from "./lecture/LifetimeSection";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
@@ -30,6 +35,8 @@ import { MountSection } from "./lecture/MountSection";
 import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
+import { ParticlesSection } from "./lecture/ParticlesSection";
+import { PathSection } from "./lecture/PathSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
 import { ClassPointer } from "./lecture/present/ClassPointer";
@@ -49,7 +56,9 @@ import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
+import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
+import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
 import { WindowSection } from "./lecture/WindowSection";
 
@@ -85,6 +94,14 @@ const BODIES: Record<LessonId, Part["body"]> = {
   matching: MatchingSection,
   graph: GraphSection,
   file: FileSection,
+  particles: ParticlesSection,
+  "sensor-models": SensorModelsSection,
+  kidnapping: KidnappingSection,
+  layers: LayersSection,
+  inflation: InflationSection,
+  path: PathSection,
+  lifetime: LifetimeSection,
+  stack: StackSection,
   next: NextSection,
   log: LogSection,
 };
@@ -166,5 +183,6 @@ function Page() {
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
+void fetchLater(async () => (await import("../lessons/later")).LATER);
 if (speaker === null && !isPreview) attendLecture(PARTS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -305,7 +305,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: of a recording; `map`: a map */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -578,6 +578,21 @@ export interface CostMessage {
   readonly layers: readonly LayerCost[];
 }
 
+/** Maps: the edits so far. */
+export interface MapEditsMessage {
+  readonly type: "map_edits";
+  /** number of edits that are not undone */
+  readonly n: number;
+  /** number of edits that are undone */
+  readonly undone: number;
+  /** the last of the edits, oldest first, a phrase each */
+  readonly last: readonly string[];
+  /** cells of keepout zones */
+  readonly keepout_cells: number;
+  /** what the reader of the map noted */
+  readonly notes: readonly string[];
+}
+
 /** Answer to `nav2`. */
 export interface Nav2Message {
   readonly type: "nav2";
@@ -841,6 +856,30 @@ export interface Nav2Command {
   readonly text?: string | null;
 }
 
+/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
+export interface MapEditCommand {
+  readonly type: "map_edit";
+  /** paint, fill, keepout, despeckle, rotate, crop or origin */
+  readonly op: string;
+  /** paint: the line; fill and keepout: the corners; crop: two corners; origin: the place */
+  readonly points?: readonly Point[] | null;
+  /** paint and fill: free, occupied or unknown */
+  readonly state?: string | null;
+  /** paint: width of the brush, m */
+  readonly width?: number | null;
+  /** keepout: 1 to 100, 0 for none; despeckle: most cells */
+  readonly value?: number | null;
+  /** rotate: by this; origin: its heading, rad */
+  readonly angle?: number | null;
+}
+
+/** Maps: undo edits, or make them again. */
+export interface MapHistoryCommand {
+  readonly type: "map_history";
+  /** negative: so many are undone; positive: made again */
+  readonly steps: number;
+}
+
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
 export interface DriveCommand {
   readonly type: "drive";
@@ -1063,6 +1102,7 @@ export type ServerMessage =
   | CostmapMessage
   | PathMessage
   | CostMessage
+  | MapEditsMessage
   | Nav2Message
   | WorkingMessage
   | NoticeMessage
@@ -1092,6 +1132,8 @@ export type Command =
   | GoalCommand
   | CostCommand
   | Nav2Command
+  | MapEditCommand
+  | MapHistoryCommand
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -1401,6 +1443,13 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     x: isNumber,
     y: isNumber,
     layers: isListOf(isLayerCost),
+  },
+  map_edits: {
+    n: isInteger,
+    undone: isInteger,
+    last: isListOf(isText),
+    keepout_cells: isInteger,
+    notes: isListOf(isText),
   },
   nav2: {
     text: oneOf(isText, isNull),

@@ -36,6 +36,8 @@ export type {
   LayerKind,
   LocalizationMessage,
   LogInfo,
+  MapEditCommand,
+  MapEditsMessage,
   Numbers,
   Parameter,
   ParametersMessage,
