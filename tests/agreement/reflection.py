@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from mapper.simulation.faults import ON_WALL, SPECULAR_ANGLE
 from mapper.simulation.kernels.raycast import cast_rays
