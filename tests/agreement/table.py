@@ -123,6 +123,7 @@ from tests.agreement.sensors import (
     depth_by_core,
     depth_by_textbook,
 )
+from tests.agreement.simulation import space_by_kernel, space_by_textbook, space_cases
 from tests.agreement.slam import (
     agreement_by_kernel,
     agreement_by_textbook,
@@ -277,6 +278,7 @@ TABLE = (
     Row("casts in a volume", cast_by_kernel, cast_by_textbook, volume_cases()),
     Row("octree", tree_by_kernel, tree_by_textbook, volume_cases()),
     Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
+    Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )
