@@ -153,6 +153,8 @@ from tests.agreement.volume import (
     asked_by_textbook,
     cast_by_kernel,
     cast_by_textbook,
+    faces_by_kernel,
+    faces_by_textbook,
     inserted_by_kernel,
     inserted_by_textbook,
     tree_by_kernel,
@@ -279,6 +281,7 @@ TABLE = (
     Row("octree", tree_by_kernel, tree_by_textbook, volume_cases()),
     Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
     Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
+    Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )
