@@ -193,7 +193,7 @@ def _twins() -> World:
 
 
 def _levels() -> World:
-    """Two rooms with what one plane of a lidar misses: a low table, a bench, a sill, a ramp, stairs, lintels, a shelf."""
+    """Two rooms with what one plane of a lidar misses: a low table, a bench, a sill, a ramp, stairs, a shelf."""
     solids = outer_walls(0.0, 0.0, 14.0, 10.0, OUTER)
     blocks: list[Block] = []
     _walled(solids, blocks, (0.2, 6.0), (13.8, 6.0), [(2.6, 3.6), (9.4, 10.4)])

@@ -21,7 +21,7 @@ from mapper.simulation.worlds import Float64Array, World
 SENSOR_3D_PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "sensor", "3D sensor", "sensor_3d", "choice", "spinning_lidar",
-        "A spinning lidar has rings of beams; a tilted one has one plane, which the driving robot sweeps; a depth camera "
+        "A spinning lidar has rings of beams; a tilted one has one plane, swept by the robot; a depth camera "
         "measures every pixel of an image.",
         choices=("spinning_lidar", "tilted_lidar", "depth_camera"),
     ),

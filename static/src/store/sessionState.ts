@@ -31,6 +31,7 @@ import type {
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { Map3d } from "./map3d";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -153,6 +154,8 @@ export class SessionState implements Receiver {
   readonly localization = signal<LocalizationMessage | null>(null);
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
+  /** The 3D map of the simulated robot. */
+  readonly map3d = new Map3d();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -348,6 +351,9 @@ export class SessionState implements Receiver {
       case "costmap":
         this.navigation.take(message);
         return;
+      case "map3d":
+        this.map3d.take(message);
+        return;
       case "path":
         this.navigation.path.value = message;
         return;
@@ -381,7 +387,8 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values, this.map3d.values])
+          values.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -27,6 +27,7 @@ export type {
   LayerKind,
   LocalizationMessage,
   LogInfo,
+  Map3dMessage,
   Numbers,
   Parameter,
   ParametersMessage,
