@@ -40,6 +40,7 @@ import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
 import { SonarSection } from "./lecture/SonarSection";
 import { TableSection } from "./lecture/TableSection";
+import { TerrainSection } from "./lecture/TerrainSection";
 import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
@@ -74,6 +75,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   matching: MatchingSection,
   graph: GraphSection,
   file: FileSection,
+  terrain: TerrainSection,
   next: NextSection,
   log: LogSection,
 };

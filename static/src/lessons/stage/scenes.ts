@@ -309,6 +309,13 @@ export const SCENES = {
       caption: (now) =>
         `What the file keeps of the map: ${plural(cellsOf(now.map, "occupied").length, "cell")} occupied, ${cellsOf(now.map, "free").length.toLocaleString("en")} free, the others unknown.`,
     }),
+  terrain: () =>
+    scene({
+      scans: 77,
+      trinary: true,
+      caption:
+        "A floor is flat: free or occupied is all that this map says. Beside it the ground has slopes, and a patch has a plane.",
+    }),
   next: () =>
     scene({
       scans: 77,

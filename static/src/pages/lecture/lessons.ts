@@ -32,6 +32,7 @@ export const LESSONS = [
   { id: "matching", title: "Matching two scans", reserve: [495, 543, 467, 907] },
   { id: "graph", title: "From matching to a graph", reserve: [745, 917, 816, 690] },
   { id: "file", title: "The file that Nav2 reads", reserve: [718, 673, 746, 1595] },
+  { id: "terrain", title: "Terrain from points to classes", reserve: [720, 720, 760, 1000] },
   { id: "next", title: "What is built on the map", reserve: [336, 292, 292, 493] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];

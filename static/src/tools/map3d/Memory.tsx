@@ -1,7 +1,14 @@
 /** The memory of the 3D map in three forms, as bars on a logarithmic scale. */
 
+import { bytes as sizeOf } from "../../ui/numbers";
 import type { Map3dMessage } from "../../wire/protocol";
-import { shareOf, sizeOf } from "./memory";
+
+/** Bytes of an empty bar. */
+const LEAST = 1000;
+
+/** The share 0 … 1 of a bar on a logarithmic scale that ends at `most`. */
+const shareOf = (bytes: number, most: number): number =>
+  bytes <= LEAST || most <= LEAST ? 0 : Math.min(1, Math.log(bytes / LEAST) / Math.log(most / LEAST));
 
 export function Memory({ message }: { readonly message: Map3dMessage }) {
   const { known, nodes, leaves, octree_bytes, block_bytes, dense_bytes, scans, taken } = message;

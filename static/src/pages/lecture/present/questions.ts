@@ -200,6 +200,14 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
   },
+  terrain: {
+    question: "A patch has 9 points, and its residual is 0.4 m². With 18 points of the same ground?",
+    options: ["0.2 m²", "0.4 m²", "0.8 m²"],
+    right: 2,
+    answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
+    notes:
+      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without its root is a slip of the printed source.",
+  },
   next: {
     question: "What does a robot do with the finished map?",
     answer: "It is served, localized in, inflated into costs, and planned on; what moves is in a layer of its own.",
