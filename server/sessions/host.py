@@ -134,10 +134,10 @@ class SessionHost:
             self.listeners.remove(callback)
             self._left()
 
-    def join(self) -> Client:
-        """Return a new client, to which the complete state will be sent."""
+    def join(self, *, follows: bool = False) -> Client:
+        """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
         self.hub.slots["hello"] = encode_text(hello_message(self.model, self.id, self.epoch_id))
-        client = self.hub.join()
+        client = self.hub.join(follows=follows)
         self._wake.set()
         return client
 

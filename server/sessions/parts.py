@@ -100,6 +100,13 @@ class Localized(Protocol):
         """Return how certain the poses are along the log, None where they come from no localization."""
 
 
+class EditedFiles(Protocol):
+    """A map that is edited."""
+
+    async def files(self, stem: str) -> list[tuple[str, bytes]]:
+        """Return the files of the present map, by name: the image, its yaml, the keepout mask's, the edits."""
+
+
 class Story(Protocol):
     """The recorded history of a session, from which it can be reproduced."""
 

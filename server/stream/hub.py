@@ -61,9 +61,9 @@ class Hub:
         self._scan_rest = ""
         self.set_layers(layers)
 
-    def join(self) -> Client:
-        """Return a new client, to which the complete state will be sent."""
-        client = Client(self)
+    def join(self, *, follows: bool = False) -> Client:
+        """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
+        client = Client(self, follows=follows)
         self.clients.add(client)
         return client
 
@@ -137,8 +137,9 @@ class Hub:
 class Client:
     """One browser: what it has received, what it has not yet acknowledged, and what has to be sent to it."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: Hub, *, follows: bool = False) -> None:
         self.hub = hub
+        self.follows = follows  #: whether it is a follower's of a class
         self.wake = asyncio.Event()
         self.wake.set()
         self.unsent: set[str] = set(hub.slots)

@@ -4,6 +4,9 @@ import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { fetchLater } from "../lessons/stage/later";
+import { followedCode } from "../store/classroom";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -18,6 +21,7 @@ import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { KidnappingSection } from "./lecture/KidnappingSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
 import { LectureStage } from "./lecture/LectureStage";
 import { LogSection } from "./lecture/LogSection";
@@ -28,16 +32,27 @@ import { MountSection } from "./lecture/MountSection";
 import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
+import { ParticlesSection } from "./lecture/ParticlesSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
+import { ClassPointer } from "./lecture/present/ClassPointer";
+import { attendLecture } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
 import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
 import { SpeakerView } from "./lecture/present/SpeakerView";
-import { presenting, readAddress, sectionInSight, sectionOfSlide, setPresenting } from "./lecture/present/state";
+import {
+  isPreview,
+  presenting,
+  readAddress,
+  sectionInSight,
+  sectionOfSlide,
+  setPresenting,
+} from "./lecture/present/state";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
+import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
 import { TableSection } from "./lecture/TableSection";
 import { TerrainSection } from "./lecture/TerrainSection";
@@ -75,6 +90,9 @@ const BODIES: Record<LessonId, Part["body"]> = {
   matching: MatchingSection,
   graph: GraphSection,
   file: FileSection,
+  particles: ParticlesSection,
+  "sensor-models": SensorModelsSection,
+  kidnapping: KidnappingSection,
   terrain: TerrainSection,
   next: NextSection,
   log: LogSection,
@@ -114,7 +132,13 @@ function Page() {
   useReturn();
   return (
     <>
-      {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
+      {presenting.value ? (
+        <Presenter />
+      ) : (
+        <SiteHeader current="lecture" links={followedCode === null}>
+          <ClassButton />
+        </SiteHeader>
+      )}
       {!presenting.value && <SectionList />}
       <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
@@ -143,10 +167,14 @@ function Page() {
         </main>
       </div>
       <Blank />
+      <ClassPointer />
+      {!isPreview && <ClassHost />}
       <Toasts />
     </>
   );
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
+void fetchLater();
+if (speaker === null && !isPreview) attendLecture(PARTS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -32,6 +32,7 @@ import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Map3d } from "./map3d";
+import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -156,6 +157,8 @@ export class SessionState implements Receiver {
   readonly navigation = new Navigation();
   /** The 3D map of the simulated robot. */
   readonly map3d = new Map3d();
+  /** What the user does with a map that is edited. */
+  readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -357,6 +360,9 @@ export class SessionState implements Receiver {
       case "path":
         this.navigation.path.value = message;
         return;
+      case "map_edits":
+        this.mapEditing.take(message);
+        return;
       case "cost":
         this.navigation.cost.value = message;
         return;
@@ -389,6 +395,7 @@ export class SessionState implements Receiver {
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values, this.map3d.values])
           values.refuse();
+        this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -23,6 +23,7 @@ import {
 } from "./controls";
 import { CORNERS, sightings } from "./corners";
 import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
+import { laterScene } from "./later";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
 import { lookOfWall, STRETCH } from "./wall";
@@ -309,6 +310,9 @@ export const SCENES = {
       caption: (now) =>
         `What the file keeps of the map: ${plural(cellsOf(now.map, "occupied").length, "cell")} occupied, ${cellsOf(now.map, "free").length.toLocaleString("en")} free, the others unknown.`,
     }),
+  particles: () => laterScene("particles"),
+  "sensor-models": () => laterScene("sensor-models"),
+  kidnapping: () => laterScene("kidnapping"),
   terrain: () =>
     scene({
       scans: 77,

@@ -111,6 +111,17 @@ export const SOURCES = {
       and Automation, 2003
     </>
   ),
+  dellaert: (
+    <>
+      F. Dellaert, D. Fox, W. Burgard and S. Thrun, <cite>Monte Carlo localization for mobile robots</cite>, IEEE
+      International Conference on Robotics and Automation, 1999
+    </>
+  ),
+  amcl: (
+    <>
+      Nav2, <cite>AMCL</cite>: the documentation of its parameters
+    </>
+  ),
   "rep-103": (
     <>
       REP 103, <cite>Standard units of measure and coordinate conventions</cite>

@@ -200,8 +200,36 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
   },
+  particles: {
+    question: "A robot sees a door, and the corridor has three. Where is the robot?",
+    options: [
+      "At the nearest door",
+      "At each of the three, with equal probability",
+      "Nowhere: it needs a second reading",
+    ],
+    right: 1,
+    answer: "A belief can have three peaks. Particles keep all of them, and the next readings decide.",
+    notes:
+      "Go through the steps: draw, drive, read. Turn the wheel by its handle: one random number for all draws. Then “independent”, and watch how many particles are left.",
+  },
+  "sensor-models": {
+    question: "Read backwards, as a function of m: is p(z | m) the probability of the map?",
+    options: ["Yes, up to a factor", "Yes, if the noise is small", "No"],
+    right: 2,
+    answer: "It is a distribution over readings. A cell needs a prior, and a sum over all maps.",
+    notes:
+      "Drag the four parts first. Then z in the lower chart, and the prior: the dashed curve is low before and behind the reading, the inverse is not.",
+  },
+  kidnapping: {
+    question: "All particles are here, and the robot is carried there. Do they find it?",
+    options: ["Yes, they follow the scans", "Never", "Only with random particles among them"],
+    right: 2,
+    answer: "Without random particles none is ever near the robot. Two averages of the weights say when to add them.",
+    notes:
+      "Let it drive until the cloud has found the robot, then drag it away. Set both rates to 0 and repeat: it stays lost. Equal rates: the same.",
+  },
   terrain: {
-    question: "A patch has 9 points, and its residual is 0.4 m². With 18 points of the same ground?",
+    question: "9 points of a patch leave a residual of 0.4 m². And 18 of the same ground?",
     options: ["0.2 m²", "0.4 m²", "0.8 m²"],
     right: 2,
     answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
