@@ -35,7 +35,7 @@ export const LESSONS = [
   { id: "particles", title: "From a belief to particles", reserve: [500, 500, 500, 800] },
   { id: "sensor-models", title: "Two sensor models", reserve: [700, 700, 700, 800] },
   { id: "kidnapping", title: "The kidnapped robot", reserve: [400, 400, 400, 600] },
-  { id: "terrain", title: "Terrain from points to classes", reserve: [720, 720, 760, 1000] },
+  { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
   { id: "next", title: "What is built on the map", reserve: [336, 292, 292, 493] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
