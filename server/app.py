@@ -18,6 +18,7 @@ from server.http.metrics import Metrics
 from server.http.routes import (
     classes,
     contents,
+    costmaps,
     docs,
     doctor,
     health,
@@ -117,6 +118,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         comparing.router,
         maps.router,
         map_editing.router,
+        costmaps.router,
         download_files.router,
         stream.router,
         logs.router,

@@ -33,6 +33,7 @@ class CostmapsModel(SessionModel):
         """Show the costmaps of ``topic``, else of the topic with most of them."""
         self._streams = dict(streams)
         self._log_id, self._title = log_id, title
+        self.costed = self
         self._layer = GridLayer("map", "Costmap", "recorded_costs")
         most = max(self._streams, key=lambda name: len(self._streams[name]))
         super().__init__(Playback(speed=1.0, speeds=(0.1, 100.0)))
@@ -117,6 +118,13 @@ class CostmapsModel(SessionModel):
     def scan(self) -> dict[str, Any]:
         """Return a scan without readings."""
         return NO_READINGS
+
+    def present_costs(self) -> RecordedCostmap:
+        """Return the present costmap."""
+        return self._now
+
+    def present_mask(self) -> None:
+        """A recording has no zones that were painted."""
 
     # -- computing ------------------------------------------------------------------------------------------------
 

@@ -71,7 +71,7 @@ class SimulationModel(SessionModel):
         self._second: GridLayer | None = None
         self._localization: LabLocalization | None = None
         self._volume = VolumeView(host, mapper, self.playback)
-        self._navigation = LabNavigation(mapper, lambda: self._volume.projection)
+        self._navigation = self.costed = LabNavigation(mapper, lambda: self._volume.projection)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 

@@ -1,8 +1,10 @@
-"""The map of a session kept as a map of one's own, edited by commands, and its files over HTTP."""
+"""The map of a session kept as a map of one's own, edited by commands, and its files over HTTP; costs as files."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,8 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.editing import EditedMap, parse_operation
 from mapper.grid import GridGeometry
+from mapper.io.costmaps import open_costmaps
+from mapper.io.maps import load_map
 from server.library.given_map import GivenMap
 from server.sessions.models.map_editing import MapModel, operation_of
 from server.sessions.tick import TickResult
@@ -129,3 +133,38 @@ def test_the_map_of_a_world_is_kept_edited_and_kept_again(service: Service) -> N
     read = once_read(http, kept.json()["id"])
     assert (read["name"], read["notes"]) == ("Better", ["Made by 1 edit of 'Office'."])
     assert http.post(address, json={"name": ""}).status_code == 422
+
+
+def test_costs_and_painted_zones_are_files(service: Service, tmp_path: Path) -> None:
+    """Of the lab's costmap, and read again by the readers of map files and of recordings."""
+    http = service.http
+    world = service.begin(kind="simulation", story={"steps": 40}, playing=False)
+    address = f"/api/sessions/{world}/costmap"
+    assert http.get(f"{address}/costmap.pgm").json()["code"] == "costmap.off"
+    assert http.get(f"{address}/else.pgm").json()["code"] == "costmap.no_file"
+    session = service.state.sessions.get(world)
+    session.post({"type": "costmap"})
+    until(lambda: http.get(f"{address}/costmap.yaml").status_code == 200)
+    assert http.get(f"{address}/keepout.pgm").json()["code"] == "costmap.no_zones"
+    session.post({"type": "costmap", "keepout": [{"width": 0.5, "erases": False, "points": [[2.0, 2.0]]}]})
+    until(lambda: http.get(f"{address}/keepout.yaml").status_code == 200)
+    for name in ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml"):
+        answer = http.get(f"{address}/{name}")
+        named = re.search('filename="([^"]+)"', answer.headers["content-disposition"])
+        assert named is not None
+        (tmp_path / (named[1] if name != "costmap.mcap" else name)).write_bytes(answer.content)
+    costed = session.model.costed
+    assert costed is not None
+    expected = costed.present_costs()
+    assert expected is not None
+    (stream,) = open_costmaps(tmp_path / "costmap.mcap").values()
+    np.testing.assert_array_equal(stream[0].costs, expected.costs)
+    assert stream[0].geometry == expected.geometry
+    image = next(tmp_path.glob("*_costmap.pgm")).read_bytes()
+    assert image.endswith(np.ascontiguousarray(expected.costs[::-1]).tobytes())
+    mask = load_map(next(tmp_path.glob("*_keepout.yaml")))
+    assert mask.grid.geometry == expected.geometry
+    assert set(np.unique(mask.values)) == {0, 100}
+    at = expected.geometry.world_to_cell((2.0, 2.0))
+    assert mask.values[at[0], at[1]] == 100
+    assert (expected.costs[mask.values == 100] >= 253).all()

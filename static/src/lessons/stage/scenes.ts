@@ -1,7 +1,7 @@
 /** The scenes of the stage in the order of the lecture. Each continues the one before it: the same floor and drive. */
 
 import { probability } from "../../grid/logOdds";
-import { signed, written } from "../../ui/numbers";
+import { plural, signed, written } from "../../ui/numbers";
 import { cellsOf, phantoms } from "../common/counts";
 import { cellParameters } from "../common/parameters";
 import {
@@ -34,8 +34,6 @@ const REMOVED = 62;
 
 /** Everything that is really there. */
 const SOLID = [...WALLS, POLISHED, ...TABLE];
-
-const plural = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
 /** ℓ and p of the selected cell. */
 function cellInWords({ map, index }: Shown): string {
@@ -313,6 +311,11 @@ export const SCENES = {
   particles: () => laterScene("particles"),
   "sensor-models": () => laterScene("sensor-models"),
   kidnapping: () => laterScene("kidnapping"),
+  layers: () => laterScene("layers"),
+  inflation: () => laterScene("inflation"),
+  path: () => laterScene("path"),
+  lifetime: () => laterScene("lifetime"),
+  stack: () => laterScene("stack"),
   terrain: () =>
     scene({
       scans: 77,
@@ -323,7 +326,7 @@ export const SCENES = {
   next: () =>
     scene({
       scans: 77,
-      caption: "This map is the starting point of localization, of costmaps and of path planning.",
+      caption: "The occupancy grid of the whole drive: one of several kinds of maps.",
     }),
   log: () =>
     scene({
