@@ -124,6 +124,7 @@ from tests.agreement.sensors import (
     depth_by_core,
     depth_by_textbook,
 )
+from tests.agreement.simulation import space_by_kernel, space_by_textbook, space_cases
 from tests.agreement.slam import (
     agreement_by_kernel,
     agreement_by_textbook,
@@ -291,6 +292,7 @@ TABLE = (
     Row("casts in a volume", cast_by_kernel, cast_by_textbook, volume_cases()),
     Row("octree", tree_by_kernel, tree_by_textbook, volume_cases()),
     Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
+    Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("signed distances of depth images", depths_in_tsdf_by_kernel, depths_in_tsdf_by_textbook, depth_cases()),
     Row("signed distances of beams", beams_in_tsdf_by_kernel, beams_in_tsdf_by_textbook, beam_cases()),
