@@ -15,6 +15,7 @@ import { keyed, type Range, snap, written } from "../../ui/numbers";
 import { useWidth } from "../../ui/useWidth";
 import type { Parameter, Values } from "../../wire/protocol";
 import { distances, type LogScale, logScale } from "./sensorAxes";
+import "./localization.css";
 
 const HEIGHT = 230;
 const [LEFT, RIGHT, TOP, BOTTOM] = [46, 42, 14, HEIGHT - 36];
