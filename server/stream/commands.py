@@ -117,6 +117,13 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
     ] = False
 
 
+class Map3dCommand(Struct, tag_field="type", tag="map3d"):
+    """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
+
+    value: Annotated[bool, Meta(description="whether there is one")] = True
+    values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
+
+
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
     """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
 
@@ -145,6 +152,26 @@ class Nav2Command(Struct, tag_field="type", tag="nav2"):
     """Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one."""
 
     text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: answer with one")] = None
+
+
+class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
+    """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
+
+    op: Annotated[str, Meta(description="paint, fill, keepout, despeckle, rotate, crop or origin")]
+    points: Annotated[
+        list[Point] | None,
+        Meta(description="paint: the line; fill and keepout: the corners; crop: two corners; origin: the place"),
+    ] = None
+    state: Annotated[str | None, Meta(description="paint and fill: free, occupied or unknown")] = None
+    width: Annotated[Number | None, Meta(description="paint: width of the brush, m")] = None
+    value: Annotated[Number | None, Meta(description="keepout: 1 to 100, 0 for none; despeckle: most cells")] = None
+    angle: Annotated[Number | None, Meta(description="rotate: by this; origin: its heading, rad")] = None
+
+
+class MapHistoryCommand(Struct, tag_field="type", tag="map_history"):
+    """Maps: undo edits, or make them again."""
+
+    steps: Annotated[Whole, Meta(description="negative: so many are undone; positive: made again")]
 
 
 class DriveCommand(Struct, tag_field="type", tag="drive"):
@@ -224,10 +251,13 @@ Command = (
     | CompareCommand
     | TeleportCommand
     | LocalizeCommand
+    | Map3dCommand
     | CostmapCommand
     | GoalCommand
     | CostCommand
     | Nav2Command
+    | MapEditCommand
+    | MapHistoryCommand
     | DriveCommand
     | AutoCommand
     | EditCommand

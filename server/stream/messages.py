@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import (
+    Block,
     CellState,
     Compared,
     Contribution,
@@ -37,7 +38,10 @@ class Hello(Struct, tag_field="type", tag="hello"):
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
     kind: Annotated[
-        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+        str,
+        Meta(
+            description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: of a recording; `map`: a map"
+        ),
     ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
@@ -56,6 +60,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
     navigation: Annotated[list[Parameter] | UnsetType, Meta(description="parameters of the costmap and the path")] = (
         UNSET
     )
+    map3d: Annotated[
+        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the 3D sensor and its map")
+    ] = UNSET
 
 
 class LayersMessage(Struct, tag_field="type", tag="layers"):
@@ -176,6 +183,7 @@ class WorldMessage(Struct, tag_field="type", tag="world"):
     ]
     edits: Annotated[Edits, Meta(description="edits of the world")]
     polished: Annotated[list[Segment], Meta(description="faces that give no return while the fault `specular` is on")]
+    blocks: Annotated[list[Block], Meta(description="solids with heights of their own")] = []
 
 
 class Forgetting(Struct, tag_field="type", tag="forgetting"):
@@ -216,6 +224,23 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
 
 
+class Map3dMessage(Struct, tag_field="type", tag="map3d"):
+    """The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`."""
+
+    is_on: Annotated[bool, Meta(description="whether there is one")]
+    values: Annotated[Values, Meta(description="parameters of the 3D sensor and the map")]
+    scans: Annotated[int, Meta(description="scans in the map")]
+    taken: Annotated[int, Meta(description="scans that are recorded; more than `scans` while the map is made anew")]
+    only_in_3d: Annotated[int, Meta(description="cells of its projection that are occupied, and are not in the 2D map")]
+    problem: Annotated[str | None, Meta(description="why it does not grow any more; null: it does")]
+    known: Annotated[int, Meta(description="free and occupied voxels")]
+    nodes: Annotated[int, Meta(description="nodes of its octree, whose equal leaves are joined")]
+    leaves: Annotated[int, Meta(description="those without children")]
+    octree_bytes: Annotated[int, Meta(description="the octree: log-odds and children of each node")]
+    block_bytes: Annotated[int, Meta(description="the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash")]
+    dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
+
+
 class CostmapMessage(Struct, tag_field="type", tag="costmap"):
     """The costmap over the map of a simulation or a log."""
 
@@ -238,6 +263,16 @@ class PathMessage(Struct, tag_field="type", tag="path"):
     reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
     carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
     plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
+
+
+class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
+    """Maps: the edits so far."""
+
+    n: Annotated[int, Meta(description="number of edits that are not undone")]
+    undone: Annotated[int, Meta(description="number of edits that are undone")]
+    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
+    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
+    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
 
 
 class CostMessage(Struct, tag_field="type", tag="cost"):
@@ -334,9 +369,11 @@ ServerMessage = (
     | WorldMessage
     | Forgetting
     | LocalizationMessage
+    | Map3dMessage
     | CostmapMessage
     | PathMessage
     | CostMessage
+    | MapEditsMessage
     | Nav2Message
     | WorkingMessage
     | NoticeMessage

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap import (
     NO_INFORMATION,
@@ -25,6 +25,7 @@ from mapper.costmap import (
 from mapper.costmap.layers import Layer as CostLayer
 from mapper.costmap.observing import observation_of_scan
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
+from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
@@ -203,6 +204,16 @@ class LabCostmap:
         sheet.set_bytes(self.geometry, costs)
         return True
 
+    def recorded(self, seconds: float, frame: str | None) -> RecordedCostmap:
+        """Return a copy of the costs as a message of a recording has them."""
+        stamp_ns = max(round(seconds * 1e9), 0)
+        return RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", self.geometry, self.costs.copy())
+
+    @property
+    def mask(self) -> Int8Array | None:
+        """A copy of the keepout mask (rows, cols), −1 for none; None where nothing is painted."""
+        return self._keepout.mask.copy() if (self._keepout.mask >= 0).any() else None
+
     def why(self, x: float, y: float) -> list[CellReason]:
         """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
         row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
@@ -210,8 +221,8 @@ class LabCostmap:
 
 
 def _plan_of(world: World | None, parameters: LabParameters) -> OccupancyGrid | None:
-    """Return the plan of the world if the static map is to be that; None for the robot's own map."""
-    return None if world is None or parameters.values["map"] == "belief" else plan_map(world)
+    """Return the plan of the world if the static map is to be that; None for a map of the robot's own."""
+    return plan_map(world) if world is not None and parameters.values["map"] == "plan" else None
 
 
 def _continues(before: Stroke, after: Stroke) -> bool:

@@ -32,6 +32,8 @@ import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { Map3d } from "./map3d";
+import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -156,6 +158,10 @@ export class SessionState implements Receiver {
   readonly filter = new FilterSettings();
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
+  /** The 3D map of the simulated robot. */
+  readonly map3d = new Map3d();
+  /** What the user does with a map that is edited. */
+  readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -352,8 +358,14 @@ export class SessionState implements Receiver {
       case "costmap":
         this.navigation.take(message);
         return;
+      case "map3d":
+        this.map3d.take(message);
+        return;
       case "path":
         this.navigation.path.value = message;
+        return;
+      case "map_edits":
+        this.mapEditing.take(message);
         return;
       case "cost":
         this.navigation.cost.value = message;
@@ -385,7 +397,9 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values, this.map3d.values])
+          values.refuse();
+        this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -179,6 +179,16 @@ export interface Edits {
 /** [ax, ay, bx, by] in m */
 export type Segment = readonly [ax: number, ay: number, bx: number, by: number];
 
+/** A solid of a world with heights of its own, such as a low table or a lintel. */
+export interface Block {
+  /** its corners seen from above */
+  readonly outline: readonly Point[];
+  /** height of its bottom, m */
+  readonly low: number;
+  /** height of the highest point of its top, m */
+  readonly high: number;
+}
+
 /** A stroke of the brush that paints keepout zones. */
 export interface KeepoutStroke {
   /** width of the brush, m */
@@ -230,6 +240,74 @@ export interface Contribution {
   readonly sensor?: string;
 }
 
+/** The axis of a guess that is a number. */
+export interface ClassAxis {
+  /** least guess */
+  readonly low: number;
+  /** greatest guess */
+  readonly high: number;
+  /** unit, may be empty */
+  readonly unit?: string;
+}
+
+/** A question that the class is asked, and what has been answered. */
+export interface ClassQuestion {
+  /** number of the question, from 1 */
+  readonly id: number;
+  /** the question */
+  readonly text: string;
+  /** the answers to choose from; null: a number is guessed */
+  readonly options: readonly string[] | null;
+  /** the axis of the guess; null: an option is chosen */
+  readonly axis: ClassAxis | null;
+  /** whether the result is shown to all */
+  readonly is_revealed: boolean;
+  /** how many have answered */
+  readonly answered: number;
+  /** answers for each option, or in each part of the axis; followers: null before the reveal */
+  readonly counts: readonly number[] | null;
+  /** the right option from 0, or number; null: there is none, or not yet */
+  readonly right: number | null;
+}
+
+/** The part of the map that a picture shows, with the size of the picture. */
+export interface ClassLook {
+  /** the place in the middle, m */
+  readonly x: number;
+  /** the place in the middle, m */
+  readonly y: number;
+  /** metres that a pixel shows */
+  readonly scale: number;
+  /** width of the picture, pixels */
+  readonly width: number;
+  /** height of the picture, pixels */
+  readonly height: number;
+}
+
+/** What the lecturer's page shows. Places are map metres. */
+export interface ClassView {
+  /** the page; other: no page that can be followed */
+  readonly page: "lab" | "lecture" | "other";
+  /** fragment of its address: slide, step, deck */
+  readonly hash?: string;
+  /** whether the screen is blank */
+  readonly blank?: boolean;
+  /** the visible part of the map; null: all of it */
+  readonly look?: ClassLook | null;
+  /** where the pointer is in the map */
+  readonly pointer?: Point | null;
+  /** the selected cell */
+  readonly pinned?: Point | null;
+  /** the cell whose updates are explained */
+  readonly explained?: Point | null;
+  /** number of the selected update; null: the newest */
+  readonly update?: number | null;
+  /** the open group of controls */
+  readonly group?: string | null;
+  /** where the pointer is on the slide, as fractions of its width and height */
+  readonly on_slide?: readonly [number, number] | null;
+}
+
 /** First message of a connection: description of the session. */
 export interface Hello {
   readonly type: "hello";
@@ -237,7 +315,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: of a recording; `map`: a map */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -257,6 +335,8 @@ export interface Hello {
   readonly seed?: number;
   /** parameters of the costmap and the path */
   readonly navigation?: readonly Parameter[];
+  /** simulations: parameters of the 3D sensor and its map */
+  readonly map3d?: readonly Parameter[];
 }
 
 /** The layers of the session. Sent at the start and after a change. */
@@ -409,6 +489,8 @@ export interface WorldMessage {
   readonly edits: Edits;
   /** faces that give no return while the fault `specular` is on */
   readonly polished: readonly Segment[];
+  /** solids with heights of their own */
+  readonly blocks?: readonly Block[];
 }
 
 /** Simulations: how two maps, with and without clamping, forget what an `edit` with `watch` erased. */
@@ -461,6 +543,35 @@ export interface LocalizationMessage {
   readonly error_rad: number | null;
 }
 
+/** The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`. */
+export interface Map3dMessage {
+  readonly type: "map3d";
+  /** whether there is one */
+  readonly is_on: boolean;
+  /** parameters of the 3D sensor and the map */
+  readonly values: Values;
+  /** scans in the map */
+  readonly scans: number;
+  /** scans that are recorded; more than `scans` while the map is made anew */
+  readonly taken: number;
+  /** cells of its projection that are occupied, and are not in the 2D map */
+  readonly only_in_3d: number;
+  /** why it does not grow any more; null: it does */
+  readonly problem: string | null;
+  /** free and occupied voxels */
+  readonly known: number;
+  /** nodes of its octree, whose equal leaves are joined */
+  readonly nodes: number;
+  /** those without children */
+  readonly leaves: number;
+  /** the octree: log-odds and children of each node */
+  readonly octree_bytes: number;
+  /** the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash */
+  readonly block_bytes: number;
+  /** a dense grid of the world, 4 bytes for each voxel */
+  readonly dense_bytes: number;
+}
+
 /** The costmap over the map of a simulation or a log. */
 export interface CostmapMessage {
   readonly type: "costmap";
@@ -508,6 +619,21 @@ export interface CostMessage {
   readonly y: number;
   /** one for each layer that is on */
   readonly layers: readonly LayerCost[];
+}
+
+/** Maps: the edits so far. */
+export interface MapEditsMessage {
+  readonly type: "map_edits";
+  /** number of edits that are not undone */
+  readonly n: number;
+  /** number of edits that are undone */
+  readonly undone: number;
+  /** the last of the edits, oldest first, a phrase each */
+  readonly last: readonly string[];
+  /** cells of keepout zones */
+  readonly keepout_cells: number;
+  /** what the reader of the map noted */
+  readonly notes: readonly string[];
 }
 
 /** Answer to `nav2`. */
@@ -735,6 +861,15 @@ export interface LocalizeCommand {
   readonly keep?: boolean;
 }
 
+/** Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it. */
+export interface Map3dCommand {
+  readonly type: "map3d";
+  /** whether there is one */
+  readonly value?: boolean;
+  /** parameters of the sensor and the map to change; the others stay */
+  readonly values?: Values;
+}
+
 /** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
 export interface CostmapCommand {
   readonly type: "costmap";
@@ -773,6 +908,30 @@ export interface Nav2Command {
   readonly type: "nav2";
   /** a Nav2 parameter file; null: answer with one */
   readonly text?: string | null;
+}
+
+/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
+export interface MapEditCommand {
+  readonly type: "map_edit";
+  /** paint, fill, keepout, despeckle, rotate, crop or origin */
+  readonly op: string;
+  /** paint: the line; fill and keepout: the corners; crop: two corners; origin: the place */
+  readonly points?: readonly Point[] | null;
+  /** paint and fill: free, occupied or unknown */
+  readonly state?: string | null;
+  /** paint: width of the brush, m */
+  readonly width?: number | null;
+  /** keepout: 1 to 100, 0 for none; despeckle: most cells */
+  readonly value?: number | null;
+  /** rotate: by this; origin: its heading, rad */
+  readonly angle?: number | null;
+}
+
+/** Maps: undo edits, or make them again. */
+export interface MapHistoryCommand {
+  readonly type: "map_history";
+  /** negative: so many are undone; positive: made again */
+  readonly steps: number;
 }
 
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
@@ -855,6 +1014,132 @@ export interface PingCommand {
   readonly id: number;
 }
 
+/** The state of the class, to all who are in it; at most five times a second. */
+export interface ClassState {
+  readonly type: "class";
+  /** the code of the class */
+  readonly code: string;
+  /** followers that are connected */
+  readonly present: number;
+  /** whether nobody else can join */
+  readonly is_locked: boolean;
+  /** whether the class is over */
+  readonly has_ended: boolean;
+  /** numbers of the followers who ask for the robot; lecturer only */
+  readonly hands: readonly number[];
+  /** number of the follower who drives the robot; null: the lecturer */
+  readonly driver: number | null;
+  /** the question that is asked; null: none */
+  readonly question: ClassQuestion | null;
+}
+
+/** The first message: who one is in the class. */
+export interface ClassWelcome {
+  readonly type: "welcome";
+  /** what one may do */
+  readonly role: "follower" | "lecturer";
+  /** number of a follower, from 1; 0: the lecturer */
+  readonly number: number;
+  /** what one has answered to the question; null: nothing */
+  readonly answer: number | null;
+}
+
+/** What the lecturer shows now, to the followers. */
+export interface ClassViewMessage {
+  readonly type: "view";
+  /** what the lecturer shows */
+  readonly view: ClassView;
+  /** number of the session that is shown, from 1; 0: none */
+  readonly stage: number;
+}
+
+/** The explanation of the selected cell, as the lecturer's page shows it, to the followers. */
+export interface ClassExplained {
+  readonly type: "explained";
+  /** the explanation; null: none is shown */
+  readonly why: WhyMessage | null;
+}
+
+/** A command was refused. */
+export interface ClassError {
+  readonly type: "refused";
+  /** stable name of the error */
+  readonly code: string;
+  /** one sentence */
+  readonly message: string;
+}
+
+/** Lecturer: what the page shows now. */
+export interface ShowCommand {
+  readonly type: "show";
+  /** what it shows */
+  readonly view: ClassView;
+  /** id of the session that it shows; null: none */
+  readonly session?: string | null;
+}
+
+/** Lecturer: the explanation that the page shows. */
+export interface ExplainCommand {
+  readonly type: "explain";
+  /** the explanation; null: none is shown */
+  readonly why?: WhyMessage | null;
+}
+
+/** Lecturer: ask the class a question, with options to choose from or an axis on which a number is guessed. */
+export interface AskCommand {
+  readonly type: "ask";
+  /** the question */
+  readonly text: string;
+  /** two to eight answers; null: a number is guessed */
+  readonly options?: readonly string[] | null;
+  /** the axis of the guess */
+  readonly axis?: ClassAxis | null;
+  /** the right option from 0, or number; null: there is none */
+  readonly right?: number | null;
+}
+
+/** Lecturer: show the result to all. No more answers are taken. */
+export interface RevealCommand {
+  readonly type: "reveal";
+  /** the right answer, if it was not known before */
+  readonly right?: number | null;
+}
+
+/** Lecturer: take the question away. Its result is kept until the class ends. */
+export interface CloseCommand {
+  readonly type: "close";
+}
+
+/** Lecturer: let nobody else join, or let people join again. */
+export interface LockCommand {
+  readonly type: "lock";
+  /** whether it is locked */
+  readonly value: boolean;
+}
+
+/** Lecturer: hand the robot to a follower, or take it back. */
+export interface HandCommand {
+  readonly type: "hand";
+  /** number of the follower; null: take it back */
+  readonly number?: number | null;
+}
+
+/** Follower: answer the question; a later answer replaces it. */
+export interface AnswerCommand {
+  readonly type: "answer";
+  /** id of the question */
+  readonly question: number;
+  /** the option from 0, or the number */
+  readonly value: number;
+}
+
+/** Follower: ask for the robot, or no longer. */
+export interface RaiseCommand {
+  readonly type: "raise";
+  /** whether one asks for it */
+  readonly value: boolean;
+}
+
 export type ServerMessage =
   | Hello
   | LayersMessage
@@ -868,9 +1153,11 @@ export type ServerMessage =
   | WorldMessage
   | Forgetting
   | LocalizationMessage
+  | Map3dMessage
   | CostmapMessage
   | PathMessage
   | CostMessage
+  | MapEditsMessage
   | Nav2Message
   | WorkingMessage
   | NoticeMessage
@@ -896,10 +1183,13 @@ export type Command =
   | CompareCommand
   | TeleportCommand
   | LocalizeCommand
+  | Map3dCommand
   | CostmapCommand
   | GoalCommand
   | CostCommand
   | Nav2Command
+  | MapEditCommand
+  | MapHistoryCommand
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -908,6 +1198,24 @@ export type Command =
   | InspectCommand
   | WhyCommand
   | PingCommand;
+
+export type ClassMessage =
+  | ClassState
+  | ClassWelcome
+  | ClassViewMessage
+  | ClassExplained
+  | ClassError;
+
+export type ClassCommand =
+  | ShowCommand
+  | ExplainCommand
+  | AskCommand
+  | RevealCommand
+  | CloseCommand
+  | LockCommand
+  | HandCommand
+  | AnswerCommand
+  | RaiseCommand;
 
 const isValue: Check = oneOf(isNumber, isText, isFlag);
 const isParameter: Check = isObject({
@@ -984,6 +1292,11 @@ const isEdits: Check = isObject({
   erased: isListOf(isInteger),
 });
 const isSegment: Check = isTuple(isNumber, isNumber, isNumber, isNumber);
+const isBlock: Check = isObject({
+  outline: isListOf(isPoint),
+  low: isNumber,
+  high: isNumber,
+});
 const isKeepoutStroke: Check = isObject({
   width: isPositive,
   erases: isFlag,
@@ -1009,6 +1322,57 @@ const isContribution: Check = isObject({
   log_odds: isNumber,
   sensor: optional(isText),
 });
+const isClassAxis: Check = isObject({
+  low: isNumber,
+  high: isNumber,
+  unit: optional(isText),
+});
+const isClassQuestion: Check = isObject({
+  id: isInteger,
+  text: isText,
+  options: oneOf(isListOf(isText), isNull),
+  axis: oneOf(isClassAxis, isNull),
+  is_revealed: isFlag,
+  answered: isInteger,
+  counts: oneOf(isListOf(isInteger), isNull),
+  right: oneOf(isNumber, isNull),
+});
+const isClassLook: Check = isObject({
+  x: isNumber,
+  y: isNumber,
+  scale: isPositive,
+  width: isPositive,
+  height: isPositive,
+});
+const isClassView: Check = isObject({
+  page: isLiteral("lab", "lecture", "other"),
+  hash: optional(isText),
+  blank: optional(isFlag),
+  look: optional(oneOf(isClassLook, isNull)),
+  pointer: optional(oneOf(isPoint, isNull)),
+  pinned: optional(oneOf(isPoint, isNull)),
+  explained: optional(oneOf(isPoint, isNull)),
+  update: optional(oneOf(isInteger, isNull)),
+  group: optional(oneOf(isText, isNull)),
+  on_slide: optional(oneOf(isTuple(isNumber, isNumber), isNull)),
+});
+const isWhyMessage: Check = isObject({
+  row: isInteger,
+  col: isInteger,
+  epoch: isInteger,
+  index: isInteger,
+  log_odds: isNumber,
+  prior: isNumber,
+  log_odds_min: oneOf(isNumber, isNull),
+  log_odds_max: oneOf(isNumber, isNull),
+  per_scan: isFlag,
+  total: isInteger,
+  hits: isInteger,
+  first_scan: oneOf(isInteger, isNull),
+  curve: isListOf(isTuple(isInteger, isNumber)),
+  contributions: isListOf(isContribution),
+  layer: isText,
+});
 
 /** The check of each field of each message from the server; a message may have more fields. */
 export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Check>>>> = {
@@ -1025,6 +1389,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     world: optional(isText),
     seed: optional(isInteger),
     navigation: optional(isListOf(isParameter)),
+    map3d: optional(isListOf(isParameter)),
   },
   layers: {
     layers: isListOf(isLayerInfo),
@@ -1093,6 +1458,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     ids: isListOf(isInteger),
     edits: isEdits,
     polished: isListOf(isSegment),
+    blocks: optional(isListOf(isBlock)),
   },
   forgetting: {
     cells: isInteger,
@@ -1118,6 +1484,20 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     error_m: oneOf(isNumber, isNull),
     error_rad: oneOf(isNumber, isNull),
   },
+  map3d: {
+    is_on: isFlag,
+    values: isValues,
+    scans: isInteger,
+    taken: isInteger,
+    only_in_3d: isInteger,
+    problem: oneOf(isText, isNull),
+    known: isInteger,
+    nodes: isInteger,
+    leaves: isInteger,
+    octree_bytes: isInteger,
+    block_bytes: isInteger,
+    dense_bytes: isInteger,
+  },
   costmap: {
     is_on: isFlag,
     values: isValues,
@@ -1140,6 +1520,13 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     x: isNumber,
     y: isNumber,
     layers: isListOf(isLayerCost),
+  },
+  map_edits: {
+    n: isInteger,
+    undone: isInteger,
+    last: isListOf(isText),
+    keepout_cells: isInteger,
+    notes: isListOf(isText),
   },
   nav2: {
     text: oneOf(isText, isNull),
@@ -1189,6 +1576,35 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   pong: {
     id: isInteger,
     t: isNumber,
+  },
+};
+
+/** The same of the messages of a class. */
+export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record<string, Check>>>> = {
+  class: {
+    code: isText,
+    present: isInteger,
+    is_locked: isFlag,
+    has_ended: isFlag,
+    hands: isListOf(isInteger),
+    driver: oneOf(isInteger, isNull),
+    question: oneOf(isClassQuestion, isNull),
+  },
+  welcome: {
+    role: isLiteral("follower", "lecturer"),
+    number: isInteger,
+    answer: oneOf(isNumber, isNull),
+  },
+  view: {
+    view: isClassView,
+    stage: isInteger,
+  },
+  explained: {
+    why: oneOf(isWhyMessage, isNull),
+  },
+  refused: {
+    code: isText,
+    message: isText,
   },
 };
 

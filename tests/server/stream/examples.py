@@ -24,6 +24,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
     {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved", "keep": True},
+    {"type": "map3d", "value": True, "values": {"voxel": 0.1, "sensor": "depth_camera"}},
     {
         "type": "costmap",
         "value": True,
@@ -34,6 +35,9 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "goal", "x": 4.5, "y": -1.0, "drives": True},
     {"type": "cost", "x": 4.5, "y": -1.0},
     {"type": "nav2", "text": None},
+    {"type": "map_edit", "op": "paint", "state": "free", "width": 0.2, "points": [[1.0, 2.0], [1.5, 2.0]]},
+    {"type": "map_edit", "op": "rotate", "angle": 0.25},
+    {"type": "map_history", "steps": -1},
     {"type": "why", "row": 3, "col": 4, "epoch": 1, "layer": "second_map"},
     {"type": "pause"},
     {"type": "restart"},
@@ -178,6 +182,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ids=[-1],
         edits=parts.Edits([("wall", 0, 0, 100, 250)], [2]),
         polished=[(0.0, 0.0, 1.0, 0.0)],
+        blocks=[parts.Block([(1.0, 1.0), (2.0, 1.0), (2.0, 2.0)], 0.25, 0.5)],
     ),
     messages.Forgetting(40, 12, 9, None, 0.95, 0.25),
     messages.LocalizationMessage(
@@ -197,6 +202,10 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.01,
     ),
     messages.LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
+    messages.Map3dMessage(
+        True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
+    ),
+    messages.Map3dMessage(False, {}, 0, 0, 0, "Full.", 0, 0, 0, 0, 0, 0),
     messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},
@@ -209,6 +218,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     messages.PathMessage((4.5, -1.0), False, None, None, False, "There is no path to the goal.", None, 3.5),
     messages.CostMessage(4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")]),
     messages.Nav2Message("global_costmap: {}"),
+    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, ["A note."]),
     messages.WorkingMessage(0.55, 0.2),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),

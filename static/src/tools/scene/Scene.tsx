@@ -17,6 +17,8 @@ interface Settings {
 
 interface SceneProps {
   readonly session: string;
+  /** Whether the map is drawn as columns, whose height can be set. */
+  readonly hasColumns?: boolean;
 }
 
 const addressOf = (session: string, part: string): string => `/scenes/${encodeURIComponent(session)}/${part}`;
@@ -24,26 +26,34 @@ const addressOf = (session: string, part: string): string => `/scenes/${encodeUR
 /** Interval at which the layers are asked for until the scene has some. */
 const AGAIN_MS = 700;
 
-export function Scene({ session }: SceneProps) {
+export function Scene({ session, hasColumns = true }: SceneProps) {
+  const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
   useSignalEffect(() => {
     if (!printing.value) dark.value = isDark.value;
   });
   useEffect(() => {
-    // The panel has scrolled to its top meanwhile: back to what was pressed.
-    const back = (): void => {
-      if (!document.fullscreenElement && group.current?.contains(document.activeElement))
-        document.activeElement?.scrollIntoView({ block: "nearest" });
+    const free = (): void => {
+      if (!document.fullscreenElement) place.current?.style.removeProperty("min-height");
     };
-    document.addEventListener("fullscreenchange", back);
-    return () => document.removeEventListener("fullscreenchange", back);
+    document.addEventListener("fullscreenchange", free);
+    return () => document.removeEventListener("fullscreenchange", free);
   }, []);
+  const enlarge = (): void => {
+    if (!place.current || !group.current) return;
+    // Its place in the panel is kept, and is as much higher as the panel may become: so the panel does not scroll.
+    const room = group.current.offsetHeight + Math.max(0, screen.height - innerHeight);
+    if (!document.fullscreenElement) place.current.style.minHeight = `${room}px`;
+    fullScreen(group.current);
+  };
   const query = dark.value ? "?darkMode" : "";
   return (
-    <div class="scene-group" ref={group}>
-      <iframe class="scene" title="3D view" src={addressOf(session, `plain/${query}`)} />
-      <SceneControls session={session} onFullScreen={() => group.current && fullScreen(group.current)} />
+    <div class="scene-place" ref={place}>
+      <div class="scene-group" ref={group}>
+        <iframe class="scene" title="3D view" src={addressOf(session, `plain/${query}`)} />
+        <SceneControls session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
+      </div>
     </div>
   );
 }
@@ -54,7 +64,7 @@ function fullScreen(element: Element): void {
   (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
-function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
+function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = useSignal<Settings | null>(null);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -71,7 +81,8 @@ function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFull
     if (found) now.value = found;
     else toast("The server does not answer.", "error");
   };
-  const { cameras = [], layers = {}, height = 1 } = now.value ?? {};
+  if (!now.value) return null; // all of them come at once, so that none moves when others come
+  const { cameras, layers, height } = now.value;
   return (
     <div class="scene-controls">
       <fieldset class="actions" aria-label="Camera">
@@ -88,17 +99,19 @@ function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFull
           </Button>
         ))}
       </fieldset>
-      <Slider
-        label="Height of the columns"
-        sentence="How many times as high as by default the columns of the map are drawn."
-        unit="×"
-        value={height}
-        initial={1}
-        low={0.2}
-        high={5}
-        step={0.1}
-        onInput={(value) => void change({ height: value })}
-      />
+      {hasColumns && (
+        <Slider
+          label="Height of the columns"
+          sentence="How many times as high as by default the columns of the map are drawn."
+          unit="×"
+          value={height}
+          initial={1}
+          low={0.2}
+          high={5}
+          step={0.1}
+          onInput={(value) => void change({ height: value })}
+        />
+      )}
       <div class="actions">
         <Button icon="fit" onClick={onFullScreen}>
           Full screen
