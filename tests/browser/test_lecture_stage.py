@@ -39,7 +39,7 @@ POINTS = {
     "matching": r"end points lie on the walls",
     "graph": r"each wall is drawn once",
     "file": r"[1-9]\d* cells occupied, [\d,]+ free, the others unknown",
-    "next": r"the starting point of localization",
+    "next": r"one of several kinds of maps",
     "log": r"77 scans with 240 readings each",
 }
 
