@@ -3,7 +3,7 @@ export type Reserve = readonly [wide: number, full: number, middle: number, narr
 
 /**
  * The lessons in their order: the anchor of each on the page, its title, and the height of its figure. Sections on
- * 3D maps and terrain belong between `file` and `next`; they come with their rooms.
+ * terrain and on other 3D maps belong between `file` and `next`; they come with their rooms.
  */
 export const LESSONS = [
   { id: "landmarks", title: "Landmarks or a grid", reserve: [395, 328, 350, 574] },
@@ -40,6 +40,7 @@ export const LESSONS = [
   { id: "path", title: "A path", reserve: [269, 197, 267, 337] },
   { id: "lifetime", title: "What the moving table teaches", reserve: [150, 82, 126, 228] },
   { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 652] },
+  { id: "octree", title: "Why a plane is not enough", reserve: [340, 340, 340, 420] },
   { id: "next", title: "Other maps", reserve: [329, 217, 307, 486] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
