@@ -5,6 +5,8 @@ import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { fetchLater } from "../lessons/stage/later";
+import { followedCode } from "../store/classroom";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -38,10 +40,19 @@ import { ParticlesSection } from "./lecture/ParticlesSection";
 import { PathSection } from "./lecture/PathSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
+import { ClassPointer } from "./lecture/present/ClassPointer";
+import { attendLecture } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
 import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
 import { SpeakerView } from "./lecture/present/SpeakerView";
-import { presenting, readAddress, sectionInSight, sectionOfSlide, setPresenting } from "./lecture/present/state";
+import {
+  isPreview,
+  presenting,
+  readAddress,
+  sectionInSight,
+  sectionOfSlide,
+  setPresenting,
+} from "./lecture/present/state";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import type { SectionHead } from "./lecture/Section";
@@ -131,7 +142,13 @@ function Page() {
   useReturn();
   return (
     <>
-      {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
+      {presenting.value ? (
+        <Presenter />
+      ) : (
+        <SiteHeader current="lecture" links={followedCode === null}>
+          <ClassButton />
+        </SiteHeader>
+      )}
       {!presenting.value && <SectionList />}
       <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
@@ -160,6 +177,8 @@ function Page() {
         </main>
       </div>
       <Blank />
+      <ClassPointer />
+      {!isPreview && <ClassHost />}
       <Toasts />
     </>
   );
@@ -167,4 +186,5 @@ function Page() {
 
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
+if (speaker === null && !isPreview) attendLecture(PARTS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);
