@@ -39,8 +39,8 @@ export const LESSONS = [
   { id: "inflation", title: "Inflation", reserve: [296, 296, 296, 296] },
   { id: "path", title: "A path", reserve: [269, 197, 267, 337] },
   { id: "lifetime", title: "What the moving table teaches", reserve: [150, 82, 126, 228] },
-  { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 652] },
-  { id: "octree", title: "Why a plane is not enough", reserve: [340, 340, 340, 420] },
+  { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 534] },
+  { id: "octree", title: "Why a plane is not enough", reserve: [314, 314, 314, 455] },
   { id: "next", title: "Other maps", reserve: [329, 217, 307, 486] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
