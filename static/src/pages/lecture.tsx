@@ -61,6 +61,7 @@ import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
 import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
+import { TerrainSection } from "./lecture/TerrainSection";
 import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
@@ -104,6 +105,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   lifetime: LifetimeSection,
   stack: StackSection,
   octree: OctreeSection,
+  terrain: TerrainSection,
   next: NextSection,
   log: LogSection,
 };

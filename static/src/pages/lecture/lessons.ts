@@ -41,6 +41,7 @@ export const LESSONS = [
   { id: "lifetime", title: "What the moving table teaches", reserve: [150, 82, 126, 228] },
   { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 534] },
   { id: "octree", title: "Why a plane is not enough", reserve: [314, 314, 314, 455] },
+  { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
   { id: "next", title: "Other maps", reserve: [329, 217, 307, 486] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
