@@ -27,8 +27,7 @@ from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.lab_localization import LabLocalization
-from server.sessions.models.lab_navigation import LabNavigation, believed_now
-from server.sessions.models.lab_navigation_parameters import TABLE
+from server.sessions.models.lab_navigation import ROWS, LabNavigation, believed_now
 from server.sessions.models.localization_message import OFF
 from server.sessions.models.navigation_messages import COMMANDS
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
@@ -192,7 +191,7 @@ class SimulationModel(SessionModel):
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
-            "navigation": [asdict(row) for row in TABLE],
+            "navigation": ROWS,
         }
 
     def messages(self) -> list[dict[str, Any]]:
