@@ -25,7 +25,7 @@ from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_costmap import LabCostmap, StaticMap, strokes_of
 from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2, rows_with
 from server.sessions.models.lab_path import LabPath
-from server.sessions.models.navigation_messages import cost_message, costmap_message
+from server.sessions.models.navigation_messages import commands_of, cost_message, costmap_message
 from server.sessions.models.simulation_commands import act
 from server.sessions.tick import TickResult
 from server.sessions.view import as_pose
@@ -109,6 +109,10 @@ class LabNavigation:
             self._costmap, self._path = None, LabPath()
             result.slot(self.messages()[0])
             result.slot(self.messages()[1])
+
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap and goal."""
+        return commands_of(self._costmap, self._path)
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""

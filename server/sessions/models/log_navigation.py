@@ -17,7 +17,7 @@ from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, 
 from server.sessions.models.lab_costmap import LabCostmap, StaticMap, strokes_of
 from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2, rows_with
 from server.sessions.models.lab_path import LabPath
-from server.sessions.models.navigation_messages import COMMANDS, cost_message, costmap_message
+from server.sessions.models.navigation_messages import COMMANDS, commands_of, cost_message, costmap_message
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError, number, text, values
@@ -171,6 +171,10 @@ class LogNavigation:
         self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
         result.changed = True
         result.slot(self._path.message())
+
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap and goal."""
+        return commands_of(self._costmap, self._path)
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""
