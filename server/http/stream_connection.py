@@ -145,7 +145,7 @@ def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:
 def _take(session: SessionHost, client: Client, command: dict[str, Any], following: Following | None) -> None:
     match command["type"]:
         case "ack":
-            client.acknowledge(integer(command, "seq"))
+            session.acknowledge(client, integer(command, "seq"))
         case "resume":
             if text(command, "epoch_id") == session.epoch_id:
                 client.resume(text(command, "layer"), integer(command, "epoch"), integer(command, "revision"))

@@ -29,7 +29,7 @@ from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
-from server.sessions.models.lab_navigation_parameters import LAYERS, LabParameters
+from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError
 
@@ -81,7 +81,7 @@ class LabCostmap:
 
     def __init__(self, grid: OccupancyGrid, plan: Callable[[], StaticMap], parameters: LabParameters) -> None:
         """Lay layers over ``grid``, or over what ``plan`` returns if the parameter ``map`` says so."""
-        self._plan = None if parameters.values["map"] == "belief" else plan()
+        self._plan = plan() if parameters.values["map"] in PLANNED else None
         self.parameters = parameters
         self.strokes: tuple[Stroke, ...] = ()
         names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
@@ -166,7 +166,7 @@ class LabCostmap:
             wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
             if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
                 if wanted != before.values["map"]:
-                    self._plan = None if wanted == "belief" else plan()
+                    self._plan = plan() if wanted in PLANNED else None
                 self.begin(grid)
                 return
             self._obstacle.configure(parameters.obstacle)

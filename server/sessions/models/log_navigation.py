@@ -96,7 +96,7 @@ class LogNavigation:
                 raise ConfigError("costmap.too_large", message)
             parameters = LabParameters() if costmap is None else costmap.parameters
             wanted = values({"values": {}} | command)
-            if wanted.get("map") == "plan":
+            if wanted.get("map", "belief") not in ("belief", "given"):
                 raise ConfigError(
                     "costmap.map", "A log has no plan of its world: its static map is its own or a given one."
                 )

@@ -21,9 +21,12 @@ import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { InflationSection } from "./lecture/InflationSection";
 import { KidnappingSection } from "./lecture/KidnappingSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
+import { LayersSection } from "./lecture/LayersSection";
 import { LectureStage } from "./lecture/LectureStage";
+import { LifetimeSection } from "./lecture/LifetimeSection";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
@@ -33,6 +36,7 @@ import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
 import { ParticlesSection } from "./lecture/ParticlesSection";
+import { PathSection } from "./lecture/PathSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
 import { ClassPointer } from "./lecture/present/ClassPointer";
@@ -54,7 +58,9 @@ import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
 import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
+import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
+import { TerrainSection } from "./lecture/TerrainSection";
 import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
@@ -92,6 +98,12 @@ const BODIES: Record<LessonId, Part["body"]> = {
   particles: ParticlesSection,
   "sensor-models": SensorModelsSection,
   kidnapping: KidnappingSection,
+  layers: LayersSection,
+  inflation: InflationSection,
+  path: PathSection,
+  lifetime: LifetimeSection,
+  stack: StackSection,
+  terrain: TerrainSection,
   next: NextSection,
   log: LogSection,
 };
@@ -173,6 +185,6 @@ function Page() {
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
-void fetchLater();
+void fetchLater(async () => (await import("../lessons/later")).LATER);
 if (speaker === null && !isPreview) attendLecture(PARTS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -18,6 +18,8 @@ export interface Settings {
   readonly particles: number;
   readonly alphaSlow: number;
   readonly alphaFast: number;
+  /** Factor of the log-likelihoods: less than 1 where nothing is known yet, so that one scan does not decide alone. */
+  readonly power?: number;
 }
 
 export const INITIAL: Settings = { particles: 800, alphaSlow: 0.02, alphaFast: 0.3 };
@@ -86,6 +88,19 @@ export function start({ particles }: Settings): Walk {
   };
 }
 
+/** Poses anywhere: nothing is known of where the robot is. */
+export function scattered({ particles }: Settings, robot: Pose): Walk {
+  const random = seeded(SEED + 1);
+  return {
+    robot,
+    particles: Array.from({ length: particles }, () => randomPose(random)),
+    weights: new Float64Array(particles).fill(1 / particles),
+    random: particles,
+    past: [],
+    carried: false,
+  };
+}
+
 /** Carry the robot to a pose; it is not told. */
 export const carry = (walk: Walk, robot: Pose): Walk => ({ ...walk, robot, carried: true });
 
@@ -95,15 +110,18 @@ export const elsewhere = ({ robot, past }: Walk): Pose =>
     ([x, y]) => Math.hypot(x - robot[0], y - robot[1]) > 3,
   ) ?? START;
 
-/** One motion and one scan: tables 8.2 and 8.3, with the likelihood field of table 6.3. */
-export function advance(walk: Walk, { particles: count, alphaSlow, alphaFast }: Settings): Walk {
+/** One motion, of its own or to a pose, and one scan: tables 8.2 and 8.3, with the likelihood field of table 6.3. */
+export function advance(
+  walk: Walk,
+  { particles: count, alphaSlow, alphaFast, power = 1 }: Settings,
+  robot: Pose = wander(walk.robot),
+): Walk {
   const at = walk.past.length;
   const random = seeded(1000 * SEED + at);
   const last = walk.past.at(-1);
   // Drawn by the weights of the last scan; the share of random ones comes from its averages.
   const drawn = lowVarianceSampler(walk.weights, random() / count, count);
   const fresh = Math.round((last?.share ?? 0) * count);
-  const robot = wander(walk.robot);
   const control = odometryControl(walk.robot, robot);
   const sigmas = odometrySigmas(control, ALPHAS);
   // The drawn ones are in the order of the old cloud: the random ones replace one in so many.
@@ -120,7 +138,7 @@ export function advance(walk: Walk, { particles: count, alphaSlow, alphaFast }: 
     isFree([pose[0], pose[1]], 0) ? logLikelihood(points, pose) : Number.NEGATIVE_INFINITY,
   );
   const most = logs.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
-  const weights = normalized(logs.map((log) => Math.exp(log - most)));
+  const weights = normalized(logs.map((log) => Math.exp(power * (log - most))));
   const root = 1 / Math.max(1, points.length);
   const average = logs.reduce((sum, log) => sum + Math.exp(root * log), 0) / count;
   const [slow, fast, share] = last

@@ -9,8 +9,7 @@ import { CORNERS, sightings } from "./corners";
 import { Frame } from "./Frame";
 import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
 import { LoopMarks } from "./LoopMarks";
-import type { MarkProps } from "./markProps";
-import type { Mark } from "./scene";
+import type { Mark, MarkProps } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
 

@@ -4,7 +4,15 @@ import { signal } from "@preact/signals";
 import type { ComponentType } from "preact";
 import { type Scene, scene } from "./scene";
 
-export type LaterId = "particles" | "sensor-models" | "kidnapping";
+export type LaterId =
+  | "particles"
+  | "sensor-models"
+  | "kidnapping"
+  | "layers"
+  | "inflation"
+  | "path"
+  | "lifetime"
+  | "stack";
 
 /** What a section of these has: the scene of the stage, and its figure or what stands beside its picture. */
 export interface Later {
@@ -15,17 +23,13 @@ export interface Later {
 export const later = signal<Readonly<Record<LaterId, Later>> | null>(null);
 
 const RETRY_MS = 3000;
-let isAsked = false;
 
 /** Fetch the code, again and again while the server does not answer. */
-export async function fetchLater(): Promise<void> {
-  if (isAsked) return;
-  isAsked = true;
+export async function fetchLater(load: () => Promise<NonNullable<typeof later.value>>): Promise<void> {
   try {
-    later.value = (await import("../later")).LATER;
+    later.value = await load();
   } catch {
-    isAsked = false;
-    setTimeout(() => void fetchLater(), RETRY_MS);
+    setTimeout(() => void fetchLater(load), RETRY_MS);
   }
 }
 

@@ -5,11 +5,11 @@ import { cellAt } from "../../grid/lattice";
 import { INITIAL_CONFIG, indexOf, type MappingConfig, type OccupancyGrid } from "../../grid/occupancyGrid";
 import type { Point, Pose } from "../../wire/protocol";
 import { cellParameters } from "../common/parameters";
+import type { StageTransform } from "../common/Stage";
 import type { Projection, View } from "./camera";
 import { ownCell, ownPoses } from "./controls";
 import { DRIVE, FLOOR } from "./floor";
 import type { MapHistory, Plan } from "./history";
-import type { MarkProps } from "./markProps";
 import { type Conditions, geometryOf, USUAL } from "./sensing";
 
 /** What is drawn over the map. */
@@ -65,6 +65,13 @@ export interface Shown {
   readonly map: OccupancyGrid;
   /** Index of the selected cell, −1 outside the map. */
   readonly index: number;
+}
+
+/** What each mark on the stage is given: where it is drawn, the scene, and how much of it is shown. */
+export interface MarkProps {
+  readonly transform: StageTransform;
+  readonly scene: Scene;
+  readonly shown: Shown;
 }
 
 /** The whole floor. */

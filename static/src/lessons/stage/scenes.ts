@@ -1,7 +1,7 @@
 /** The scenes of the stage in the order of the lecture. Each continues the one before it: the same floor and drive. */
 
 import { probability } from "../../grid/logOdds";
-import { signed, written } from "../../ui/numbers";
+import { plural, signed, written } from "../../ui/numbers";
 import { cellsOf, phantoms } from "../common/counts";
 import { cellParameters } from "../common/parameters";
 import {
@@ -34,8 +34,6 @@ const REMOVED = 62;
 
 /** Everything that is really there. */
 const SOLID = [...WALLS, POLISHED, ...TABLE];
-
-const plural = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
 /** ℓ and p of the selected cell. */
 function cellInWords({ map, index }: Shown): string {
@@ -313,10 +311,22 @@ export const SCENES = {
   particles: () => laterScene("particles"),
   "sensor-models": () => laterScene("sensor-models"),
   kidnapping: () => laterScene("kidnapping"),
+  layers: () => laterScene("layers"),
+  inflation: () => laterScene("inflation"),
+  path: () => laterScene("path"),
+  lifetime: () => laterScene("lifetime"),
+  stack: () => laterScene("stack"),
+  terrain: () =>
+    scene({
+      scans: 77,
+      trinary: true,
+      caption:
+        "A floor is flat: free or occupied is all that this map says. Beside it the ground has slopes, and a patch has a plane.",
+    }),
   next: () =>
     scene({
       scans: 77,
-      caption: "This map is the starting point of localization, of costmaps and of path planning.",
+      caption: "The occupancy grid of the whole drive: one of several kinds of maps.",
     }),
   log: () =>
     scene({

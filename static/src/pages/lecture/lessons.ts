@@ -35,7 +35,13 @@ export const LESSONS = [
   { id: "particles", title: "From a belief to particles", reserve: [500, 500, 500, 800] },
   { id: "sensor-models", title: "Two sensor models", reserve: [700, 700, 700, 800] },
   { id: "kidnapping", title: "The kidnapped robot", reserve: [400, 400, 400, 600] },
-  { id: "next", title: "What is built on the map", reserve: [336, 292, 292, 493] },
+  { id: "layers", title: "Layers of costs", reserve: [450, 450, 450, 600] },
+  { id: "inflation", title: "Inflation", reserve: [330, 330, 330, 400] },
+  { id: "path", title: "A path", reserve: [300, 300, 300, 400] },
+  { id: "lifetime", title: "What the moving table teaches", reserve: [200, 200, 200, 300] },
+  { id: "stack", title: "The whole stack", reserve: [400, 400, 400, 500] },
+  { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
+  { id: "next", title: "Other maps", reserve: [336, 292, 292, 493] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
 

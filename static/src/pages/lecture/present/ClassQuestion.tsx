@@ -1,31 +1,21 @@
-import { useEffect } from "preact/hooks";
-import { classroom } from "../../../store/classroom";
+import { askedAs, lecturersClass } from "../../../store/classroom";
 import { Button } from "../../../ui/Button";
 import { questionOf, slide, stage } from "./state";
 
-/**
- * In a class the question of a slide can be asked of everybody. The result is revealed with the answer of the slide.
- */
+/** In a class the question of a slide can be asked of everybody. */
 export function ClassQuestion() {
-  const room = classroom.value;
+  const room = lecturersClass.value;
   const question = questionOf(slide.value);
-  const asked = room?.state.value?.question ?? null;
-  const isAsked = question !== undefined && asked?.text === question.question;
-  const isLecturer = room !== null && !room.isFollowed;
-  useEffect(() => {
-    if (isLecturer && isAsked && !asked.is_revealed && stage.value === "answer") room.send({ type: "reveal" });
-  }, [stage.value, isAsked]);
-  if (!isLecturer || !question?.options || isAsked || stage.value !== "predict") return null;
+  if (!room || !question?.options || stage.value !== "predict" || askedAs(question.question)) return null;
+  const { question: text, options, right } = question;
   return (
     <p class="slide-ask no-print">
       <Button
         kind="primary"
         icon="people"
-        onClick={() => {
-          const { question: text, options, right } = question;
-          if (options)
-            room.send({ type: "ask", text, options: [...options], ...(right === undefined ? {} : { right }) });
-        }}
+        onClick={() =>
+          room.send({ type: "ask", text, options: [...options], ...(right === undefined ? {} : { right }) })
+        }
       >
         Ask the class
       </Button>

@@ -1,11 +1,23 @@
 /** The lecture in a class: slide, step, black screen and pointer of the lecturer, on the pages of the followers. */
 
 import { effect, signal } from "@preact/signals";
-import { type Classroom, classroom } from "../../../store/classroom";
+import { askedAs, type Classroom, classroom } from "../../../store/classroom";
 import { throttled } from "../../../tools/classroom/lab";
 import { followPages } from "../../../tools/classroom/pages";
 import type { ClassView } from "../../../wire/protocol";
-import { blank, deck, hashOf, place, presenting, readAddress, sectionInSight, setPresenting } from "./state";
+import {
+  blank,
+  deck,
+  hashOf,
+  place,
+  presenting,
+  questionOf,
+  readAddress,
+  sectionInSight,
+  setPresenting,
+  slide,
+  stage,
+} from "./state";
 
 const SHOW_EVERY_MS = 60;
 const PRESENT = "?present";
@@ -48,9 +60,16 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
     const on_slide = presenting.value ? pointerAt.value : null;
     send({ page: "lecture", hash, blank: blank.value, on_slide });
   });
+  // The answer of a slide reveals what the class has answered.
+  const stopRevealing = effect(() => {
+    const text = stage.value === "answer" ? questionOf(slide.value)?.question : undefined;
+    const asked = text === undefined ? null : askedAs(text);
+    if (presenting.value && asked && !asked.is_revealed) room.send({ type: "reveal" });
+  });
   return () => {
     removeEventListener("scroll", onScroll);
     stop();
+    stopRevealing();
   };
 }
 

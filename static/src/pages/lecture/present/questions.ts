@@ -228,10 +228,57 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes:
       "Let it drive until the cloud has found the robot, then drag it away. Set both rates to 0 and repeat: it stays lost. Equal rates: the same.",
   },
-  next: {
+  terrain: {
+    question: "9 points of a patch leave a residual of 0.4 m². And 18 of the same ground?",
+    options: ["0.2 m²", "0.4 m²", "0.8 m²"],
+    right: 2,
+    answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
+    notes:
+      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without its root is a slip of the printed source.",
+  },
+  layers: {
+    question: "A crate stands in the way, and the saved map does not have it. Who knows?",
+    options: ["The static layer", "The obstacle layer", "The inflation layer"],
+    right: 1,
+    answer: "Each layer has its own source; the greater cost counts. The scan’s layer marks the crate and clears it.",
+    notes:
+      "Drag the crate out of the robot’s view, and back. Switch the layers off one by one, and read the costs under the cross. What can the obstacle layer not clear?",
+  },
+  inflation: {
+    question: "cost_scaling_factor is doubled. Do paths come nearer to the walls?",
+    options: ["Yes", "No, they keep away"],
+    right: 0,
+    answer: "Yes: the cost falls faster, so that near the wall is cheap. The name is often taken the other way.",
+    notes:
+      "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is shut.",
+  },
+  path: {
+    question: "How does a robot find the cheapest way without trying all of them?",
+    options: ["It goes straight and avoids", "A wave of costs from cell to cell", "It learns the way"],
+    right: 1,
+    answer: "Each cell gets its least cost to come; the path goes back from the goal along it. A* expands fewer cells.",
+    notes:
+      "Drag the goal from room to room. Then play the search with Dijkstra and with A*, and compare the two numbers of cells.",
+  },
+  lifetime: {
+    question: "The table is gone, and the robot still drives around it. Why?",
+    options: ["The planner is slow", "No beam has passed there since", "The laser is too low"],
+    right: 1,
+    answer: "Only a beam clears an obstacle layer, and the path leads away. A lifetime forgets by the clock.",
+    notes:
+      "Saved map, obstacle layer, lifetime: three answers. With the obstacle layer drag the robot near. With the lifetime move the seconds past it. Ask what a short lifetime risks.",
+  },
+  stack: {
     question: "What does a robot do with the finished map?",
-    answer: "It is served, localized in, inflated into costs, and planned on; what moves is in a layer of its own.",
-    notes: "Go through the parts from left to right. The later sections and rooms of this site show each of them.",
+    answer: "It is saved, localized in, inflated into costs, and planned on; what is new is in a layer of its own.",
+    notes:
+      "Play it once from the start. Then stop in the last part and drag the goal. Point at the crate: it is in the costmap, and not in the map.",
+  },
+  next: {
+    question: "Which other maps are there, and what do they give up?",
+    answer: "Octrees keep free space in 3D; distance fields keep surfaces; clouds and splats do not know free space.",
+    notes:
+      "Ask of each row: does it know free space? Can it be updated while driving? What would a planner do with it?",
   },
   log: {
     question: "What does your own robot’s log look like as a map?",
