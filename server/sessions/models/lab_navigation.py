@@ -151,7 +151,7 @@ class LabNavigation:
         if not command.get("value", True):
             self.end(result)
             return
-        mapper, costmap = self._mapper, self._costmap
+        costmap = self._costmap
         parameters = LabParameters() if costmap is None else costmap.parameters
         wanted = values({"values": {}} | command)
         if wanted.get("map") == "given":
