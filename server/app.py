@@ -11,18 +11,21 @@ import structlog
 from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
+from server.classes import Classes
 from server.downloads import Downloads
 from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
-from server.http.routes import compare as comparing
 from server.http.routes import (
+    classes,
     contents,
+    costmaps,
     docs,
     doctor,
     health,
     links,
     localization,
     logs,
+    map_editing,
     maps,
     merging,
     notes,
@@ -37,6 +40,7 @@ from server.http.routes import (
     trajectories,
     trajectory_errors,
 )
+from server.http.routes import compare as comparing
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
@@ -75,6 +79,7 @@ async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI)
                 library=library,
                 downloads=downloads,
                 scenes=open_scenes,
+                classes=Classes(settings.max_class_followers, settings.class_code),
             ),
         )
         yield
@@ -112,6 +117,8 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         trajectory_errors.router,
         comparing.router,
         maps.router,
+        map_editing.router,
+        costmaps.router,
         download_files.router,
         stream.router,
         logs.router,
@@ -124,6 +131,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         localization.router,
         links.router,
         scenes.router,
+        classes.router,
         docs.router,
         pages.router,  # last: it has a route for any other name
     )

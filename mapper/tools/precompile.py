@@ -59,6 +59,7 @@ from mapper.volume import (
     project,
     surface_mesh,
 )
+from mapper.volume.faces import VoxelFaces, chunks_of, face_rule
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.octree_files import octree_of_bytes
 
@@ -186,6 +187,7 @@ def _map_in_3d() -> None:
     cast(volume, np.zeros((1, 3)), np.ones((1, 3)))
     distance_to_obstacle(volume, np.zeros((1, 3)), 1.0)
     project(volume)
+    VoxelFaces().update(volume, face_rule(volume, -9.0, 9.0, base=0.0, band=1.0, colours=2), chunks_of(volume))
     slot_of(volume.blocks.table, block_code(0, 0, 0))
     for kind in (".bt", ".ot"):
         octree_of_bytes(octree_file(Octree.of(volume), kind, volume.config).bytes(), kind).tree.volume(volume.config)

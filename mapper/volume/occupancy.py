@@ -95,7 +95,7 @@ class OccupancyVolume:
                 "volume.origin",
                 f"The sensor's place {start.tolist()} must be finite and within {self.reach:g} m of 0 along each axis.",
             )
-        rays, keys, hits, left_out = self._rays(ends, start)
+        rays, keys, hits, left_out = self.rays_of(ends, start)
         if origin is None:
             rays, keys, first = rays[:0], keys[:0], hits[:1]
         if not len(first):
@@ -111,8 +111,11 @@ class OccupancyVolume:
         touched = [self._insert_tile(box, start, rays, first[0], keys, hits) for box in _tiles(low, high)]
         return Inserted(len(rays), left_out, np.concatenate(touched))
 
-    def _rays(self, ends: Float32Array, start: Float32Array) -> tuple[Float32Array, Int64Array, Int64Array, int]:
-        """Return the ends of beams, the keys of their voxels, those that are occupied, and how many are left out."""
+    def rays_of(self, ends: Float32Array, start: Float32Array) -> tuple[Float32Array, Int64Array, Int64Array, int]:
+        """Return the ends of a scan's beams, the keys of their voxels, those that are occupied, how many are left out.
+
+        ``ends`` (n, 3) are the scan's points and ``start`` (3,) its origin, float32.
+        """
         resolution, reach = self.config.resolution, self.config.range_max
         keys, inside = keys_of(ends, resolution)
         if self.config.discretise:

@@ -60,7 +60,7 @@ def open_source(
     if is_depth_folder(path):
         folder = read_depth_folder(path, limits=limits)
         return ScanSource("depth images", map(_placed, folder.clouds()), len(folder), list(folder.notes))
-    kind = None if path.is_dir() else cloud_format(_head(path, limits))
+    kind = None if path.is_dir() else cloud_format(file_head(path, limits))
     if kind == "scan graph":
         graph = read_scan_graph(path, limits=limits, progress=progress)
         return ScanSource(kind, map(_placed, graph), None, [])
@@ -75,7 +75,7 @@ def open_source(
     return ScanSource(kind, iter([PlacedScan(points, origin, cloud.stamp_ns)]), 1, notes)
 
 
-def _head(path: Path, limits: Limits) -> bytes:
+def file_head(path: Path, limits: Limits) -> bytes:
     """Return the first bytes of a file, unpacked."""
     head = b""
     with opened(path) as file:

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from mapper.core.array_types import Float32Array
+from mapper.volume.kernels.types import FaceRule
 from mapper.volume.parameters import VolumeConfig
 
 DEPTH = 16  #: levels below the root
@@ -236,3 +237,63 @@ def bt_data(node: Node, occupied: np.float32) -> bytes:
     return struct.pack("<H", bits) + b"".join(
         bt_data(children[number], occupied) for number in sorted(children) if children[number][1]
     )
+
+
+def chunk_colours(voxels: Voxels, corner: Key, side: int, rule: FaceRule) -> dict[Key, int]:
+    """Return the colours of the voxels that are drawn in and around a cube of ``side`` voxels, by place in the cube.
+
+    Those around it have a place of −1 or ``side`` along some axis.
+    """
+    colours = {}
+    for key, value in voxels.items():
+        x, y, z = (k - c for k, c in zip(key, corner, strict=True))
+        if not all(-1 <= k <= side for k in (x, y, z)) or float(value) < rule.occupied:
+            continue
+        if not rule.first <= key[2] <= rule.last:
+            continue
+        step = math.floor((key[2] - rule.base) / rule.band)
+        if rule.by_belief:
+            step = int((float(value) - rule.occupied) / (rule.greatest - rule.occupied) * rule.colours)
+        colours[x, y, z] = 1 + min(max(step, 0), rule.colours - 1)
+    return colours
+
+
+def hides_faces(voxels: Voxels, corner: Key, rule: FaceRule, colours: dict[Key, int], place: Key) -> bool:
+    """Return whether the voxel at a place in a cube hides the faces towards it: it is drawn, or was never seen."""
+    key = (place[0] + corner[0], place[1] + corner[1], place[2] + corner[2])
+    return place in colours or (rule.seen_only and rule.first <= key[2] <= rule.last and key not in voxels)
+
+
+def merged_faces(
+    colours: dict[Key, int], side: int, hides: Callable[[Key], bool]
+) -> list[tuple[int, int, int, int, int, int, int]]:
+    """Return the rectangles of one colour each that the faces of a cube's drawn voxels make, without hidden ones.
+
+    In each plane of faces, row after row: the first face that is left is made as long as it can be, then as wide.
+    A rectangle is as :func:`mapper.volume.kernels.faces.merge_faces` has it. Source: M. Lysenko, Meshing in a Minecraft
+    Game, 2012 (greedy meshing).
+    """
+    found = []
+    for number in range(6):
+        axis, step = number // 2, 1 if number % 2 else -1
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for level in range(side):
+            faces = {}
+            for key, colour in colours.items():
+                x, y, z = (k + step * (n == axis) for n, k in enumerate(key))
+                if key[axis] == level and 0 <= key[u] < side and 0 <= key[v] < side and not hides((x, y, z)):
+                    faces[key[v], key[u]] = colour
+            while faces:
+                b, a = min(faces)
+                colour, wide, high = faces[b, a], 1, 1
+                while faces.get((b, a + wide)) == colour:
+                    wide += 1
+                while all(faces.get((b + high, a + k)) == colour for k in range(wide)):
+                    high += 1
+                for row in range(b, b + high):
+                    for k in range(a, a + wide):
+                        del faces[row, k]
+                place = [0, 0, 0]
+                place[axis], place[u], place[v] = level, a, b
+                found.append((number, place[0], place[1], place[2], wide, high, colour))
+    return found

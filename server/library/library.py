@@ -363,6 +363,10 @@ class Library:
         """Return the costmaps of a recording that has no scans, by topic; None for any other log. As :meth:`load`."""
         return await self._loading.costmaps(owner, log_id)
 
+    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+        """Return the map that map files are, named as their record; None for any other log. As :meth:`load`."""
+        return await self._loading.given_map(owner, log_id)
+
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
         return self._loading.opening(log_id)

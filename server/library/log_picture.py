@@ -9,6 +9,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from mapper.core.array_types import UInt8Array
 from mapper.replay.overview import map_overview
 from mapper.sensors.scan import ScanLog
 
@@ -22,6 +23,12 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     codes = map_overview(log)
     if codes is None:
         return False
+    write_codes(codes, path)
+    return True
+
+
+def write_codes(codes: UInt8Array, path: Path) -> None:
+    """Write a picture of ``codes`` (rows, cols), the first row on top, as the palettes have them."""
     image = Image.fromarray(codes, mode="P")
     image.putpalette([value for colour in LIGHT for value in colour])
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
@@ -31,7 +38,6 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     finally:
         with contextlib.suppress(OSError):
             fresh.unlink(missing_ok=True)
-    return True
 
 
 def read_picture(path: Path, *, dark: bool) -> bytes:

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
-from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
+from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts, TimeSummary, TrajectorySummary
 from server.library.log_pack import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
@@ -52,7 +52,10 @@ class Record:
     @property
     def packed_bytes(self) -> int:
         """Bytes on the disk of what was read of it, which may be a thousand times what was uploaded."""
-        return 0 if self.summary is None else 4 * self.summary.scans * self.summary.beams
+        if self.summary is None:
+            return 0
+        map_ = self.summary.map
+        return 4 * self.summary.scans * self.summary.beams + (0 if map_ is None else map_.rows * map_.cols)
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
@@ -70,6 +73,7 @@ class Record:
             "tags": list(self.tags),
             "scans": summary.scans if summary else None,
             "costmaps": summary.costmaps if summary else 0,
+            "map": asdict(summary.map) if summary and summary.map else None,
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,
@@ -111,6 +115,8 @@ def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
         values["notes"] = tuple(values["notes"])
         if values.get("time") is not None:
             values["time"] = TimeSummary(**values["time"])
+        if values.get("map") is not None:
+            values["map"] = MapSummary(**values["map"])
         values["topics"] = tuple(topic_from_json(one) for one in values.get("topics", ()))
         return LogSummary(**values)
     except (TypeError, KeyError):

@@ -9,7 +9,7 @@ that changes them puts a new array into the next drawing. An array that is the s
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -104,6 +104,28 @@ class Points(PlacedDrawing):
     def nbytes(self) -> int:
         """Bytes of the points and their colours."""
         return self.points.nbytes + (self.colors.nbytes if isinstance(self.colors, np.ndarray) else 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Voxels(PlacedDrawing):
+    """The seen faces of voxels of ``size`` metres, in chunks of 32³ of them.
+
+    ``chunks`` has by the key of each chunk (x, y, z; of its first voxel, divided by 32) its rectangles (n, 7) uint8, as
+    :func:`mapper.volume.kernels.faces.merge_faces` makes them; an array that is the same object is unchanged. The voxel
+    of key 0 begins at ``-corner * size`` along each axis of the drawing's frame. ``palette`` (k, 3) uint8 has the
+    colours, from 1, which the direction of a face lightens and darkens; if ``by_side``, its first six are those of the
+    sides −x, +x, −y, +y, −z, +z instead.
+    """
+
+    chunks: Mapping[tuple[int, int, int], NDArray[np.uint8]]
+    palette: NDArray[np.uint8]
+    size: float
+    corner: int = 0
+    by_side: bool = False
+
+    def __post_init__(self) -> None:
+        Drawing.__post_init__(self)
+        _check("palette", self.palette, "u1", (None, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

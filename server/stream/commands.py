@@ -144,6 +144,26 @@ class Nav2Command(Struct, tag_field="type", tag="nav2"):
     text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: answer with one")] = None
 
 
+class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
+    """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
+
+    op: Annotated[str, Meta(description="paint, fill, keepout, despeckle, rotate, crop or origin")]
+    points: Annotated[
+        list[Point] | None,
+        Meta(description="paint: the line; fill and keepout: the corners; crop: two corners; origin: the place"),
+    ] = None
+    state: Annotated[str | None, Meta(description="paint and fill: free, occupied or unknown")] = None
+    width: Annotated[Number | None, Meta(description="paint: width of the brush, m")] = None
+    value: Annotated[Number | None, Meta(description="keepout: 1 to 100, 0 for none; despeckle: most cells")] = None
+    angle: Annotated[Number | None, Meta(description="rotate: by this; origin: its heading, rad")] = None
+
+
+class MapHistoryCommand(Struct, tag_field="type", tag="map_history"):
+    """Maps: undo edits, or make them again."""
+
+    steps: Annotated[Whole, Meta(description="negative: so many are undone; positive: made again")]
+
+
 class DriveCommand(Struct, tag_field="type", tag="drive"):
     """Simulations: drive by hand. The speed is held for 0.5 s."""
 
@@ -225,6 +245,8 @@ Command = (
     | GoalCommand
     | CostCommand
     | Nav2Command
+    | MapEditCommand
+    | MapHistoryCommand
     | DriveCommand
     | AutoCommand
     | EditCommand

@@ -37,7 +37,10 @@ class Hello(Struct, tag_field="type", tag="hello"):
     protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
     session: Annotated[str, Meta(description="id of the session")]
     kind: Annotated[
-        str, Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: recorded costmaps")
+        str,
+        Meta(
+            description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: of a recording; `map`: a map"
+        ),
     ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
@@ -240,6 +243,16 @@ class PathMessage(Struct, tag_field="type", tag="path"):
     plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
 
 
+class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
+    """Maps: the edits so far."""
+
+    n: Annotated[int, Meta(description="number of edits that are not undone")]
+    undone: Annotated[int, Meta(description="number of edits that are undone")]
+    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
+    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
+    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
+
+
 class CostMessage(Struct, tag_field="type", tag="cost"):
     """Answer to `cost`: what each layer says of a cell, bottom first."""
 
@@ -337,6 +350,7 @@ ServerMessage = (
     | CostmapMessage
     | PathMessage
     | CostMessage
+    | MapEditsMessage
     | Nav2Message
     | WorkingMessage
     | NoticeMessage

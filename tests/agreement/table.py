@@ -117,6 +117,7 @@ from tests.agreement.planning import (
     spread_by_kernel,
     spread_by_textbook,
 )
+from tests.agreement.reflection import reflected_by_kernel, reflected_by_textbook, reflection_cases
 from tests.agreement.sensors import (
     cloud_by_core,
     cloud_by_textbook,
@@ -163,6 +164,8 @@ from tests.agreement.volume import (
     asked_by_textbook,
     cast_by_kernel,
     cast_by_textbook,
+    faces_by_kernel,
+    faces_by_textbook,
     inserted_by_kernel,
     inserted_by_textbook,
     tree_by_kernel,
@@ -291,6 +294,8 @@ TABLE = (
     Row("signed distances of depth images", depths_in_tsdf_by_kernel, depths_in_tsdf_by_textbook, depth_cases()),
     Row("signed distances of beams", beams_in_tsdf_by_kernel, beams_in_tsdf_by_textbook, beam_cases()),
     Row("mesh of signed distances", mesh_by_kernel, mesh_by_textbook, field_cases(), tolerance=1e-5),
+    Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
+    Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from mapper.volume import (
     project,
     textbook,
 )
+from mapper.volume.faces import CHUNK, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.occupancy import FORGET_BELOW
 
 
@@ -171,3 +173,38 @@ def _levels(case: VolumeCase) -> tuple[int, int]:
         or (low <= (level + 0.5) * case.config.resolution <= high)
     ]
     return levels[0] + textbook.CENTRE, levels[-1] + textbook.CENTRE
+
+
+def faces_by_kernel(case: VolumeCase) -> tuple[Any, ...]:
+    """Of each chunk the rectangles of its faces, and the number of its drawn voxels."""
+    volume, faces = case.volume(), VoxelFaces()
+    faces.update(volume, _rule(case, volume), chunks_of(volume))
+    return [(key, faces.voxels[key], faces.chunks[key].tolist()) for key in sorted(faces.chunks)], sorted(faces.voxels)
+
+
+def faces_by_textbook(case: VolumeCase) -> tuple[Any, ...]:
+    voxels, rule = case.voxels(), _rule(case, case.volume())
+    found = []
+    for chunk in sorted({(x // CHUNK, y // CHUNK, z // CHUNK) for x, y, z in voxels}):
+        corner = (CHUNK * chunk[0], CHUNK * chunk[1], CHUNK * chunk[2])
+        colours = textbook.chunk_colours(voxels, corner, CHUNK, rule)
+        inside = [key for key in colours if all(0 <= k < CHUNK for k in key)]
+        hides = partial(textbook.hides_faces, voxels, corner, rule, colours)
+        quads = textbook.merged_faces(colours, CHUNK, hides)
+        if quads:
+            found.append((chunk, len(inside), [list(quad) for quad in quads]))
+    return found, [chunk for chunk, _, _ in found]
+
+
+def _rule(case: VolumeCase, volume: OccupancyVolume) -> FaceRule:
+    low, high = case.band if case.band[0] < case.band[1] else (-0.6, 0.6)
+    return face_rule(
+        volume,
+        low,
+        high,
+        base=-0.5,
+        band=0.3,
+        colours=5,
+        by_belief=case.through_unknown,
+        seen_only=case.config.discretise,
+    )

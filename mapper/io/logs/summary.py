@@ -47,6 +47,15 @@ class TimeSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class MapSummary:
+    """The size of a map in cells, and the side of a cell in metres."""
+
+    rows: int
+    cols: int
+    resolution: float
+
+
+@dataclass(frozen=True, slots=True)
 class LogSummary:
     """Figures of one log: metres, radians and, where the name says so, degrees and seconds."""
 
@@ -67,6 +76,7 @@ class LogSummary:
     time: TimeSummary | None = None
     topics: tuple[Topic, ...] = ()
     costmaps: int = 0  #: of a recording that has no scans
+    map: MapSummary | None = None  #: of map files, which have no scans
 
 
 def summarise(log: ScanLog) -> LogSummary:

@@ -68,7 +68,7 @@ class SimulationModel(SessionModel):
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
         self._localization: LabLocalization | None = None
-        self._navigation = LabNavigation(mapper)
+        self._navigation = self.costed = LabNavigation(mapper)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 

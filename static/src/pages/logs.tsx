@@ -6,6 +6,8 @@ import "./logs/finder.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { showOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { SiteHeader } from "../ui/SiteHeader";
@@ -15,11 +17,12 @@ import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
 import { arrived, openSession } from "./logs/library";
 import { linkOf } from "./logs/links";
+import { MapEditor } from "./logs/mapediting/MapEditor";
 import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
 
 /**
- * The query of the address, `?log=ID&topic=NAME&session=ID&kind=costmaps`; the topic is one of the log's sensors, null
+ * The query of the address, `?log=ID&topic=NAME&session=ID&kind=KIND`; the topic is one of the log's sensors, null
  * the default; the kind is that of the session, null for one of a log.
  */
 interface Place {
@@ -80,7 +83,7 @@ async function open(log: string, topic: string | null, replace: boolean): Promis
     const session = await openSession(log, topic, own.signal);
     failure.value = null;
     if (place.peek().log !== log || place.peek().topic !== topic) return;
-    go({ log, topic, session: session.id, kind: session.kind === "costmaps" ? session.kind : null }, true);
+    go({ log, topic, session: session.id, kind: session.kind === "log" ? null : session.kind }, true);
   } catch (error) {
     if (own.signal.aborted) return;
     const isAway = error instanceof TypeError;
@@ -106,9 +109,10 @@ const close = (): void => go({ log: null, topic: null, session: null });
 function Page() {
   if (link) return <Guest token={link} />;
   const { log, topic, session, kind } = place.value;
-  if (session && kind === "costmaps") {
+  if (session && (kind === "costmaps" || kind === "map")) {
+    const Kind = kind === "map" ? MapEditor : CostmapViewer;
     return (
-      <CostmapViewer
+      <Kind
         key={session}
         session={session}
         onClose={close}
@@ -147,13 +151,17 @@ function Page() {
 }
 
 resume();
+showOther();
 render(
   <>
-    <SiteHeader current="logs" />
+    <SiteHeader current="logs">
+      <ClassButton />
+    </SiteHeader>
     <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <ConfirmDialog />
+    <ClassHost />
     <Toasts />
   </>,
   document.getElementById("app") as HTMLElement,

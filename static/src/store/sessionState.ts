@@ -31,6 +31,7 @@ import type {
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -153,6 +154,8 @@ export class SessionState implements Receiver {
   readonly localization = signal<LocalizationMessage | null>(null);
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
+  /** What the user does with a map that is edited. */
+  readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -351,6 +354,9 @@ export class SessionState implements Receiver {
       case "path":
         this.navigation.path.value = message;
         return;
+      case "map_edits":
+        this.mapEditing.take(message);
+        return;
       case "cost":
         this.navigation.cost.value = message;
         return;
@@ -382,6 +388,7 @@ export class SessionState implements Receiver {
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
+        this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -69,7 +69,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
       {opens && (
         <div class="log-open">
           <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
-            {log.costmaps > 0 ? "Open costmaps" : "Open map"}
+            {log.map ? "Edit map" : log.costmaps > 0 ? "Open costmaps" : "Open map"}
           </Button>
         </div>
       )}

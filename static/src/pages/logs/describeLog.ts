@@ -27,6 +27,13 @@ const metres = (length: number): string => `${length < 10 ? length.toFixed(1) : 
 /** Duration, length and number of scans of the run. Empty until the log was read. */
 export function run(log: LogRecord): readonly string[] {
   if (log.scans === null) return [];
+  if (log.map) {
+    const { cols, rows, resolution } = log.map;
+    return [
+      `${metres(cols * resolution)} × ${metres(rows * resolution)}`,
+      `cells of ${written(100 * resolution, 1)} cm`,
+    ];
+  }
   const length = log.trajectories[0]?.length_m ?? 0;
   return [
     ...(log.duration_s ? [clock(log.duration_s)] : []),
@@ -38,7 +45,7 @@ export function run(log: LogRecord): readonly string[] {
 /** Number of beams, format and size of the file. */
 export function file(log: LogRecord): readonly string[] {
   return [
-    ...(log.beams === null || log.costmaps > 0 ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
+    ...(log.beams === null || log.costmaps > 0 || log.map ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
     ...(log.format ? [log.format] : []),
     ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
   ];
@@ -60,7 +67,7 @@ export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
   const sensor = log.topics.find((one) => one.chosen);
   // A file that names the sensor's frame and not its place: the centre is a guess.
-  const mount = log.costmaps > 0 || (sensor?.frame && !sensor.mount) ? null : log.mount;
+  const mount = log.costmaps > 0 || log.map || (sensor?.frame && !sensor.mount) ? null : log.mount;
   const unit = log.costmaps > 0 ? "costmaps" : "scans";
   const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
   return [
@@ -76,7 +83,7 @@ export function inside(log: LogRecord): readonly string[] {
           }`,
         ]
       : []),
-    ...(log.mount && !mount && log.costmaps === 0
+    ...(log.mount && !mount && log.costmaps === 0 && !log.map
       ? ["Sensor mount not stated in the file; the robot's centre is assumed"]
       : []),
     ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),

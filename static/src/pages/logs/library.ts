@@ -33,6 +33,8 @@ export interface LogRecord {
   readonly scans: number | null;
   /** How many, of a recording without scans. */
   readonly costmaps: number;
+  /** The size in cells and the side of a cell in m, of map files. */
+  readonly map: { readonly rows: number; readonly cols: number; readonly resolution: number } | null;
   readonly beams: number | null;
   readonly duration_s: number | null;
   readonly format: string | null;
