@@ -46,8 +46,8 @@ def fuse_all(
 ) -> None:
     """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
 
-    ``topic`` and ``sensor`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is called with the share of
-    the scans, 0 … 1, where their number is known. Raises as the readers do, :class:`WorkCancelledError` between two
+    ``topic`` and ``sensor`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is called with the share
+    of the scans, 0 … 1, where their number is known. Raises as the readers do, :class:`WorkCancelledError` between two
     scans once ``is_cancelled``, and :class:`ConfigError` where the place of a sensor is not known and where nothing was
     used.
     """

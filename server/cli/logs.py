@@ -54,7 +54,7 @@ def info(
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Print the contents of a log, a recording, a point cloud, a scan graph, a folder of depth images, an octree or a mesh."""
+    """Print the contents of a log, a recording, a point cloud, a scan graph, depth images, an octree or a mesh."""
     from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
     from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
     from server.cli.surface import describe_mesh  # noqa: PLC0415 - start-up

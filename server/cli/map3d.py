@@ -98,8 +98,7 @@ def map3d(
         if row.name in typed:
             fail(f"--{row.name.replace('_', '-')} is of surfaces: it needs --tsdf.")
     given: dict[str, Any] = {
-        name: value_of(_ROWS[name], value) if isinstance(value, str) else value
-        for name, value in typed.items()
+        name: value_of(_ROWS[name], value) if isinstance(value, str) else value for name, value in typed.items()
     }
     began = time.process_time()
     read = _first_octree(inputs[0])

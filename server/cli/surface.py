@@ -41,10 +41,11 @@ def map_surface(
         if path.suffix not in MESHES:
             fail(f"--out must end in {' or '.join(MESHES)} with --tsdf, not {path.name!r:.80}.")
     began = time.process_time()
+    given: dict[str, Any] = {
+        name: value_of(ROWS[name], value) if isinstance(value, str) else value for name, value in values.items()
+    }
     try:
-        config = TsdfConfig(
-            **{name: value_of(ROWS[name], value) if isinstance(value, str) else value for name, value in values.items()}
-        )
+        config = TsdfConfig(**given)
     except MapperError as error:
         fail(error.message)
     volume, did, notes = TsdfVolume(config), Fusions(), []
@@ -70,9 +71,7 @@ def map_surface(
         print_json(facts)
         return
     typer.echo(f"{did.scans} scans, {did.used} depths used")
-    typer.echo(
-        f"  {facts['blocks']} blocks of voxels of {config.resolution:g} m, truncation {facts['truncation']:g} m"
-    )
+    typer.echo(f"  {facts['blocks']} blocks of voxels of {config.resolution:g} m, truncation {facts['truncation']:g} m")
     print_mesh(facts)
     typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")
     for name in facts["files"]:

@@ -1,7 +1,7 @@
 """Fusing depth images and meshing the surface beside Open3D's VoxelBlockGrid; in processor time over all threads.
 
-Open3D is measured where ``GRIDBLOOM_OPEN3D`` names a Python that has it (``pip install open3d-cpu`` in an environment of
-its own), in the same run and in turns; it also measures the distances from the depth images' points to both meshes.
+Open3D is measured where ``GRIDBLOOM_OPEN3D`` names a Python that has it (``pip install open3d-cpu`` in an environment
+of its own), in the same run and in turns; it also measures the distances from the depth images' points to both meshes.
 """
 
 from __future__ import annotations
@@ -69,13 +69,12 @@ def tsdf() -> None:
     except ReadError:
         print("depth: not in the folder that GRIDBLOOM_TEST_DATA names", file=sys.stderr)
         return
-    frames = [(frame.read(), frame.pose) for frame in folder.frames]
-    print(f"\n{len(frames)} depth images of {folder.camera.width} × {folder.camera.height}, truncation four voxels; ms of")
-    print(f"processor time, best of {ROUNDS} in turns; the change of one image, fused and meshed again, is time elapsed")
+    frames, camera = [(frame.read(), frame.pose) for frame in folder.frames], folder.camera
+    print(f"\n{len(frames)} depth images of {camera.width} × {camera.height}, truncation four voxels; ms")
+    print(f"of processor time, best of {ROUNDS} in turns; the change of one image, fused and meshed, is elapsed time")
     print("| voxels | | ours | Open3D | ratio |\n|---|---|---|---|---|")
     with TemporaryDirectory() as name:
         work = Path(name)
-        camera = folder.camera
         np.savez(
             work / "frames.npz",
             depths=np.nan_to_num(np.stack([depth for depth, _ in frames])),
