@@ -43,6 +43,7 @@ from mapper.sensors.camera import Intrinsics
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.kernels.raycast import arc_clearance
+from mapper.simulation.sensors_3d import Sensor3D, measure_3d
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
@@ -83,6 +84,7 @@ def precompile() -> None:
     for scan, pose in simulation.advance(SECONDS):
         recording.append(scan, pose)
     arc_clearance(world.segments, *world.start, 0.5, 0.1, 0.5, 5)
+    measure_3d(world, Sensor3D(), world.start, np.random.default_rng(0))
     replay = Replay(recording.as_log(), MappingConfig(resolution=0.1))
     for model, update, traversal, no_return in itertools.product(
         *(BY_NAME[name].choices for name in ("model", "update", "traversal", "no_return"))

@@ -134,7 +134,7 @@ def write_triangles(
                         case |= (np.int64(blocks.negative[slot, pz & 7, py & 7]) >> (px & 7) & 1) << corner
                     for k in range(3 * np.int64(tables.counts[case])):
                         edge = np.int64(tables.edges[case, k])
-                        first = np.int64(tables.firsts[edge])
+                        first = int(tables.firsts[edge])
                         px, py, pz = x + (first & 1), (row & 7) + (first >> 1 & 1), (row >> 3) + (first >> 2)
                         one = owner[(pz >> 3) * 4 + (py >> 3) * 2 + (px >> 3)]
                         at = (one * 3 + (edge >> 2)) * 64 + (pz & 7) * 8 + (py & 7)

@@ -57,6 +57,25 @@ class Updates(NamedTuple):
     greatest: np.float32
 
 
+class FaceRule(NamedTuple):
+    """Which voxels are drawn, and in which of ``colours`` colours, from 1.
+
+    Those with log-odds from ``occupied`` and a key z of ``first`` … ``last``. The colour grows by 1 with each ``band``
+    voxels of height from the key ``base``, or, if ``by_belief``, with the log-odds up to ``greatest``.
+    If ``seen_only``, faces towards unknown voxels are left out: no sensor has seen them.
+    """
+
+    occupied: float
+    greatest: float
+    first: int
+    last: int
+    base: int
+    band: int
+    colours: int
+    by_belief: bool
+    seen_only: bool
+
+
 class Fusion(NamedTuple):
     """How measurements of a surface update truncated signed distances; lengths in metres.
 
@@ -118,22 +137,3 @@ class MeshEdges(NamedTuple):
     rows: UInt8Array
     starts: Int32Array
     owners: Int32Array
-
-
-class FaceRule(NamedTuple):
-    """Which voxels are drawn, and in which of ``colours`` colours, from 1.
-
-    Those with log-odds from ``occupied`` and a key z of ``first`` … ``last``. The colour grows by 1 with each ``band``
-    voxels of height from the key ``base``, or, if ``by_belief``, with the log-odds up to ``greatest``.
-    If ``seen_only``, faces towards unknown voxels are left out: no sensor has seen them.
-    """
-
-    occupied: float
-    greatest: float
-    first: int
-    last: int
-    base: int
-    band: int
-    colours: int
-    by_belief: bool
-    seen_only: bool
