@@ -36,6 +36,7 @@ from server.http.routes import (
     stream,
     trajectories,
     trajectory_errors,
+    volumes,
 )
 from server.http.routes import downloads as download_files
 from server.http.security import Security
@@ -112,6 +113,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         trajectory_errors.router,
         comparing.router,
         maps.router,
+        volumes.router,
         download_files.router,
         stream.router,
         logs.router,

@@ -7,14 +7,28 @@ import io
 import uuid
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from mapper.replay.overview import map_overview
 from mapper.sensors.scan import ScanLog
 
-#: Colours of the cells by their code: unobserved (transparent), free, occupied, the path.
-LIGHT = ((229, 224, 207), (179, 213, 244), (107, 38, 5), (8, 112, 95))
-DARK = ((14, 18, 26), (47, 91, 133), (255, 178, 125), (84, 211, 186))
+#: Colours of the cells of maps by their code: unobserved (transparent), free, occupied, the path.
+_MAP_LIGHT = ((229, 224, 207), (179, 213, 244), (107, 38, 5), (8, 112, 95))
+_MAP_DARK = ((14, 18, 26), (47, 91, 133), (255, 178, 125), (84, 211, 186))
+HEIGHTS = (4, 16)  #: the first code of the heights of clouds, and how many there are
+
+
+def _between(*colours: tuple[int, int, int]) -> tuple[tuple[int, int, int], ...]:
+    at = np.linspace(0.0, len(colours) - 1.0, HEIGHTS[1])
+    mixed = [np.interp(at, range(len(colours)), [colour[k] for colour in colours]).astype(int) for k in range(3)]
+    return tuple((int(r), int(g), int(b)) for r, g, b in zip(*mixed, strict=True))
+
+
+#: By code: those of maps, then heights from low to high.
+LIGHT = (*_MAP_LIGHT, *_between((120, 176, 220), (0, 122, 122), (190, 120, 0), (107, 38, 5)))
+DARK = (*_MAP_DARK, *_between((47, 91, 133), (60, 170, 160), (235, 190, 90), (255, 178, 125)))
 
 
 def write_picture(log: ScanLog, path: Path) -> bool:
@@ -22,6 +36,12 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     codes = map_overview(log)
     if codes is None:
         return False
+    write_codes(codes, path)
+    return True
+
+
+def write_codes(codes: NDArray[np.uint8], path: Path) -> None:
+    """Write the codes (rows, cols) of cells, row 0 at the top, as a picture. Raises :class:`OSError`."""
     image = Image.fromarray(codes, mode="P")
     image.putpalette([value for colour in LIGHT for value in colour])
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
@@ -31,7 +51,6 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     finally:
         with contextlib.suppress(OSError):
             fresh.unlink(missing_ok=True)
-    return True
 
 
 def read_picture(path: Path, *, dark: bool) -> bytes:

@@ -52,7 +52,9 @@ class Record:
     @property
     def packed_bytes(self) -> int:
         """Bytes on the disk of what was read of it, which may be a thousand times what was uploaded."""
-        return 0 if self.summary is None else 4 * self.summary.scans * self.summary.beams
+        if self.summary is None:
+            return 0
+        return 4 * self.summary.scans * self.summary.beams + 16 * self.summary.points
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
@@ -70,6 +72,8 @@ class Record:
             "tags": list(self.tags),
             "scans": summary.scans if summary else None,
             "costmaps": summary.costmaps if summary else 0,
+            "clouds": summary.clouds if summary else 0,
+            "points": summary.points if summary else 0,
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,

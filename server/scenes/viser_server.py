@@ -55,7 +55,7 @@ def _compressor(level: int) -> zstandard.ZstdCompressor:
     return zstandard.ZstdCompressor(level=max(level, ZSTD_LEVEL))
 
 
-_infra.zstandard = SimpleNamespace(ZstdCompressor=_compressor)  # type: ignore[assignment]
+_infra.zstandard = SimpleNamespace(ZstdCompressor=_compressor)  # type: ignore[assignment,attr-defined]
 _infra.AsyncMessageBuffer = MessageBuffer  # type: ignore[attr-defined]
 _infra.websockets = SimpleNamespace(  # type: ignore[assignment,attr-defined] # a stand-in for the module
     asyncio=SimpleNamespace(server=SimpleNamespace(serve=_serve, ServerConnection=ServerConnection)),

@@ -25,6 +25,8 @@ import type {
   ServerMessage,
   Trajectory,
   Values,
+  VolumeMessage,
+  VoxelMessage,
   WhyMessage,
   WorldMessage,
 } from "../wire/protocol";
@@ -153,6 +155,12 @@ export class SessionState implements Receiver {
   readonly localization = signal<LocalizationMessage | null>(null);
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
+  /** The map in 3D; null before the first message, and of other sessions. */
+  readonly volume = signal<VolumeMessage | null>(null);
+  /** What is shown of it, and how. */
+  readonly look = new Optimistic();
+  /** The voxel that is asked about. */
+  readonly voxel = signal<VoxelMessage | null>(null);
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -357,6 +365,13 @@ export class SessionState implements Receiver {
       case "nav2":
         this.navigation.nav2.value = message.text;
         return;
+      case "volume":
+        this.look.update(message.look.values);
+        this.volume.value = message;
+        return;
+      case "voxel":
+        this.voxel.value = message;
+        return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;
         else this.inspected.value = message;
@@ -381,7 +396,8 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.look, this.navigation.values])
+          values.refuse();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

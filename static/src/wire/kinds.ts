@@ -10,5 +10,6 @@ export interface SessionKind {
 export const KINDS: Record<string, SessionKind> = {
   simulation: { isDriven: true, hasRobot: true },
   log: { isDriven: false, hasRobot: true },
+  volume: { isDriven: false, hasRobot: false },
   costmaps: { isDriven: false, hasRobot: false },
 };

@@ -38,6 +38,8 @@ export type {
   Trajectory,
   Value,
   Values,
+  VolumeMessage,
+  VoxelMessage,
   WhyMessage,
   WorkingMessage,
   WorldMessage,

@@ -12,7 +12,7 @@ const RECORDING = /\.(db3|mcap)(\.zstd)?$/i;
  */
 export function groupIntoLogs({ name, files }: Folder): readonly File[] {
   if (files.length === 1) return files; // the server determines the format
-  const parts = splitRecording(files) ?? ring(files);
+  const parts = splitRecording(files) ?? ring(files) ?? depthImages(files);
   const rest = files.filter((file) => !parts?.includes(file) && !NOT_LOGS.test(file.name));
   return parts ? [tarred(parts, name || nameOf(parts)), ...rest] : rest;
 }
@@ -29,8 +29,15 @@ function ring(files: readonly File[]): readonly File[] | null {
   return pair.length === 2 ? pair : null;
 }
 
+/** Depth images with their poses and the camera's numbers, as those of 7-Scenes. */
+function depthImages(files: readonly File[]): readonly File[] | null {
+  if (!files.some(({ name }) => name.endsWith(".depth.png"))) return null;
+  return files.filter(({ name }) => /\.(depth\.png|pose\.txt)$|^(camera-)?intrinsics\.txt$|^camera\.txt$/.test(name));
+}
+
 /** Name of a log whose parts are not in a folder: the name of a part without its number. */
 function nameOf(parts: readonly File[]): string {
   const part = parts.find((file) => RECORDING.test(file.name));
-  return part ? part.name.replace(RECORDING, "").replace(/_\d+$/, "") : "sonars";
+  if (part) return part.name.replace(RECORDING, "").replace(/_\d+$/, "");
+  return parts.some(({ name }) => name.endsWith(".depth.png")) ? "depth images" : "sonars";
 }
