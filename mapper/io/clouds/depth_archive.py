@@ -68,7 +68,7 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
             files = [_of_entry(one) for one in entries if not one.is_dir()]
             _write(files, archive, into, limits, path.stat().st_size, progress)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, ValueError, RuntimeError) as error:
-        raise ReadError("depth.archive", "The zip archive is damaged, ends early, or is encrypted.") from error
+        raise ReadError("log.archive", "The zip archive is damaged, ends early, or is encrypted.") from error
     return []
 
 
@@ -94,7 +94,7 @@ def _write(
     root = _depth_root(files)
     if root is None:
         raise ReadError(
-            "depth.none",
+            "log.archive",
             f"The archive holds no folder of depth images (*{DEPTH_END} of 7-Scenes, or depth.txt of TUM). Other "
             "archives are not read: unpack them and drop the folder.",
         )
