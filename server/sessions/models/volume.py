@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 SLICE_S = 0.1  #: of inserting scans, after which the map is shown as it is
 PIECE_S = 0.05  #: of drawing voxels
 FILL_S = 20.0  #: in which a sequence plays at first
+MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 LOG_ODDS = 3.5  #: the range of the map from above
 NO_READINGS: dict[str, Any] = {
     "scan_pose": [0.0, 0.0, 0.0], "ranges": [], "angle_min": 0.0, "angle_increment": 0.0, "range_max": 0.0,
@@ -84,7 +85,7 @@ class VolumeModel(SessionModel):
     def _limits(self) -> Limits:
         """Return the limits of the map: a visitor's cells are voxels here."""
         blocks = max(64, self._host.limits().max_cells // BLOCK**3)
-        return replace(DEFAULT_LIMITS, max_blocks=min(DEFAULT_LIMITS.max_blocks, blocks))
+        return replace(DEFAULT_LIMITS, max_blocks=min(DEFAULT_LIMITS.max_blocks, blocks), max_scan_box=MOST_SCAN_BOX)
 
     # -- what is shown --------------------------------------------------------------------------------------------
 

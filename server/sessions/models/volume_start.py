@@ -14,17 +14,18 @@ RESOLUTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 POINTS_A_VOXEL = 1.5  #: on average, at least, at the first resolution
 VOXELS_ACROSS = 250  #: that a map has at most along its longest side at the first resolution
 UNTIMED_S = 0.5  #: between two scans without times
-OUTLIERS = 0.2  #: per cent of the points at each end of an axis that may lie outside the bounds
+OUTLIERS = 1.0  #: per cent of the points at each end of an axis that may lie outside the bounds
 MOST_LOOKED_AT = 500_000  #: points
 
 
 def bounds_of(source: ScanSequence | OctreeFile) -> tuple[Float64Array, Float64Array]:
     """Return the least and greatest coordinates (3,), metres, of nearly all points, or of an octree's leaves."""
     if isinstance(source, ScanSequence):
-        low, high = np.percentile(
-            source.points[:: max(1, -(-len(source.points) // MOST_LOOKED_AT))], [OUTLIERS, 100.0 - OUTLIERS], axis=0
-        )
-        return low.astype(np.float64), high.astype(np.float64)
+        points = source.points[:: max(1, -(-len(source.points) // MOST_LOOKED_AT))].astype(np.float64)
+        low, high = np.percentile(points, [OUTLIERS, 100.0 - OUTLIERS], axis=0)
+        # Outliers may be anywhere: what is a little outside of most points is not one.
+        margin = 0.25 * (high - low) + 1e-6
+        return np.maximum(low - margin, points.min(axis=0)), np.minimum(high + margin, points.max(axis=0))
     keys, depths, values = source.tree.leaves()
     occupied = values >= 0.0
     some = occupied if occupied.any() else np.ones(len(keys), dtype=np.bool_)
@@ -54,6 +55,7 @@ def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high:
         return source.tree.resolution
     longest, reach = float((high - low).max()), float(np.abs(np.stack([low, high])).max())
     some = source.points[:: max(1, -(-len(source.points) // 100_000))]
+    some = some[((some >= low) & (some <= high)).all(axis=1)]
     for one in RESOLUTIONS:
         if longest > VOXELS_ACROSS * one or reach > 30_000.0 * one:
             continue

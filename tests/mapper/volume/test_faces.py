@@ -30,7 +30,7 @@ def test_a_ray_from_inside_meets_the_voxel_that_a_cast_meets_and_one_from_outsid
     assert [first_face(volume, rule, inside, one) for one in away] == [tuple(key) for key in casts.keys.tolist()]
     # From outside, the near wall shows its unseen back: the far wall is what is drawn there.
     eye, ahead = np.array([0.1, -20.0, 0.1]), np.array([0.0, 1.0, 0.0])
-    x, y, z = first_face(volume, rule, eye, ahead) or (0, 0, 0)
+    _, y, _ = first_face(volume, rule, eye, ahead) or (0, 0, 0)
     assert (y - CENTRE + 0.5) * RESOLUTION > 2.0
     whole = rule._replace(seen_only=False)
     _, y, _ = first_face(volume, whole, eye, ahead) or (0, 0, 0)
