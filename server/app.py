@@ -11,18 +11,21 @@ import structlog
 from fastapi import FastAPI
 from starlette.middleware.gzip import GZipMiddleware
 
+from server.classes import Classes
 from server.downloads import Downloads
 from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
-from server.http.routes import compare as comparing
 from server.http.routes import (
+    classes,
     contents,
+    costmaps,
     docs,
     doctor,
     health,
     links,
     localization,
     logs,
+    map_editing,
     maps,
     merging,
     notes,
@@ -32,15 +35,18 @@ from server.http.routes import (
     sensor,
     session_trajectories,
     sessions,
+    sign_out,
     slam,
     stream,
     trajectories,
     trajectory_errors,
     volumes,
 )
+from server.http.routes import compare as comparing
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
+from server.http.sign_ins import SignIns
 from server.library import Library
 from server.scenes import Scenes
 from server.sessions import KINDS, Kind, SessionRegistry
@@ -53,7 +59,9 @@ _log = structlog.get_logger(__name__)
 
 
 @asynccontextmanager
-async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI) -> AsyncIterator[None]:
+async def _lifespan(
+    settings: Settings, kinds: Mapping[str, Kind], sign_ins: SignIns, app: FastAPI
+) -> AsyncIterator[None]:
     metrics = Metrics()
     async with AsyncExitStack() as stack:
         registry = SessionRegistry(settings, remake_seconds=metrics.remake_seconds.observe, traffic=metrics.traffic)
@@ -76,6 +84,8 @@ async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI)
                 library=library,
                 downloads=downloads,
                 scenes=open_scenes,
+                sign_ins=sign_ins,
+                classes=Classes(settings.max_class_followers, settings.class_code),
             ),
         )
         yield
@@ -93,6 +103,8 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
 def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS) -> FastAPI:
     """Return the service for these settings (None: those of the environment), with sessions of these kinds."""
     settings = (Settings() if settings is None else settings).with_token()
+    token = None if settings.token is None else settings.token.get_secret_value()
+    sign_ins = SignIns(token, settings.data_dir / "sign-ins.json")
     app = FastAPI(
         title="Gridbloom",
         description="Occupancy grid maps that fill in: live worlds and robot logs.",
@@ -100,7 +112,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,
-        lifespan=partial(_lifespan, settings, kinds),
+        lifespan=partial(_lifespan, settings, kinds, sign_ins),
     )
     install_error_handlers(app)
     routers = (
@@ -114,6 +126,8 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         comparing.router,
         maps.router,
         volumes.router,
+        map_editing.router,
+        costmaps.router,
         download_files.router,
         stream.router,
         logs.router,
@@ -126,7 +140,9 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         localization.router,
         links.router,
         scenes.router,
+        classes.router,
         docs.router,
+        sign_out.router,
         pages.router,  # last: it has a route for any other name
     )
     for router in routers:
@@ -135,6 +151,6 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
-    app.add_middleware(Security, settings=settings, routes=routes)
+    app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins)
     app.add_middleware(Ending)
     return app

@@ -245,7 +245,7 @@ class Client:
         from mapper.diagnosis import Finding  # noqa: PLC0415 - start-up
 
         with self._session_of(of, whole=False) as session:
-            told = self._asked("GET", f"/api/sessions/{session.id}/doctor", timeout=WORK_TIMEOUT_S)
+            answer = self._asked("GET", f"/api/sessions/{session.id}/doctor", timeout=WORK_TIMEOUT_S)
         return [
             Finding(
                 one["check"],
@@ -256,7 +256,7 @@ class Client:
                 one["parameters"],
                 one["sensor"],
             )
-            for one in told["findings"]
+            for one in answer["findings"]
         ]
 
     # -- requests --------------------------------------------------------------------------------------------------
@@ -330,7 +330,13 @@ def _log(record: dict[str, Any]) -> Log:
     )
 
 
-def _session(told: dict[str, Any]) -> Session:
+def _session(answer: dict[str, Any]) -> Session:
     return Session(
-        told["id"], told["kind"], told["title"], told["playing"], told["index"], told["count"], told["stream"]
+        answer["id"],
+        answer["kind"],
+        answer["title"],
+        answer["playing"],
+        answer["index"],
+        answer["count"],
+        answer["stream"],
     )

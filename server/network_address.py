@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ipaddress
+import re
+import socket
 
 IPV6_PREFIX = 64  #: bits that identify a site: a host can choose the other bits freely
 
@@ -19,3 +21,25 @@ def network_of(address: str) -> str:
     if isinstance(found, ipaddress.IPv4Address):
         return str(found)
     return str(found.ipv4_mapped or ipaddress.ip_network((found, IPV6_PREFIX), strict=False))
+
+
+def own_address() -> str | None:
+    """Return this machine's address in its network, by which other machines reach it; None without a network.
+
+    A UDP socket is connected, for which nothing is sent: the system chooses the address from which it would send.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # of TEST-NET-1 (RFC 5737), which is nobody's
+        except OSError:
+            return None
+        found = str(probe.getsockname()[0])
+    return None if ipaddress.ip_address(found).is_loopback else found
+
+
+def reachable(netloc: str) -> str:
+    """Return the host and port of a URL, a loopback name replaced by this machine's address in its network."""
+    name, colon, port = netloc.rpartition(":") if re.search(r":[0-9]+$", netloc) else (netloc, "", "")
+    if name.strip("[]") not in ("localhost", "127.0.0.1", "::1", "0.0.0.0", "::"):  # noqa: S104 - compared, not bound
+        return netloc
+    return f"{own_address() or name}{colon}{port}"

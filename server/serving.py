@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import resource
 import signal
@@ -25,6 +26,7 @@ from server.http.uvicorn_protocol import HttpProtocol
 from server.imports import UNUSED_BY_ROUTES, fast_imports
 from server.library import StorageError, check_stores, claimed
 from server.logging import configure_logging
+from server.network_address import reachable
 from server.sessions import KINDS, Kind
 from server.settings import Settings
 
@@ -32,6 +34,16 @@ BACKLOG = 2048
 UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
 THREADS_END_S = 1.0  #: seconds within which threads must end after the service is closed
 UNREAD_MS = 30_000  #: milliseconds without acknowledgement of sent data after which a connection is closed
+
+
+def class_invitation(code: str, netloc: str) -> str:
+    """Return the address of a class, as text and as a QR code of characters, for a terminal."""
+    import segno  # noqa: PLC0415 - few start with a class
+
+    address = f"http://{netloc}/class/{code}"
+    out = io.StringIO()
+    segno.make(address, error="m", micro=False).terminal(out, compact=True, border=2)
+    return f"The class {code} is open at {address}\n{out.getvalue()}"
 
 
 def address_of(host: str, port: int, token: str | None) -> str:
@@ -141,7 +153,10 @@ def _serve(settings: Settings) -> None:
         signal.signal(signal.SIGINT, _end)
         if settings.is_reached_from_beyond and token is None:
             print(f"gridbloom: warning: {UNGUARDED}", file=sys.stderr)
-        print(f"Gridbloom runs at {address_of(settings.host, bound.getsockname()[1], token)}", flush=True)
+        port = bound.getsockname()[1]
+        print(f"Gridbloom runs at {address_of(settings.host, port, token)}", flush=True)
+        if settings.class_code is not None:
+            print(class_invitation(settings.class_code, reachable(f"127.0.0.1:{port}")), flush=True)
         server.run(sockets=[bound])
 
 

@@ -63,6 +63,14 @@ class Settings(BaseSettings):
     max_clients_per_session: int = Field(
         default=64, ge=1, description="Maximum number of browsers connected to one session."
     )
+    max_class_followers: int = Field(
+        default=400, ge=1, description="Maximum number of followers of one class that are connected at one time."
+    )
+    class_code: str | None = Field(
+        default=None,
+        pattern=r"^[BCDFGHJKLMNPQRSTVWXZ]{6}$",
+        description="Code of a class that is open from the start: six consonants.",
+    )
     session_idle_s: float = Field(
         default=900.0, gt=0.0, description="Seconds after which a session without connected browsers is closed."
     )

@@ -124,8 +124,8 @@ def accepted(answer: httpx.Response) -> httpx.Response:
 
 def _refusal(answer: httpx.Response) -> tuple[str, str]:
     try:
-        told = answer.json()
-        return str(told["code"]), str(told["message"])
+        problem = answer.json()
+        return str(problem["code"]), str(problem["message"])
     except (ValueError, KeyError, TypeError):
         return "client.refused", f"The service answered {answer.status_code}."
 

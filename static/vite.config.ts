@@ -21,6 +21,7 @@ export default defineConfig({
         lecture: page("lecture.html"),
         lab: page("lab.html"),
         logs: page("logs.html"),
+        join: page("join.html"),
       },
       // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
       output: { codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] } },

@@ -2,15 +2,36 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 
-from mapper.core.array_types import UInt8Array
+import numpy as np
+
+from mapper.core.array_types import Int8Array, UInt8Array
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.grid.occupancy_grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
 from mapper.io.maps import yaml_text
+from mapper.io.maps.images import pgm_header
+
+
+def costmap_pgm(costs: UInt8Array) -> bytes:
+    """Return a PGM whose pixels are costs (rows, cols), 0 … 255; its top row is the row of the greatest y."""
+    return pgm_header(costs.shape) + GridGeometry.to_image(costs).tobytes()
+
+
+def keepout_pgm(mask: Int8Array) -> bytes:
+    """Return a PGM, for mode raw, of a keepout mask (rows, cols) int8: greys 0 … 100, 0 where nothing is forbidden."""
+    return costmap_pgm(mask.clip(0).astype(np.uint8))
+
+
+def costmap_mcap(one: RecordedCostmap) -> bytes:
+    """Return an MCAP file with a costmap, as :func:`save_costmap_mcap` writes it."""
+    file = io.BytesIO()
+    write_costmaps(file, [one])
+    return file.getvalue()
 
 
 def save_costmap(
@@ -25,12 +46,10 @@ def save_costmap(
     if not base.name:
         raise ConfigError("map.prefix", f"A costmap needs a file name, which {str(prefix)!r} lacks.")
     image_path, yaml_path = base.with_name(base.name + ".pgm"), base.with_name(base.name + ".yaml")
-    header = f"P5\n{geometry.cols} {geometry.rows}\n255\n".encode()
     try:
         base.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(image_path) as file:
-            file.write(header)
-            file.write(GridGeometry.to_image(costs).tobytes())
+            file.write(costmap_pgm(costs))
         with atomic_write(yaml_path) as file:
             file.write(yaml_text(geometry, image_path.name, "raw", frame=frame).encode())
     except (OSError, ValueError) as error:

@@ -9,7 +9,7 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array, Int8Array, Int64Array, UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.costmap.costs import FREE, LETHAL, NO_INFORMATION, cells_of, name_of_cost
+from mapper.costmap.costs import FREE, INSCRIBED, LETHAL, NO_INFORMATION, cells_of, name_of_cost
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.inflation import inflate, radius_in_cells
 from mapper.costmap.kernels.observation import Marking, clear_lines, fill_polygon, lay_over, mark_cells
@@ -106,7 +106,8 @@ class StaticLayer:
             raise ConfigError(
                 "costmap.shape", f"The map has {values.shape} values, but the costmap {geometry.shape} cells."
             )
-        self._values, self._config = values.copy(), config
+        self._geometry, self._values, self._config = geometry, values.copy(), config
+        self._under_robot: CellBox | None = None  #: cells of which some are free because the robot stands there
         table = static_costs(config, general.track_unknown_space)
         self.costs: UInt8Array = table[values.view(np.uint8)]
         self._table = table
@@ -133,9 +134,21 @@ class StaticLayer:
         self._changed = near if self._changed is None else self._changed | near
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Return the whole map at first, then what was renewed."""
-        del now, robot
+        """Return the whole map at first, then what was renewed.
+
+        With ``footprint_clearing_enabled`` the cells under the robot are free as long as it is there.
+        """
+        del now
         box, self._changed = self._changed, None
+        if self._config.footprint_clearing_enabled:
+            before, bounds = self._under_robot, no_bounds()
+            if before is not None:
+                self.costs[part_of(before)] = self._table[self._values[part_of(before)].view(np.uint8)]
+            if robot is not None:
+                clear_footprint(self._geometry, robot, FREE, self.costs, bounds)
+            self._under_robot = box_of(bounds)
+            for other in (before, self._under_robot):
+                box = other if box is None else box if other is None else box | other
         return box
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
@@ -160,6 +173,7 @@ def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
     threshold = int(config.lethal_cost_threshold)
     between = (values / threshold * LETHAL).astype(np.int64)
     costs = np.where(values >= threshold, LETHAL, FREE if config.trinary_costmap else between)
+    costs[int(config.inscribed_obstacle_cost_value)] = INSCRIBED
     costs[int(config.unknown_cost_value)] = NO_INFORMATION if track_unknown_space else FREE
     return costs.astype(np.uint8)
 

@@ -45,7 +45,9 @@ _PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
 }
 _OWN = frozenset(("DecayLayer",))  #: layers that Nav2 does not have
 #: Parameters of the whole costmap that Nav2's static layer reads.
-_OF_STATIC = ("trinary_costmap", "lethal_cost_threshold", "unknown_cost_value", "use_maximum")
+_OF_STATIC = (
+    "trinary_costmap", "lethal_cost_threshold", "inscribed_obstacle_cost_value", "unknown_cost_value", "use_maximum",
+)  # fmt: skip
 #: Names that Nav2 has and that do not change costs: topics, rates, frames, sizes.
 _WITHOUT_EFFECT = frozenset((
     "resolution", "width", "height", "origin_x", "origin_y", "rolling_window", "update_frequency",

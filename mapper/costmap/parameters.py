@@ -43,6 +43,8 @@ STATIC_PARAMETERS: tuple[Parameter, ...] = (
     ),
     _number("lethal_cost_threshold", "Lethal from", "static", 100, "Value of the map from which a cell is lethal.", "%",
             (1, 100, 1)),
+    _number("inscribed_obstacle_cost_value", "Inscribed value", "static", 99,
+            "Value of the map that means inscribed: what Nav2 publishes for a cost of 253.", "", (0, 255, 1)),
     _number("unknown_cost_value", "Unknown value", "static", 255, "Value of the map that means unknown.", "",
             (0, 255, 1)),
     Parameter(
@@ -147,6 +149,7 @@ class StaticConfig:
     enabled: bool = True
     trinary_costmap: bool = True
     lethal_cost_threshold: float = 100
+    inscribed_obstacle_cost_value: float = 99
     unknown_cost_value: float = 255
     use_maximum: bool = False
     footprint_clearing_enabled: bool = False

@@ -16,11 +16,18 @@ from mapper.grid.occupancy_grid import GridGeometry
 
 
 def interpret_value(
-    value: int, track_unknown_space: bool, lethal_cost_threshold: int, trinary_costmap: bool, unknown_cost_value: int
+    value: int,
+    track_unknown_space: bool,
+    lethal_cost_threshold: int,
+    trinary_costmap: bool,
+    unknown_cost_value: int,
+    inscribed_obstacle_cost_value: int,
 ) -> int:
     """Return the cost of one value of a map, 0 … 100 or 255 for unknown (StaticLayer::interpretValue)."""
     if value == unknown_cost_value:
         return NO_INFORMATION if track_unknown_space else FREE
+    if value == inscribed_obstacle_cost_value:
+        return INSCRIBED
     if value >= lethal_cost_threshold:
         return LETHAL
     if trinary_costmap:

@@ -29,7 +29,7 @@ LEAST_SCORE = 0.6  #: of a match that counts
 FEWEST = 6  #: such matches
 TOLERANCE_M, TOLERANCE_RAD = 0.06, math.radians(1.5)  #: of the median, within which matches agree
 SHARE = 0.6  #: of the matches that must agree
-LEAST_M, LEAST_RAD = 0.05, math.radians(1.0)  #: smaller corrections are not told
+LEAST_M, LEAST_RAD = 0.05, math.radians(1.0)  #: smaller corrections are not reported
 SIGNIFICANT = 4.0  #: standard errors of the median
 SPOILED_BY = frozenset({"mount.turned", "readings.few", "timing.delay"})  #: findings on either sensor
 
@@ -56,13 +56,13 @@ def check_between(
     if len(usable) < 2:
         return []
     first = at_middle_of_sweep(usable[0], trajectory, time_offset)
-    told = []
+    disagreements = []
     for part in usable[1:]:
         corrections = _corrections(first, at_middle_of_sweep(part, trajectory, time_offset), trajectory, wanted)
         finding = _finding(first, part, corrections)
         if finding is not None:
-            told.append(finding)
-    return told
+            disagreements.append(finding)
+    return disagreements
 
 
 def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted: Callable[[], bool]) -> Float64Array:

@@ -21,7 +21,7 @@ def of_sensors(log: JointLog, found: Sequence[Sequence[Finding]]) -> list[Findin
     a finding keeps its own only where every sensor has a finding of the same check with parameters.
     """
     common = set.intersection(*({one.check for one in findings if one.parameters} for findings in found))
-    told = []
+    joint = []
     for number, findings in enumerate(found):
         numbers = np.flatnonzero(log.part_of_scan == number)
         for one in findings:
@@ -29,8 +29,8 @@ def of_sensors(log: JointLog, found: Sequence[Sequence[Finding]]) -> list[Findin
             own = replace(one, sensor=log.parts[number].topic, scans=scans)
             if own.parameters and own.check not in common:
                 own = replace(own, parameters=None, advice=f"{own.advice} {BY_ITSELF}")
-            told.append(own)
-    return told
+            joint.append(own)
+    return joint
 
 
 def share_of(progress: Callable[[float], None] | None, number: int, of: int) -> Callable[[float], None] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ from mapper.grid.occupancy_grid import GridGeometry
 
 MAX_EDITS = 2000
 _EVERY = 20  #: edits between two kept states
+_LEAST_KEPT = 3  #: states
+MOST_KEPT_CELLS = 1 << 26  #: of all kept states
 _EDGE = 1e-6  #: cells; so that a turn by 90° does not add a row for the sake of a rounding error
 
 
@@ -44,13 +47,16 @@ class _State:
 class EditedMap:
     """A map of ``values`` (rows, cols) int8, 0 … 100 or −1 unknown as in nav_msgs/OccupancyGrid, and its edits.
 
-    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden.
+    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden; None: 0 everywhere.
     """
 
-    def __init__(self, geometry: GridGeometry, values: Int8Array) -> None:
+    def __init__(self, geometry: GridGeometry, values: Int8Array, keepout: Int8Array | None = None) -> None:
         if values.shape != geometry.shape:
             raise ConfigError("edit.shape", f"The map has {values.shape} values for {geometry.shape} cells.")
-        first = _State(geometry, values.astype(np.int8), np.zeros(geometry.shape, dtype=np.int8))
+        if keepout is not None and keepout.shape != geometry.shape:
+            raise ConfigError("edit.shape", f"The keepout mask has {keepout.shape} values for {geometry.shape} cells.")
+        zones = np.zeros(geometry.shape, dtype=np.int8) if keepout is None else keepout.astype(np.int8)
+        first = _State(geometry, values.astype(np.int8), zones)
         self._kept: dict[int, _State] = {0: first}
         self._state = first
         self._operations: list[Operation] = []
@@ -86,6 +92,16 @@ class EditedMap:
         """Whether an edit was undone and none was made since."""
         return self._n < len(self._operations)
 
+    @property
+    def n_undone(self) -> int:
+        """How many edits are undone."""
+        return len(self._operations) - self._n
+
+    @property
+    def cells(self) -> int:
+        """Cells of all states that are kept for undoing."""
+        return sum(2 * state.values.size for state in self._kept.values())
+
     def apply(self, operation: Operation) -> None:
         """Make an edit; what was undone before is gone.
 
@@ -104,6 +120,7 @@ class EditedMap:
             del self._kept[n]
         if self._n % _EVERY == 0:
             self._kept[self._n] = self._state
+            self._drop_states()
 
     def undo(self) -> bool:
         """Undo the last edit; return whether there was one."""
@@ -119,6 +136,13 @@ class EditedMap:
         self._go_to(self._n + 1)
         return True
 
+    def _drop_states(self) -> None:
+        """Drop kept states, not the first, until their cells are few: of two neighbours the older goes."""
+        while len(self._kept) > _LEAST_KEPT and self.cells > MOST_KEPT_CELLS:
+            numbers = sorted(self._kept)
+            gaps = [after - before for before, after in itertools.pairwise([*numbers, self._n + _EVERY])]
+            del self._kept[numbers[1 + min(range(len(gaps) - 1), key=lambda k: gaps[k] + gaps[k + 1])]]
+
     def _go_to(self, n: int) -> None:
         begin = max(k for k in self._kept if k <= n) if n < self._n else self._n
         state = self._kept[begin] if n < self._n else self._state
@@ -132,49 +156,92 @@ def _from_lattice(geometry: GridGeometry, lattice: list[tuple[float, float]]) ->
     return transform_points(geometry.origin, np.array(lattice, dtype=np.float64) * geometry.resolution)
 
 
-def _box_around(geometry: GridGeometry, points_xy: Float64Array, reach: float) -> CellBox | None:
-    """Return the cells whose centres can be within ``reach`` m of the points' bounding box; None outside the map."""
-    lattice = geometry.to_lattice(points_xy)
-    margin = reach / geometry.resolution
-    low, high = np.floor(lattice.min(axis=0) - margin - 1.0), np.ceil(lattice.max(axis=0) + margin + 1.0)
+def _box_around(geometry: GridGeometry, lattice: Float64Array, reach: float) -> CellBox | None:
+    """Return the cells whose centres can be within ``reach`` cells of the points' bounding box; None outside the map.
+
+    ``lattice`` (n, 2) are lattice coordinates.
+    """
+    low, high = np.floor(lattice.min(axis=0) - reach - 1.0), np.ceil(lattice.max(axis=0) + reach + 1.0)
     col0, row0 = (int(v) for v in np.maximum(low, 0))
     col1, row1 = (int(v) for v in np.minimum(high, (geometry.cols, geometry.rows)))
     return CellBox(row0, row1, col0, col1) if row0 < row1 and col0 < col1 else None
 
 
+def _near_segment(v: Float64Array, a: Float64Array, b: Float64Array, reach: float) -> tuple[Float64Array, Float64Array]:
+    """Return the first and the last u (n,) of the points (u, v) within ``reach`` of the segment from a to b.
+
+    The first is greater than the last where a line v has no such point.
+    """
+    first, last = np.full(v.shape, math.inf), np.full(v.shape, -math.inf)
+    for u_end, v_end in (a, b):  # the discs at both ends
+        half = np.sqrt(np.maximum(reach * reach - (v - v_end) ** 2, 0.0))
+        on = np.abs(v - v_end) <= reach
+        first[on], last[on] = np.minimum(first, u_end - half)[on], np.maximum(last, u_end + half)[on]
+    length = float(np.hypot(*(b - a)))
+    if length > 0.0:  # the rectangle between them, by its four sides
+        side = reach / length * np.array([a[1] - b[1], b[0] - a[0]])
+        corners = [a + side, b + side, b - side, a - side]
+        for (p_u, p_v), (q_u, q_v) in zip(corners, [*corners[1:], corners[0]], strict=True):
+            if p_v != q_v:
+                on = (min(p_v, q_v) <= v) & (v <= max(p_v, q_v))
+                u = p_u + (v - p_v) / (q_v - p_v) * (q_u - p_u)
+                first[on], last[on] = np.minimum(first, u)[on], np.maximum(last, u)[on]
+    return first, last
+
+
 def _within(geometry: GridGeometry, points: Float64Array, width: float) -> tuple[CellBox, BoolArray] | None:
-    """Return a box and which of its cells (rows, cols) are within half a width of the line through ``points``."""
-    box = _box_around(geometry, points, width / 2.0)
+    """Return a box and which of its cells (rows, cols) are within half a width of the line through ``points``.
+
+    What is near a segment is convex: it covers one run of the cells of each row, of which the ends are counted.
+    """
+    lattice = geometry.to_lattice(points)
+    reach = width / 2.0 / geometry.resolution
+    box = _box_around(geometry, lattice, reach)
     if box is None:
         return None
-    lattice = geometry.to_lattice(points)
-    u, v = np.meshgrid(np.arange(box.col0, box.col1) + 0.5, np.arange(box.row0, box.row1) + 0.5)
-    near = np.zeros(u.shape, dtype=np.bool_)
-    squared_reach = (width / 2.0 / geometry.resolution) ** 2
-    for (a_u, a_v), (b_u, b_v) in zip(lattice, [*lattice[1:], lattice[-1]], strict=True):
-        d_u, d_v = b_u - a_u, b_v - a_v
-        length = d_u * d_u + d_v * d_v
-        share = 0.0 if length == 0.0 else np.clip(((u - a_u) * d_u + (v - a_v) * d_v) / length, 0.0, 1.0)
-        near |= (u - a_u - share * d_u) ** 2 + (v - a_v - share * d_v) ** 2 <= squared_reach
-        row, col = math.floor(a_v) - box.row0, math.floor(a_u) - box.col0
-        if 0 <= row < near.shape[0] and 0 <= col < near.shape[1]:
-            near[row, col] = True
+    rows, cols = box.row1 - box.row0, box.col1 - box.col0
+    ends = np.zeros((rows, cols + 1), dtype=np.int32)
+    place = lattice - (box.col0, box.row0)
+    for a, b in zip(place, [*place[1:], place[-1]], strict=True):
+        row0 = max(math.floor(min(a[1], b[1]) - reach - 0.5), 0)
+        row1 = min(math.ceil(max(a[1], b[1]) + reach + 0.5), rows)
+        if row0 >= row1:
+            continue
+        at = np.arange(row0, row1)
+        first, last = _near_segment(at + 0.5, a, b, reach)
+        on = first <= last
+        begin = np.clip(np.ceil(first[on] - 0.5), 0, cols).astype(np.int64)
+        end = np.clip(np.floor(last[on] - 0.5) + 1.0, 0, cols).astype(np.int64)
+        runs = begin < end
+        ends[at[on][runs], begin[runs]] += 1
+        ends[at[on][runs], end[runs]] -= 1
+    near = np.cumsum(ends[:, :cols], axis=1) > 0
+    held = np.floor(place).astype(np.int64)
+    held = held[((held >= 0) & (held < (cols, rows))).all(axis=1)]
+    near[held[:, 1], held[:, 0]] = True
     return box, near
 
 
 def _inside(geometry: GridGeometry, polygon: Float64Array) -> tuple[CellBox, BoolArray] | None:
-    """Return a box and which of its cells (rows, cols) have their centres in a polygon, by the even-odd rule."""
-    box = _box_around(geometry, polygon, 0.0)
+    """Return a box and which of its cells (rows, cols) have their centres in a polygon, by the even-odd rule.
+
+    Each side is crossed by one line of centres in each of its rows: the cells before the crossing change sides.
+    """
+    lattice = geometry.to_lattice(polygon)
+    box = _box_around(geometry, lattice, 0.0)
     if box is None:
         return None
-    lattice = geometry.to_lattice(polygon)
-    u, v = np.meshgrid(np.arange(box.col0, box.col1) + 0.5, np.arange(box.row0, box.row1) + 0.5)
-    inside = np.zeros(u.shape, dtype=np.bool_)
-    for (a_u, a_v), (b_u, b_v) in zip(lattice, np.roll(lattice, -1, axis=0), strict=True):
-        if a_v != b_v:
-            crosses = (a_v > v) != (b_v > v)
-            inside ^= crosses & (u < a_u + (v - a_v) / (b_v - a_v) * (b_u - a_u))
-    return box, inside
+    rows, cols = box.row1 - box.row0, box.col1 - box.col0
+    crossings = np.zeros((rows, cols + 1), dtype=np.int32)
+    place = lattice - (box.col0, box.row0)
+    for (a_u, a_v), (b_u, b_v) in zip(place, np.roll(place, -1, axis=0), strict=True):
+        row0, row1 = max(math.ceil(min(a_v, b_v) - 0.5), 0), min(math.ceil(max(a_v, b_v) - 0.5), rows)
+        if row0 < row1:
+            at = np.arange(row0, row1)
+            u = a_u + (at + 0.5 - a_v) / (b_v - a_v) * (b_u - a_u)
+            crossings[at, np.clip(np.ceil(u - 0.5), 0, cols).astype(np.int64)] += 1
+    after = np.cumsum(crossings[:, ::-1], axis=1)[:, ::-1]  # crossings at or after the cell before
+    return box, after[:, 1:] % 2 == 1
 
 
 def _with(old: Int8Array, found: tuple[CellBox, BoolArray] | None, value: int, what: str) -> Int8Array:

@@ -123,8 +123,9 @@ def image_of(values: Int8Array) -> tuple[str, bytes]:
 def map_files(edited: EditedMap, stem: str, source: str = "", frame: str | None = None) -> Iterator[tuple[str, bytes]]:
     """Yield the names and the contents of the files of an edited map.
 
-    The image and its yaml; where there are keepout zones those of their mask, ``stem_keepout``; and the edits,
-    ``stem.edits.json``. The keepout mask is of mode raw, as Nav2's keepout filter expects: its greys are its values.
+    The image and its yaml; where there are keepout zones those of their mask, ``stem_keepout``; where there are edits
+    these, ``stem.edits.json``. The keepout mask is of mode raw, as Nav2's keepout filter
+    expects: its greys are its values.
     """
     mode, image = image_of(edited.values)
     yield f"{stem}.pgm", image
@@ -134,7 +135,8 @@ def map_files(edited: EditedMap, stem: str, source: str = "", frame: str | None 
         pixels = GridGeometry.to_image(edited.keepout).view(np.uint8)
         yield f"{stem}_keepout.pgm", f"P5\n{cols} {rows}\n255\n".encode() + pixels.tobytes()
         yield f"{stem}_keepout.yaml", yaml_text(edited.geometry, f"{stem}_keepout.pgm", "raw", frame=frame).encode()
-    yield f"{stem}.edits.json", edits_text(edited, source).encode()
+    if edited.operations:
+        yield f"{stem}.edits.json", edits_text(edited, source).encode()
 
 
 def save_edited(

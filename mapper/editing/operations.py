@@ -55,6 +55,11 @@ class Paint:
     width: float
     points: Points
 
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return f"Painted {self.state}, {self.width:g} m wide"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "state", _state(self.state))
         object.__setattr__(self, "width", _number(self.width, "The brush's width", 0.0, MAX_WIDTH))
@@ -69,6 +74,11 @@ class Fill:
     state: str
     polygon: Points
 
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return f"Filled an area: {self.state}"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "state", _state(self.state))
         object.__setattr__(self, "polygon", _points(self.polygon, "An area", 3))
@@ -82,6 +92,11 @@ class Keepout:
     polygon: Points
     value: float = 100
 
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return "Marked a keepout zone" if self.value else "Erased a keepout zone"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "polygon", _points(self.polygon, "A keepout zone", 3))
         object.__setattr__(self, "value", _number(self.value, "A keepout zone's value", 0, 100))
@@ -93,6 +108,11 @@ class Despeckle:
 
     op: ClassVar[str] = "despeckle"
     cells: float
+
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return f"Removed specks of up to {self.cells:g} cells"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cells", _number(self.cells, "The size of a speck", 1, MAX_SPECK))
@@ -108,6 +128,11 @@ class Rotate:
     op: ClassVar[str] = "rotate"
     angle: float
 
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return f"Turned by {math.degrees(self.angle):.1f}°"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "angle", _number(self.angle, "The angle", -math.tau, math.tau))
 
@@ -118,6 +143,11 @@ class Crop:
 
     op: ClassVar[str] = "crop"
     corners: Points
+
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return "Cropped"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "corners", _points(self.corners, "A crop", 2))
@@ -133,6 +163,11 @@ class Origin:
     x: float
     y: float
     yaw: float = 0.0
+
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return f"Moved the origin to ({self.x:.2f}, {self.y:.2f})"
 
     def __post_init__(self) -> None:
         for name, most in (("x", FARTHEST), ("y", FARTHEST), ("yaw", math.tau)):

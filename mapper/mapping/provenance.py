@@ -164,16 +164,16 @@ class _Batches:
         """
         log, n_beams = self.log, self.log.n_beams
 
-        def told(part: PlannedBatch) -> tuple[ScanBatch, UpdatePlan, _Named]:
+        def named(part: PlannedBatch) -> tuple[ScanBatch, UpdatePlan, _Named]:
             return part.batch, part.plan, partial(part.named, n_beams=n_beams)
 
         if isinstance(log, JointLog):
             for parts in planned_parts(SensorOrder.of(log), self.config, self.trajectory, start, stop):
                 if by_turns and len(parts) > 1:
                     for k, first, last in runs_of(parts):
-                        yield [told(parts[k].rows(first, last))]
+                        yield [named(parts[k].rows(first, last))]
                 else:
-                    yield [told(part) for part in parts]
+                    yield [named(part) for part in parts]
             return
         plan = plan_update(self.config, log.range_min, log.range_max)
         batch = scan_batch_of_log(log, plan, self.trajectory, start, stop)

@@ -18,6 +18,7 @@ from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, P
 
 NODE = "planner_server"
 CONTROLLER = "controller_server"
+_RENAMED = {"max_linear_vel": "desired_linear_vel"}  #: the name since the release after Kilted, and the one before
 _NAMES = ("tolerance", "use_astar", "allow_unknown")  #: the other two rows are constants in Nav2
 _WITHOUT_EFFECT = frozenset(("plugin", "use_final_approach_orientation"))
 #: What Nav2's follower has besides: slowing near obstacles, collisions, lookahead by speed, reversing.
@@ -82,13 +83,14 @@ def _plugin(
         if not isinstance(block, dict) or kind not in str(block.get("plugin")):
             continue
         values: dict[str, Any] = {}
-        for parameter, value in block.items():
+        for given, value in block.items():
+            parameter = _RENAMED.get(given, given)
             if parameter in rows:
                 try:
                     values[parameter] = rows[parameter].check(value)
                 except ConfigError as error:
-                    raise ConfigError("nav2.value", f"{node}.{name}.{parameter}: {error.message}") from error
+                    raise ConfigError("nav2.value", f"{node}.{name}.{given}: {error.message}") from error
             elif parameter not in without_effect:
-                raise ConfigError("nav2.unknown", f"{node}.{name}: There is no parameter {parameter!r:.80}.")
+                raise ConfigError("nav2.unknown", f"{node}.{name}: There is no parameter {given!r:.80}.")
         return values
     return {}

@@ -54,45 +54,110 @@ def plan_path(
     cell nearest to it, within the tolerance. Raises :class:`ConfigError` for a start or a goal that is not finite or
     outside the map, a start that is blocked, and where there is no path; it says why.
     """
-    config = config or PlannerConfig()
-    if costs.shape != geometry.shape or costs.dtype != np.uint8:
-        message = f"The costs must be {geometry.shape} uint8, as the geometry, not {costs.shape} {costs.dtype}."
-        raise ConfigError("path.costs", message)
-    costs = np.ascontiguousarray(costs)
-    table = step_costs(config)
-    start, goal = _cell(geometry, start_xy, "start"), _cell(geometry, goal_xy, "goal")
-    if math.isinf(table[costs[start]]):
-        raise ConfigError("path.start_blocked", f"The robot cannot be at the start: {_why_blocked(costs, start)}.")
-    potential = cost_to_come(costs, table, start, goal, config.use_astar)
-    end = goal if potential[goal] < math.inf else _nearest(geometry, potential, goal_xy, config.tolerance)
-    if end is None:
-        raise ConfigError("path.none", _why_none(costs, config, start, goal, potential))
-    cols = geometry.cols
-    out = np.empty(costs.size, dtype=np.int32)
-    n = trace_back(costs, table, potential, start[0] * cols + start[1], end[0] * cols + end[1], out)
-    cells = np.stack(np.divmod(out[:n][::-1].astype(np.int64), cols), axis=-1)
-    points = geometry.cell_to_world(cells)
-    if end == goal:
-        points[-1] = goal_xy
-    if n > 1 or end != goal:
-        points[0] = start_xy
-    else:  # start and goal are in one cell
-        cells, points = np.repeat(cells, 2, axis=0), np.array([start_xy, goal_xy], dtype=np.float64)
-    length = float(np.hypot(*np.diff(points, axis=0).T).sum())
-    return Path(cells, points, float(potential[end]), length, end == goal, potential)
+    return GoalPlanner(costs, geometry, start_xy, config).plan(start_xy, goal_xy)
+
+
+class GoalPlanner:
+    """Plans paths from one start to goals that move, on costs that stay the same.
+
+    The cost to come from the start holds for every goal: of a goal that it has, the path is only traced back. A goal
+    beyond what was searched has all cells searched once. A* searches anew for each goal.
+    """
+
+    def __init__(
+        self,
+        costs: UInt8Array,
+        geometry: GridGeometry,
+        start_xy: Sequence[float] | Float64Array,
+        config: PlannerConfig | None = None,
+    ) -> None:
+        """Take ``costs`` (rows, cols), which may not change from now on. Raises :class:`ConfigError`."""
+        if costs.shape != geometry.shape or costs.dtype != np.uint8:
+            message = f"The costs must be {geometry.shape} uint8, as the geometry, not {costs.shape} {costs.dtype}."
+            raise ConfigError("path.costs", message)
+        self.config = config or PlannerConfig()
+        self._costs, self._geometry = np.ascontiguousarray(costs), geometry
+        self._table = step_costs(self.config)
+        self._start = _cell(geometry, start_xy, "start")
+        self._found: Float64Array | None = None
+        self._is_whole = False
+        self._others: dict[str, Float64Array] = {}  #: cost to come of all cells, were something else passable
+
+    def begins_at(self, place: Sequence[float] | Float64Array) -> bool:
+        """Return whether a place, map metres, is in the cell of the start."""
+        return tuple(int(k) for k in self._geometry.world_to_cell(place)) == self._start
+
+    def plan(self, start_xy: Sequence[float] | Float64Array, goal_xy: Sequence[float] | Float64Array) -> Path:
+        """Return the cheapest path to a goal as :func:`plan_path`, which raises the same; the start is in its cell."""
+        start, costs, geometry = self._start, self._costs, self._geometry
+        goal = _cell(geometry, goal_xy, "goal")
+        if math.isinf(self._table[costs[start]]):
+            raise ConfigError("path.start_blocked", f"The robot cannot be at the start: {_why_blocked(costs, start)}.")
+        potential = self._potential(goal)
+        end = goal if potential[goal] < math.inf else _nearest(geometry, potential, goal_xy, self.config.tolerance)
+        if end is None:
+            raise ConfigError("path.none", self._why_none(goal, potential))
+        cols = geometry.cols
+        out = np.empty(costs.size, dtype=np.int32)
+        n = trace_back(costs, self._table, potential, start[0] * cols + start[1], end[0] * cols + end[1], out)
+        cells = np.stack(np.divmod(out[:n][::-1].astype(np.int64), cols), axis=-1)
+        points = geometry.cell_to_world(cells)
+        if end == goal:
+            points[-1] = goal_xy
+        if n > 1 or end != goal:
+            points[0] = start_xy
+        else:  # start and goal are in one cell
+            cells, points = np.repeat(cells, 2, axis=0), np.array([start_xy, goal_xy], dtype=np.float64)
+        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        return Path(cells, points, float(potential[end]), length, end == goal, potential)
+
+    def _potential(self, goal: Cell) -> Float64Array:
+        """Return the cost to come of the cells up to the goal at least; of all that can be reached without a way."""
+        if self.config.use_astar:
+            return cost_to_come(self._costs, self._table, self._start, goal, use_astar=True)
+        found = self._found
+        if found is None:
+            found = cost_to_come(self._costs, self._table, self._start, goal)
+            self._is_whole = math.isinf(found[goal])
+        elif math.isinf(found[goal]) and not self._is_whole:
+            found = cost_to_come(self._costs, self._table, self._start, None)
+            self._is_whole = True
+        self._found = found
+        return found
+
+    def _reaches(self, goal: Cell, name: str, table: Float64Array) -> bool:
+        """Return whether there were a way to the goal with other costs of the steps."""
+        if name not in self._others:
+            self._others[name] = cost_to_come(self._costs, table, self._start, None)
+        return math.isfinite(self._others[name][goal])
+
+    def _why_none(self, goal: Cell, potential: Float64Array) -> str:
+        """Return a sentence on what would have to be otherwise for a path to the goal to be found."""
+        said, config = "There is no path to the goal", self.config
+        if math.isinf(self._table[self._costs[goal]]):
+            return (
+                f"{said}: the robot cannot be there, {_why_blocked(self._costs, goal)}, and no cell within the "
+                f"tolerance of {config.tolerance:g} m can be reached."
+            )
+        if not config.allow_unknown and self._reaches(goal, "unknown", step_costs(PlannerConfig(allow_unknown=True))):
+            return f"{said} without crossing unknown cells."
+        if self._reaches(goal, "inscribed", step_costs(config, inscribed_passable=True)):
+            return f"{said}: it would have to pass where the robot touches an obstacle (inscribed cells)."
+        reached = int(np.isfinite(potential).sum())
+        return f"{said}: obstacles are all around the {reached} cells that can be reached from the start."
 
 
 def cost_to_come(
-    costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell, use_astar: bool = False
+    costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell | None, use_astar: bool = False
 ) -> Float64Array:
     """Return the cost to come (rows, cols) from ``start``, by Dijkstra's algorithm or by A*; infinity elsewhere.
 
     ``table`` (256,) has the costs of a straight step. The search ends where the goal's cost is known; without a way
-    there it has the cost of every cell that can be reached.
+    there, or without a goal, which A* needs, it has the cost of every cell that can be reached.
     """
     cols = costs.shape[1]
     least = float(table.min())
-    ends = start[0] * cols + start[1], goal[0] * cols + goal[1]
+    ends = start[0] * cols + start[1], -1 if goal is None else goal[0] * cols + goal[1]
     out = np.empty(costs.shape)
     one, other = np.empty(costs.size, dtype=np.int32), np.empty(costs.size, dtype=np.int32)
     if use_astar:
@@ -135,21 +200,3 @@ def _why_blocked(costs: UInt8Array, cell: Cell) -> str:
     if cost == NO_INFORMATION:
         return "its cell is unknown, and the path may not cross unknown cells"
     return f"its cell is {name_of_cost(cost)}"
-
-
-def _why_none(costs: UInt8Array, config: PlannerConfig, start: Cell, goal: Cell, potential: Float64Array) -> str:
-    """Return a sentence on what would have to be otherwise for a path to the goal to be found."""
-    said = "There is no path to the goal"
-    if math.isinf(step_costs(config)[costs[goal]]):
-        return (
-            f"{said}: the robot cannot be there, {_why_blocked(costs, goal)}, and no cell within the tolerance of "
-            f"{config.tolerance:g} m can be reached."
-        )
-    unknown = PlannerConfig(allow_unknown=True)
-    if not config.allow_unknown and np.isfinite(cost_to_come(costs, step_costs(unknown), start, goal)[goal]):
-        return f"{said} without crossing unknown cells."
-    passable = step_costs(config, inscribed_passable=True)
-    if np.isfinite(cost_to_come(costs, passable, start, goal)[goal]):
-        return f"{said}: it would have to pass where the robot touches an obstacle (inscribed cells)."
-    reached = int(np.isfinite(potential).sum())
-    return f"{said}: obstacles are all around the {reached} cells that can be reached from the start."

@@ -18,7 +18,7 @@ from mapper.planning.parameters import PursuitConfig
 
 
 class Command(NamedTuple):
-    """What the robot is told: ``linear`` m/s and ``angular`` rad/s; and the ``carrot`` (x, y) that it aims at, m."""
+    """Velocity command: ``linear`` m/s and ``angular`` rad/s; and the ``carrot`` (x, y) that it aims at, m."""
 
     linear: float
     angular: float

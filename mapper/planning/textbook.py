@@ -36,10 +36,10 @@ def neighbours(costs: UInt8Array, table: Float64Array, cell: Cell) -> Iterator[t
         yield to, math.sqrt(2.0) if d_row and d_col else 1.0
 
 
-def dijkstra(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell) -> Float64Array:
+def dijkstra(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell | None) -> Float64Array:
     """Return the cost to come (rows, cols) of each cell from ``start``: of those that cost no more than ``goal`` does.
 
-    Infinity elsewhere. All cells that can be reached have one where the goal cannot be reached.
+    Infinity elsewhere. All cells that can be reached have one where the goal cannot be reached, and without a goal.
     """
     potential = np.full(costs.shape, np.inf)
     potential[start] = 0.0
@@ -55,7 +55,8 @@ def dijkstra(costs: UInt8Array, table: Float64Array, start: Cell, goal: Cell) ->
             if new < potential[to]:
                 potential[to] = new
                 heapq.heappush(queue, (new, to))
-    potential[potential > potential[goal]] = np.inf
+    if goal is not None:
+        potential[potential > potential[goal]] = np.inf
     return potential
 
 

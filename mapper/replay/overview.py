@@ -23,6 +23,20 @@ OCCUPIED_SHARE = 0.2
 UNOBSERVED, FREE, OCCUPIED, PATH = range(4)  #: codes of cells
 
 
+def cells_overview(free: NDArray[np.bool_], occupied: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Return the codes of a picture of cells (rows, cols), row 0 at the greatest y, at most :data:`SIDE` a side.
+
+    ``free`` and ``occupied`` (rows, cols) have row 0 at the smallest y. A cell of the picture that stands for several
+    is occupied where one of them is, else free where one of them is.
+    """
+    step = -(-max(free.shape) // SIDE)
+    codes = np.full((-(-free.shape[0] // step), -(-free.shape[1] // step)), UNOBSERVED, dtype=np.uint8)
+    for cells, code in ((free, FREE), (occupied, OCCUPIED)):
+        rows, cols = np.nonzero(cells)
+        codes[rows // step, cols // step] = code
+    return codes[::-1]
+
+
 def map_overview(log: ScanLog) -> NDArray[np.uint8] | None:
     """Return the codes of the cells of a picture (rows, cols), row 0 at the greatest y.
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.simulation.kernels.reflection import reflect
 from mapper.simulation.lidar import SensorConfig, true_ranges
 from mapper.simulation.sonar import ranges_in_cones, rays_of_cone
 from mapper.simulation.worlds import Float64Array, World
@@ -85,7 +86,7 @@ check_table(Faults, FAULT_PARAMETERS)
 def polished_faces(world: World) -> Float64Array:
     """Return the faces (n, 4), ``(ax, ay, bx, by)`` in metres, that are polished: all straight ones that are long."""
     length = np.hypot(*(world.segments[:, 2:] - world.segments[:, :2]).T)
-    faces: Float64Array = world.segments[length >= POLISHED_LENGTH]
+    faces: Float64Array = np.ascontiguousarray(world.segments[length >= POLISHED_LENGTH])
     faces.setflags(write=False)
     return faces
 
@@ -98,26 +99,11 @@ def reflected_away(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_po
     (failures of a range finder: specular reflection, of sonars on every smooth wall, of lidars on glass and polished
     surfaces).
     """
-    faces = polished_faces(world)
-    distance = np.asarray(ranges, dtype=np.float64)
-    out = np.zeros(len(distance), dtype=np.bool_)
-    returned = np.flatnonzero(np.isfinite(distance))
-    if not len(faces) or not len(returned):
-        return out
+    distance = np.ascontiguousarray(ranges, dtype=np.float64)
     x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
-    bearing = yaw + np.asarray(angles, dtype=np.float64)[returned]
-    direction = np.stack([np.cos(bearing), np.sin(bearing)], axis=-1)
-    ends = np.array([x, y]) + distance[returned, np.newaxis] * direction
-    edge = faces[:, 2:] - faces[:, :2]
-    length = np.hypot(*edge.T)
-    along = edge / length[:, np.newaxis]
-    offset = ends[:, np.newaxis] - faces[np.newaxis, :, :2]  # (beams, faces, 2)
-    off_face = np.abs(offset[..., 0] * along[:, 1] - offset[..., 1] * along[:, 0])
-    where = offset[..., 0] * along[:, 0] + offset[..., 1] * along[:, 1]
-    on_face = (off_face <= ON_WALL) & (where >= -ON_WALL) & (where <= length + ON_WALL)
-    # The sine of the angle between beam and normal is the cosine of that between beam and face.
-    slant = np.abs(direction @ along.T) > math.sin(SPECULAR_ANGLE)
-    out[returned] = np.any(on_face & slant, axis=1)
+    bearings = yaw + np.asarray(angles, dtype=np.float64)
+    out = np.empty(len(distance), dtype=np.bool_)
+    reflect(polished_faces(world), distance, bearings, x, y, math.sin(SPECULAR_ANGLE), ON_WALL, out)
     return out
 
 

@@ -40,7 +40,7 @@ MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this mak
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
 SETTLING = 6  #: iterations after a loop
 UNSEEN = 0.03  #: of the information of a step's position
-LEAST_UNSEEN = 5.0  #: metres of the way, that are told
+LEAST_UNSEEN = 5.0  #: m of the way; shorter ones are not reported
 EVERY = 25  #: scans between two reports
 
 

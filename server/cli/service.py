@@ -22,6 +22,13 @@ def serve(
         str | None, typer.Option(help="Database of the logs' records, sqlite:/// or postgresql://.")
     ] = None,
     logs_dir: Annotated[Path | None, typer.Option(help="Folder of logs that all visitors see, read-only.")] = None,
+    open_class: Annotated[
+        bool,
+        typer.Option(
+            "--class",
+            help="Open a class, and print its address as a QR code; listens on all addresses unless --host is given.",
+        ),
+    ] = False,
     no_token: Annotated[
         bool, typer.Option("--no-token", help="Require no token although other machines can reach the service.")
     ] = False,
@@ -33,6 +40,10 @@ def serve(
         from server.serving import run  # noqa: PLC0415 - start-up
         from server.settings import Settings  # noqa: PLC0415 - start-up
 
+    if open_class:
+        from server.classes.codes import new_code  # noqa: PLC0415 - few start with a class
+
+        host = host or "0.0.0.0"  # noqa: S104 - the hall's network is meant
     options: dict[str, Any] = {
         "host": host,
         "port": port,
@@ -41,6 +52,7 @@ def serve(
         "database": database,
         "logs_dir": logs_dir,
         "no_token": no_token or None,
+        "class_code": new_code() if open_class else None,
     }
     if logs_dir is not None and not logs_dir.is_dir():
         fail(f"--logs-dir: {logs_dir} is no folder.")

@@ -54,7 +54,7 @@ def why(
         replay = Replay(scans, config, trajectory, prior=prior_map.grid if prior_map else None)
         replay.advance_to(scans.n_scans if first_scans is None else first_scans)
         row, col = (int(n) for n in replay.grid.geometry.world_to_cell(point))
-        told = replay.provenance(row, col)
+        why = replay.provenance(row, col)
     contributions = [
         {
             "scan": scan,
@@ -65,12 +65,12 @@ def why(
             "log_odds": round(log_odds, 6),
         }
         for scan, beam, reading, hit, increment, log_odds in zip(
-            told.scans.tolist(),
-            told.beams.tolist(),
-            told.ranges.tolist(),
-            told.hits.tolist(),
-            told.increments.tolist(),
-            told.log_odds.tolist(),
+            why.scans.tolist(),
+            why.beams.tolist(),
+            why.ranges.tolist(),
+            why.hits.tolist(),
+            why.increments.tolist(),
+            why.log_odds.tolist(),
             strict=True,
         )
     ]
@@ -79,10 +79,10 @@ def why(
         "scans": replay.index,
         "row": row,
         "col": col,
-        "prior": round(told.prior, 6),
-        "log_odds": round(told.after, 6),
+        "prior": round(why.prior, 6),
+        "log_odds": round(why.after, 6),
         "p_occ": round(float(replay.grid.p_occ[row, col]), 6),
-        "hits": int(told.hits.sum()),
+        "hits": int(why.hits.sum()),
         "contributions": contributions,
         "notes": list(notes),
     }
@@ -91,7 +91,7 @@ def why(
         return
     typer.echo(f"{facts['log']}: cell ({row}, {col}) after {replay.index} scans")
     typer.echo(
-        f"  log-odds {told.after:.3f}, p {facts['p_occ']:.3f}, from {told.prior:g}: {len(contributions)} beams, "
+        f"  log-odds {why.after:.3f}, p {facts['p_occ']:.3f}, from {why.prior:g}: {len(contributions)} beams, "
         f"{facts['hits']} of them hits"
     )
     if contributions:

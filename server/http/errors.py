@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
+from server.classes import ClassBudgetError, ClassNotFoundError, ClassRightError
 from server.downloads import MapSnapshotGoneError
 from server.library import (
     LinkGoneError,
@@ -32,6 +33,9 @@ _log = structlog.get_logger(__name__)
 _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (SessionNotFoundError, 404),
     (LinkGoneError, 404),
+    (ClassNotFoundError, 404),
+    (ClassRightError, 403),
+    (ClassBudgetError, 429),
     (MapSnapshotGoneError, 410),
     (LogNotFoundError, 404),
     (TrajectoryNotFoundError, 404),

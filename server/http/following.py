@@ -46,16 +46,16 @@ def follow(
 ) -> None:
     """Have a session show the map along the poses so far, as the trajectory ``name``.
 
-    ``more`` returns what else of a report the session is told.
+    ``more`` returns what else of a report the session gets.
     """
     session.enqueue({"type": "follow_poses", "name": name})
 
-    def told(report: R | None) -> None:
+    def notify(report: R | None) -> None:
         # Of reports that come faster than the map is made, the newest counts: there is another one soon.
         if report is not None and not session.closed and not session.has_queued_commands:
             session.enqueue({"type": "poses_so_far", "poses": report.poses, **more(report)})
 
-    session.on_close.append(jobs.listen(session.owner, log_id, told))
+    session.on_close.append(jobs.listen(session.owner, log_id, notify))
 
 
 def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T], owner: str, log_id: str) -> None:
@@ -82,10 +82,10 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T
         except (MapperError, ProtocolError):  # the log was deleted meanwhile, or a session takes no more commands
             return
 
-    def told(report: R | None) -> None:
+    def notify(report: R | None) -> None:
         if report is None:
             task = asyncio.create_task(quietly())
             _tasks.add(task)
             task.add_done_callback(_tasks.discard)
 
-    jobs.listen(owner, log_id, told)
+    jobs.listen(owner, log_id, notify)

@@ -9,8 +9,11 @@ from fastapi import Depends
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection
 
+from server.classes import Classes
 from server.downloads import Downloads
+from server.http.brake import Brake
 from server.http.metrics import Metrics
+from server.http.sign_ins import SignIns
 from server.library import Library
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
@@ -28,7 +31,11 @@ class Services:
     library: Library
     downloads: Downloads
     scenes: Scenes
+    classes: Classes
+    sign_ins: SignIns
     request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
+    #: Wrong codes of classes. All of a lecture hall have one address, and some of them mistype.
+    code_brake: Brake = field(default_factory=lambda: Brake(burst=60, per_minute=60.0))
 
 
 def install(app: Starlette, services: Services) -> None:
@@ -75,6 +82,16 @@ async def get_scenes(connection: HTTPConnection) -> Scenes:
     return services_of(connection.app).scenes
 
 
+async def get_classes(connection: HTTPConnection) -> Classes:
+    """Return the classes."""
+    return services_of(connection.app).classes
+
+
+async def get_code_brake(connection: HTTPConnection) -> Brake:
+    """Return the brake on guesses of classes' codes."""
+    return services_of(connection.app).code_brake
+
+
 async def get_request_work(connection: HTTPConnection) -> FairLock:
     """Return the lock under which a request computes on a thread."""
     return services_of(connection.app).request_work
@@ -91,6 +108,8 @@ ServiceMetrics = Annotated[Metrics, Depends(get_metrics)]
 Sessions = Annotated[SessionRegistry, Depends(get_sessions)]
 Logs = Annotated[Library, Depends(get_library)]
 FileDownloads = Annotated[Downloads, Depends(get_downloads)]
+OpenClasses = Annotated[Classes, Depends(get_classes)]
+CodeBrake = Annotated[Brake, Depends(get_code_brake)]
 OpenScenes = Annotated[Scenes, Depends(get_scenes)]
 RequestWork = Annotated[FairLock, Depends(get_request_work)]
 Visitor = Annotated[str, Depends(get_visitor)]

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Callable, MutableMapping
+from dataclasses import dataclass
 from typing import Any
 
 import structlog
@@ -39,8 +40,22 @@ class Allowance:
         return max(0.0, -self._left / COMMANDS_PER_S)
 
 
-async def exchange(websocket: WebSocket, session: SessionHost, max_clients: int) -> None:
+@dataclass(frozen=True, slots=True)
+class Following:
+    """A client that follows the lecturer of a class: it sees the session, and its commands are refused.
+
+    ``may`` says whether a command of that type is allowed all the same.
+    """
+
+    may: Callable[[str], bool]
+
+
+async def exchange(
+    websocket: WebSocket, session: SessionHost, max_clients: int, following: Following | None = None
+) -> None:
     """Accept the WebSocket, if the session has fewer than ``max_clients`` clients, and exchange messages until it ends.
+
+    Followers of a class and others are counted apart.
 
     Raises :class:`SessionBudgetError` before the socket is accepted.
     """
@@ -48,13 +63,14 @@ async def exchange(websocket: WebSocket, session: SessionHost, max_clients: int)
         await websocket.accept()
         await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
         return
-    if len(session.hub.clients) >= max_clients:
+    follows = following is not None
+    if sum(client.follows == follows for client in session.hub.clients) >= max_clients:
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
     await websocket.accept(subprotocol=SUBPROTOCOL)
-    client = session.join()
+    client = session.join(follows=follows)
     tasks = [
         asyncio.create_task(_send(websocket, session, client), name="stream out"),
-        asyncio.create_task(_receive(websocket, session, client), name="stream in"),
+        asyncio.create_task(_receive(websocket, session, client, following), name="stream in"),
     ]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -82,6 +98,9 @@ async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> N
         for message in client.take():
             if isinstance(message, bytes):
                 await websocket.send_bytes(message)
+            elif client.follows and message.startswith('{"type":"hello"'):
+                # Whoever knows the id of a session can control it.
+                await websocket.send_text(message.replace(session.id, ""))
             else:
                 await websocket.send_text(message)
         if session.closed:
@@ -95,7 +114,7 @@ async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> N
                 await client.wake.wait()
 
 
-async def _receive(websocket: WebSocket, session: SessionHost, client: Client) -> None:
+async def _receive(websocket: WebSocket, session: SessionHost, client: Client, following: Following | None) -> None:
     malformed = throttled = 0
     allowance = Allowance()
     while True:
@@ -103,7 +122,7 @@ async def _receive(websocket: WebSocket, session: SessionHost, client: Client) -
         if message["type"] == "websocket.disconnect":
             return
         try:
-            _take(session, client, _decode(message))
+            _take(session, client, _decode(message), following)
         except ProtocolError as error:
             client.send(error_message(error.code, error.message))
             malformed += error.code.startswith("command.")
@@ -123,10 +142,10 @@ def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:
     return decode_command(message.get("bytes") or b"" if data is None else data)
 
 
-def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None:
+def _take(session: SessionHost, client: Client, command: dict[str, Any], following: Following | None) -> None:
     match command["type"]:
         case "ack":
-            client.acknowledge(integer(command, "seq"))
+            session.acknowledge(client, integer(command, "seq"))
         case "resume":
             if text(command, "epoch_id") == session.epoch_id:
                 client.resume(text(command, "layer"), integer(command, "epoch"), integer(command, "revision"))
@@ -134,5 +153,7 @@ def _take(session: SessionHost, client: Client, command: dict[str, Any]) -> None
             client.subscribe(command["layers"])
         case "ping":
             client.send({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
+        case kind if following is not None and kind != "inspect" and not following.may(kind):
+            raise ProtocolError("class.read_only", "The lecturer drives this robot; your own world obeys you.")
         case _:
             session.enqueue(command, client)

@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mapper.core.array_types import UInt8Array
 from mapper.core.errors import MapperError
+from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
 from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
+from mapper.replay.overview import cells_overview
 from mapper.sensors.scan import Topic
 from server.library.log_pack import StalePackError
 
@@ -72,6 +75,12 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
         raise StalePackError(f"{type(error).__name__}: {error}") from error
     return streams
+
+
+def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
+    """Return the codes of a picture of the last costmap of the topic with most of them, for its card."""
+    costs = max(streams.values(), key=len)[-1].costs
+    return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))
 
 
 def summarise_costmaps(streams: Mapping[str, CostmapStream], name: str) -> LogSummary:

@@ -1,4 +1,4 @@
-"""A map that a log is localized in, and its file of arrays."""
+"""A map of the library, or one that a log is localized in, and its file of arrays."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ VERSION = 1
 class GivenMap:
     """``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. ``title`` is for people.
 
-    ``notes`` are those of its reader.
+    ``notes`` are those of its reader. ``keepout`` (rows, cols) int8 is its keepout mask, 0 … 100, None for none.
     """
 
     title: str
     geometry: GridGeometry
     values: NDArray[np.int8]
     notes: tuple[str, ...] = ()
+    keepout: NDArray[np.int8] | None = None
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a file of arrays has of it."""
@@ -40,7 +41,9 @@ class GivenMap:
             "resolution": geometry.resolution,
             "origin": list(geometry.origin),
         }
-        return {"map_about": np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), "map_values": self.values}
+        mask = {} if self.keepout is None else {"map_keepout": self.keepout}
+        text = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
+        return {"map_about": text, "map_values": self.values, **mask}
 
     @classmethod
     def of_arrays(cls, arrays: Any) -> GivenMap:  # noqa: ANN401 - NumPy's archive has no type of its own
@@ -52,7 +55,10 @@ class GivenMap:
         geometry = GridGeometry(
             float(about["resolution"]), values.shape[0], values.shape[1], (float(x), float(y), float(yaw))
         )
-        return cls(str(about["title"]), geometry, values, tuple(map(str, about["notes"])))
+        keepout = arrays.get("map_keepout")
+        if keepout is not None and keepout.shape != values.shape:
+            raise ValueError(f"keepout mask of shape {keepout.shape}")
+        return cls(str(about["title"]), geometry, values, tuple(map(str, about["notes"])), keepout)
 
     def write(self, path: Path) -> None:
         """Write the map's file. Raises :class:`OSError`."""

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import tarfile
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from mapper.core.errors import LimitError, ReadError
 from server.library import job as jobs
 from server.library.given_map import GivenMap
+from server.library.map_files import read_map
 from server.library.slam_job import log_in
 
 DOING = "Making this map"  #: in errors
-MOST_FILES = 8  #: in an archive
-MOST_BYTES = 256 << 20  #: of all of them together
 RESOLUTIONS = (0.05, 0.1, 0.2, 0.5)  #: metres a cell: the first that the limits allow
 MOST_CELLS = 1 << 26
 
@@ -52,7 +49,11 @@ def do_given_map_job(job: GivenMapJob) -> GivenMap:
 
 
 def _made(job: GivenMapJob) -> GivenMap:
-    given = _of_files(job) if job.trajectory is None else _of_log(job, job.trajectory)
+    given = (
+        read_map(Path(job.source), job.title, Path(job.out).parent)
+        if job.trajectory is None
+        else _of_log(job, job.trajectory)
+    )
     if given.values.size > MOST_CELLS:
         raise LimitError("map.cells", f"The map has {given.values.size:,} cells; at most {MOST_CELLS:,} are used here.")
     if not (given.values == 0).any() and not (given.values >= 0).any():
@@ -84,47 +85,3 @@ def _of_log(job: GivenMapJob, trajectory: str) -> GivenMap:
             break
     integrate_log(grid, log, config, trajectory)
     return GivenMap(job.title, grid.geometry, occupancy_values(grid))
-
-
-def _of_files(job: GivenMapJob) -> GivenMap:
-    from mapper.io.maps import load_map  # noqa: PLC0415 - only this process reads maps
-    from mapper.io.maps.bee import is_bee_map  # noqa: PLC0415
-
-    source = Path(job.source)
-    if is_bee_map(source):
-        loaded = load_map(source)
-        return GivenMap(job.title, loaded.grid.geometry, loaded.values, loaded.notes)
-    with tempfile.TemporaryDirectory(dir=Path(job.out).parent) as folder:
-        names = _unpacked(source, Path(folder))
-        yamls = [name for name in names if name.lower().endswith((".yaml", ".yml"))]
-        if len(yamls) != 1:
-            raise ReadError(
-                "map.files", "Map files are one yaml and the image that it names; "
-                + (f"there are {len(yamls)} yamls here." if yamls else "there is no yaml here."),
-            )  # fmt: skip
-        loaded = load_map(Path(folder) / yamls[0])
-    return GivenMap(yamls[0], loaded.grid.geometry, loaded.values, loaded.notes)
-
-
-def _unpacked(source: Path, folder: Path) -> list[str]:
-    """Write the files of a tar archive into ``folder`` by their last names, and return these."""
-    names: list[str] = []
-    room = MOST_BYTES
-    try:
-        with tarfile.open(source, "r:") as archive:
-            for member in archive:
-                name = PurePosixPath(member.name).name
-                if not member.isfile() or not name or len(names) >= MOST_FILES:
-                    raise ReadError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
-                room -= member.size
-                if room < 0:
-                    raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
-                content = archive.extractfile(member)
-                if content is not None:
-                    (folder / name).write_bytes(content.read())
-                    names.append(name)
-    except (tarfile.TarError, EOFError, ValueError):
-        raise ReadError(
-            "map.files", "These are no map files: choose a yaml together with its image, or a map of CMU's course."
-        ) from None
-    return names

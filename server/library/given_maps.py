@@ -7,11 +7,13 @@ import hashlib
 import secrets
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
+from typing import Protocol
 
 from mapper.core.errors import LimitError
 from server.library.given_map import GivenMap, read_given_map
-from server.library.given_map_job import MOST_BYTES, GivenMapJob
+from server.library.given_map_job import GivenMapJob
 from server.library.log_reader import outcome_of
+from server.library.map_files import MOST_BYTES
 from server.library.pose_jobs import JobLimits, Logs, packed
 from server.library.storage import private_folder
 from server.library.workers import Worker
@@ -20,10 +22,17 @@ from server.work.fair_lock import FairLock
 LIMITS = JobLimits(timeout_s=300.0, cpu_s=600.0)
 
 
+class MapLogs(Logs, Protocol):
+    """What is needed of the library."""
+
+    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+        """Return a map of the library, None for a log."""
+
+
 class GivenMaps:
     """All of them, as files in ``folder``. Used from the event loop only."""
 
-    def __init__(self, logs: Logs, worker: Callable[[], Worker], folder: Path, room: Callable[[], int]) -> None:
+    def __init__(self, logs: MapLogs, worker: Callable[[], Worker], folder: Path, room: Callable[[], int]) -> None:
         self._logs, self._make_worker, self._folder, self._room = logs, worker, folder, room
         self._worker: Worker | None = None
         self._turns = FairLock()
@@ -46,11 +55,14 @@ class GivenMaps:
         return await asyncio.to_thread(read_given_map, self.path(owner, log_id))
 
     async def of_log(self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None) -> GivenMap:
-        """Choose the map of the log ``other`` along one of its trajectories, None: its first.
+        """Choose the map of the log ``other`` along one of its trajectories, None: its first; or ``other``, a map.
 
         Raises :class:`LimitError`, and as the library for logs that the owner may not open.
         """
         self._logs.get(owner, log_id)
+        kept = await self._logs.given_map(owner, other)
+        if kept is not None:
+            return await self._keep(owner, log_id, kept)
         log = await self._logs.load(owner, other, topic)
         name = trajectory or log.default_trajectory
         log.trajectory(name)
@@ -90,14 +102,28 @@ class GivenMaps:
             async with self._turns.of(owner):
                 worker = self._worker = self._worker or self._make_worker()
                 made = await outcome_of(worker, worker.submit(job), job.timeout_s)
-            size = fresh.stat().st_size
-            if size > self._room():
-                raise LimitError("library.full", "The server's room for logs is used up; try again later.")
-            self._bytes += size - (out.stat().st_size if out.exists() else 0)
-            fresh.replace(out)
+            self._put(fresh, out)
             return made
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
+
+    async def _keep(self, owner: str, log_id: str, given: GivenMap) -> GivenMap:
+        """Choose a map of the library."""
+        fresh = self._folder / f"{secrets.token_hex(10)}.new"
+        try:
+            await asyncio.to_thread(given.write, fresh)
+            self._put(fresh, self.path(owner, log_id))
+        finally:
+            await asyncio.to_thread(fresh.unlink, missing_ok=True)
+        return given
+
+    def _put(self, fresh: Path, out: Path) -> None:
+        """Replace the file ``out`` by a new one."""
+        size = fresh.stat().st_size
+        if size > self._room():
+            raise LimitError("library.full", "The server's room for logs is used up; try again later.")
+        self._bytes += size - (out.stat().st_size if out.exists() else 0)
+        fresh.replace(out)
 
     def forget_log(self, log_id: str) -> None:
         """Remove the maps that were chosen for a log."""

@@ -19,6 +19,7 @@ from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from mapper.core.array_types import UInt8Array
 from mapper.core.errors import LimitError, ReadError
 from mapper.io.logs.summary import LogSummary, summarise
 from mapper.sensors.planar.options import PlanarCut
@@ -179,9 +180,12 @@ def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = 
 def _read(job: Job) -> LogSummary:
     from mapper.io.logs import open_robot_log  # noqa: PLC0415 - only the process that reads needs the readers
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
+    from server.library.map_files import is_map  # noqa: PLC0415
 
     if job.volume:
         return _read_volume(job)
+    if job.topic is None and is_map(Path(job.source)):
+        return _read_map(job)
     if job.topic is None and _holds_volume(job):
         return _read_volume(job)
     selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
@@ -192,12 +196,7 @@ def _read(job: Job) -> LogSummary:
             raise
         return _read_others(job, error)
     note_progress(1.0)  # a cancelled job ends here and leaves no pack
-    if job.pack is not None:
-        try:
-            write_pack(log, Path(job.pack))
-        except OSError as error:
-            message = "What was read of the log could not be stored; the server's disk may be full."
-            raise LimitError("log.storage", message) from error
+    _pack(job, lambda path: write_pack(log, path))
     if job.picture is not None:
         from server.library.log_picture import write_picture  # noqa: PLC0415 - Pillow is loaded only for pictures
 
@@ -239,20 +238,48 @@ def _read_others(job: Job, no_scans: ReadError) -> LogSummary:
 def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:
     """Read the costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them either."""
     from mapper.io.costmaps import open_costmaps  # noqa: PLC0415 - few logs have them
-    from server.library.costmap_pack import summarise_costmaps, write_costmap_pack  # noqa: PLC0415
+    from server.library.costmap_pack import costmap_codes, summarise_costmaps, write_costmap_pack  # noqa: PLC0415
 
     try:
         streams = open_costmaps(Path(job.source), progress=note_progress)
     except ReadError:
         raise no_scans from None
     note_progress(1.0)
+    _pack(job, lambda path: write_costmap_pack(streams, path))
+    _draw(job, lambda: costmap_codes(streams))
+    return summarise_costmaps(streams, Path(job.source).name)
+
+
+def _read_map(job: Job) -> LogSummary:
+    """Read map files."""
+    from server.library.map_files import read_map  # noqa: PLC0415
+    from server.library.map_pack import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
+
+    target = Path(job.source if job.pack is None else job.pack)
+    given = read_map(Path(job.source), "map", target.parent)
+    note_progress(1.0)
+    _pack(job, given.write)
+    _draw(job, lambda: map_codes(given))
+    return summarise_map(given)
+
+
+def _pack(job: Job, write: Callable[[Path], None]) -> None:
+    """Write the pack of a job that has one. Raises :class:`LimitError` where there is no room for it."""
     if job.pack is not None:
         try:
-            write_costmap_pack(streams, Path(job.pack))
+            write(Path(job.pack))
         except OSError as error:
             message = "What was read of the log could not be stored; the server's disk may be full."
             raise LimitError("log.storage", message) from error
-    return summarise_costmaps(streams, Path(job.source).name)
+
+
+def _draw(job: Job, codes: Callable[[], UInt8Array]) -> None:
+    """Draw the picture of a job that has one; what it shows can be opened without it as well."""
+    if job.picture is not None:
+        from server.library.log_picture import write_codes  # noqa: PLC0415 - Pillow is loaded only for pictures
+
+        with contextlib.suppress(OSError, ValueError, MemoryError):
+            write_codes(codes(), Path(job.picture))
 
 
 def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> LimitError:

@@ -368,6 +368,10 @@ class Library:
         """Return what a map in 3D of a log is made of: the scans of its clouds, or an octree. As :meth:`load`."""
         return await self._loading.volume(owner, log_id, topic)
 
+    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+        """Return the map that map files are, named as their record; None for any other log. As :meth:`load`."""
+        return await self._loading.given_map(owner, log_id)
+
     def opening(self, log_id: str) -> tuple[str, float | None]:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
         return self._loading.opening(log_id)

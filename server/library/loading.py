@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from mapper.core.errors import ConfigError, LimitError, ReadError
@@ -15,6 +15,7 @@ from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
 from server.library.costmap_pack import read_costmap_pack
+from server.library.given_map import GivenMap, read_given_map
 from server.library.jobs import Jobs, unstored
 from server.library.limits import DAY_S
 from server.library.log_pack import StalePackError
@@ -91,6 +92,8 @@ class Loading:
             raise ReadError("log.no_scans", "The recording has costmaps and no scans.")
         if record.summary is not None and record.summary.clouds:
             raise ReadError("log.no_scans", "The file has point clouds and no planar scans: it makes a map in 3D.")
+        if record.summary is not None and record.summary.map is not None:
+            raise ReadError("log.no_scans", "This is a map: it has no scans.")
         for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
             record = await self._settled(owner, log_id)
             try:
@@ -137,6 +140,25 @@ class Loading:
                 return await asyncio.to_thread(read_volume_pack, self.catalogue.pack(record.id))
             except StalePackError:
                 self.jobs.queue(record)
+        raise unstored()
+
+    async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
+        """Return the map in map files, None for any other log; as :meth:`load`."""
+        record = self.get(owner, log_id)
+        if record.source == "sample":
+            return None
+        for _ in range(3):
+            record = await self._settled(owner, log_id)
+            if record.summary is not None and record.summary.map is None:
+                return None
+            try:
+                found = await asyncio.to_thread(read_given_map, self.catalogue.pack(record.id))
+            except ConfigError:
+                if record.summary is None:
+                    return None
+                self.jobs.queue(record)
+            else:
+                return replace(found, title=record.name)
         raise unstored()
 
     def opening(self, log_id: str) -> tuple[str, float | None]:

@@ -8,9 +8,9 @@ import uuid
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
+from mapper.core.array_types import UInt8Array
 from mapper.replay.overview import map_overview
 from mapper.sensors.scan import ScanLog
 
@@ -40,8 +40,8 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     return True
 
 
-def write_codes(codes: NDArray[np.uint8], path: Path) -> None:
-    """Write the codes (rows, cols) of cells, row 0 at the top, as a picture. Raises :class:`OSError`."""
+def write_codes(codes: UInt8Array, path: Path) -> None:
+    """Write a picture of ``codes`` (rows, cols), the first row on top, as the palettes have them."""
     image = Image.fromarray(codes, mode="P")
     image.putpalette([value for colour in LIGHT for value in colour])
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")

@@ -92,7 +92,7 @@ class Reader:
 
 
 def _size_of(source: Path) -> int:
-    """Return the bytes of a log, a file or those of a folder; 0 where it cannot be told."""
+    """Return the bytes of a log, a file or those of a folder; 0 where it is unknown."""
     try:
         files = source.iterdir() if source.is_dir() else [source]
         return sum(file.stat().st_size for file in files)

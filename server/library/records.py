@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
-from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary, TrajectorySummary
+from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts, TimeSummary, TrajectorySummary
 from server.library.log_pack import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
@@ -54,7 +54,9 @@ class Record:
         """Bytes on the disk of what was read of it, which may be a thousand times what was uploaded."""
         if self.summary is None:
             return 0
-        return 4 * self.summary.scans * self.summary.beams + 16 * self.summary.points
+        map_ = self.summary.map
+        scans = 4 * self.summary.scans * self.summary.beams
+        return scans + 16 * self.summary.points + (0 if map_ is None else map_.rows * map_.cols)
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
@@ -74,6 +76,7 @@ class Record:
             "costmaps": summary.costmaps if summary else 0,
             "clouds": summary.clouds if summary else 0,
             "points": summary.points if summary else 0,
+            "map": asdict(summary.map) if summary and summary.map else None,
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,
             "format": summary.format if summary else None,
@@ -115,6 +118,8 @@ def summary_from_json(data: dict[str, Any] | None) -> LogSummary | None:
         values["notes"] = tuple(values["notes"])
         if values.get("time") is not None:
             values["time"] = TimeSummary(**values["time"])
+        if values.get("map") is not None:
+            values["map"] = MapSummary(**values["map"])
         values["topics"] = tuple(topic_from_json(one) for one in values.get("topics", ()))
         return LogSummary(**values)
     except (TypeError, KeyError):

@@ -10,6 +10,8 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata
@@ -123,7 +125,7 @@ async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
     except (OSError, TimeoutError, WebSocketException):
         await browser.close(1011, "The scene does not answer.")
         return
-    async with scene:
+    async with _closed_in_the_end(scene):
         await browser.accept(SUBPROTOCOL)
         pumps = [asyncio.create_task(_to_scene(browser, scene)), asyncio.create_task(_to_browser(scene, browser))]
         try:
@@ -141,6 +143,22 @@ async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
     for result in results:
         if isinstance(result, Exception):
             raise result
+
+
+@asynccontextmanager
+async def _closed_in_the_end(scene: ClientConnection) -> AsyncIterator[None]:
+    """Close the connection after the block, also where the wait for viser's answer to that is cancelled.
+
+    websockets closes the socket with that answer: a service that ends cancels its tasks, perhaps for the second time
+    while a slow scene has not answered yet.
+    """
+    try:
+        yield
+    finally:
+        try:
+            await scene.close()
+        finally:
+            scene.transport.abort()
 
 
 async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:

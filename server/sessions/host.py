@@ -21,7 +21,7 @@ import structlog
 
 from mapper.core.limits import Limits
 from server.sessions.computation import compute_tick
-from server.sessions.long_work import LongWork
+from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.model_messages import frame_fields_of, hello_message
 from server.sessions.requests import ReplacingRequests
@@ -88,7 +88,7 @@ class SessionHost:
         self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
         self._caught_up = asyncio.Event()  #: whether there is no such map
         self._caught_up.set()
-        self._showing: asyncio.Task[None] | None = None  #: of the progress of such a map
+        self._showing: Showing | None = None  #: of the progress of such a map
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
@@ -134,10 +134,10 @@ class SessionHost:
             self.listeners.remove(callback)
             self._left()
 
-    def join(self) -> Client:
-        """Return a new client, to which the complete state will be sent."""
+    def join(self, *, follows: bool = False) -> Client:
+        """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
         self.hub.slots["hello"] = encode_text(hello_message(self.model, self.id, self.epoch_id))
-        client = self.hub.join()
+        client = self.hub.join(follows=follows)
         self._wake.set()
         return client
 
@@ -155,6 +155,18 @@ class SessionHost:
     def watched(self) -> bool:
         """Whether the session has a client or a listener."""
         return bool(self.hub.clients or self.listeners)
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether somebody sees what is computed: a listener, or a client that is not stalled."""
+        return bool(self.listeners) or any(not client.is_stalled for client in self.hub.clients)
+
+    def acknowledge(self, client: Client, seq: int) -> None:
+        """Note that a client has painted the frames up to ``seq``. Raises :class:`ProtocolError`."""
+        was_stalled = client.is_stalled
+        client.acknowledge(seq)
+        if was_stalled:
+            self._wake.set()
 
     @property
     def cells(self) -> int:
@@ -230,7 +242,7 @@ class SessionHost:
         last = self._clock()
         playback = self.model.playback
         while True:
-            ticking = playback.playing and self.watched
+            ticking = playback.playing and self.is_seen
             if self._is_deferred_work_due():
                 await self._run_deferred_work()
             elif not self._queue and self._caught_up.is_set():
@@ -240,7 +252,7 @@ class SessionHost:
             now = self._clock()
             if not ticking:
                 last = now - TICK_S  # time without playback does not count
-            due = playback.playing and self.watched and now - last >= TICK_S
+            due = playback.playing and self.is_seen and now - last >= TICK_S
             commands = [*self._queue]
             if not (commands or due) and self._caught_up.is_set():
                 continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 
 from server.sessions.messages import working_message
 from server.stream.hub import Hub
@@ -17,6 +17,24 @@ SHOWN_EVERY_S = 0.25  #: at this interval
 MAX_BACKGROUND_WAIT_S = 60.0
 
 
+class Showing:
+    """Runs ``show`` as a task after :data:`SHOWN_AFTER_S`: most computations end earlier and need no task."""
+
+    def __init__(self, show: Callable[[], Coroutine[None, None, None]]) -> None:
+        self._show = show
+        self._task: asyncio.Task[None] | None = None
+        self._timer = asyncio.get_running_loop().call_later(SHOWN_AFTER_S, self._begin)
+
+    def _begin(self) -> None:
+        self._task = asyncio.ensure_future(self._show())
+
+    def cancel(self) -> None:
+        """End it."""
+        self._timer.cancel()
+        if self._task is not None:
+            self._task.cancel()
+
+
 class LongWork:
     """The progress of a session's computations. ``fraction`` returns the share of the present one that is done."""
 
@@ -25,13 +43,12 @@ class LongWork:
         self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
         self._nothing_long.set()
 
-    def show(self) -> asyncio.Task[None]:
-        """Return a task that sends the progress, from :data:`SHOWN_AFTER_S` on, until it is cancelled."""
-        return asyncio.ensure_future(self._show())
+    def show(self) -> Showing:
+        """Send the progress, from :data:`SHOWN_AFTER_S` on, until the result is cancelled."""
+        return Showing(self._show)
 
     async def _show(self) -> None:
-        began = self._clock()
-        await asyncio.sleep(SHOWN_AFTER_S)
+        began = self._clock() - SHOWN_AFTER_S
         try:
             self._nothing_long.clear()
             while True:

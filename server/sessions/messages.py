@@ -15,6 +15,11 @@ from server.sessions.view import Pose, RobotState
 if TYPE_CHECKING:
     from mapper.simulation import SensorConfig
 
+#: No reading: pages wait for a first scan.
+NO_READINGS: dict[str, Any] = {
+    "scan_pose": [0.0, 0.0, 0.0], "ranges": [], "angle_min": 0.0, "angle_increment": 0.0, "range_max": 0.0,
+}  # fmt: skip
+
 
 def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> dict[str, Any]:
     """Return a ``parameters`` message."""

@@ -23,7 +23,7 @@ from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
-    from server.sessions.parts import Comparable, Graphed, Localized, Recording, Story, Volumetric
+    from server.sessions.parts import Comparable, Costed, EditedFiles, Graphed, Localized, Recording, Story, Volumetric
 
 NO_SCAN: dict[str, Any] = {}
 
@@ -50,6 +50,8 @@ class SessionModel(ABC):
     graph: Graphed | None = None  #: the pose graph of a log's trajectory
     localization: Localized | None = None  #: how a log's trajectory was found in a map
     volume: Volumetric | None = None  #: the map in 3D, for a session that shows one
+    costed: Costed | None = None  #: costs over the map
+    editing: EditedFiles | None = None  #: the map that is edited
     story: Story | None = None  #: recorded history from which the session can be reproduced
 
     def __init__(self, playback: Playback | None = None) -> None:

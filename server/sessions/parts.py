@@ -12,7 +12,9 @@ from mapper.sensors.scan import ScanLog
 from server.sessions.view import GraphChange, LogView, Wanted
 
 if TYPE_CHECKING:
+    from mapper.core.array_types import Int8Array
     from mapper.diagnosis import Finding
+    from mapper.io.costmaps import RecordedCostmap
     from mapper.io.export import GrowingMap
 
 
@@ -105,6 +107,23 @@ class Volumetric(Protocol):
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
+
+
+class EditedFiles(Protocol):
+    """A map that is edited."""
+
+    async def files(self, stem: str) -> list[tuple[str, bytes]]:
+        """Return the files of the present map, by name: the image, its yaml, the keepout mask's, the edits."""
+
+
+class Costed(Protocol):
+    """The costs of a session: a costmap over its map, or a recorded one. To be read while the session is locked."""
+
+    def present_costs(self) -> RecordedCostmap | None:
+        """Return the present costs, in an array of their own; None where there are none."""
+
+    def present_mask(self) -> Int8Array | None:
+        """Return the mask (rows, cols) of the keepout zones on the costs' cells, −1 for none; None without zones."""
 
 
 class Story(Protocol):

@@ -132,17 +132,28 @@ class SessionRegistry:
             plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s, making))
             return await self._begin(plan, visitor, making, address=address)
 
-    async def begin(self, plan: Plan, owner: str, *, link: str | None = None, address: str = "") -> SessionHost:
+    async def begin(
+        self, plan: Plan, owner: str, *, link: str | None = None, address: str = "", places: int | None = None
+    ) -> SessionHost:
         """Begin a session for a visitor; ``link`` is the link that a guest followed.
+
+        ``places`` is the most sessions of that link; None: as many as of one visitor.
 
         ``address`` is the visitor's network address. While the model is made, :attr:`under_way` has its progress;
         cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
         with self.under_way.making(owner, plan.name) as making:
-            return await self._begin(plan, owner, making, link=link, address=address)
+            return await self._begin(plan, owner, making, link=link, address=address, places=places)
 
     async def _begin(
-        self, plan: Plan, owner: str, making: Making, *, link: str | None = None, address: str = ""
+        self,
+        plan: Plan,
+        owner: str,
+        making: Making,
+        *,
+        link: str | None = None,
+        address: str = "",
+        places: int | None = None,
     ) -> SessionHost:
         host = (await asyncio.to_thread(_host_class))(
             job_owner=JobOwner(owner, address),
@@ -153,7 +164,7 @@ class SessionRegistry:
             traffic=self._traffic,
             remake_seconds=self._remake_seconds,
         )
-        async with self._reserved(owner, link):
+        async with self._reserved(owner, link, places):
             for log in plan.logs:
                 await self.free_bytes(log, owner, guest=link is not None)
             job = partial(plan.make, host, making)
@@ -196,7 +207,7 @@ class SessionRegistry:
     # -- budgets ---------------------------------------------------------------------------------------------------
 
     @asynccontextmanager
-    async def _reserved(self, owner: str, link: str | None = None) -> AsyncIterator[None]:
+    async def _reserved(self, owner: str, link: str | None = None, places: int | None = None) -> AsyncIterator[None]:
         """Reserve room while a session is created on a worker thread; end an idle session if there is none.
 
         Guests of links end only sessions of guests, and have at most half of the number of sessions.
@@ -209,7 +220,7 @@ class SessionRegistry:
                 message = f"You have {len(mine)} sessions open, the most for one visitor: close one first."
                 await self._evict(mine, "session.too_many", message)
             if link is not None:
-                await self._make_room_for_guest(link)
+                await self._make_room_for_guest(link, places or self._settings.max_sessions_per_visitor)
             if len(self._sessions) + len(self._making) > self._settings.max_sessions:
                 message = "The service has no room for another session: try again in a minute."
                 idle_guests = [s for s in self._guests() if not s.watched]
@@ -225,14 +236,15 @@ class SessionRegistry:
     def _guests(self) -> list[SessionHost]:
         return [session for session in self._sessions.values() if session.link is not None]
 
-    async def _make_room_for_guest(self, link: str) -> None:
+    async def _make_room_for_guest(self, link: str, places: int) -> None:
+        """Make room for one more session of a link, which may have ``places``."""
         same = [s for s in self._guests() if s.link == link]
-        if len(same) + sum(one == link for _, one in self._making) > self._settings.max_sessions_per_visitor:
+        if len(same) + sum(one == link for _, one in self._making) > places:
             message = "This link is in use by as many people as it allows: try again in a minute."
             await self._evict(same, "link.crowded", message)
         guests = self._guests()
-        places = max(1, self._settings.max_sessions // 2)
-        if len(guests) + sum(one is not None for _, one in self._making) > places:
+        most = max(1, self._settings.max_sessions // 2)
+        if len(guests) + sum(one is not None for _, one in self._making) > most:
             await self._evict(
                 guests, "session.full", "The service has no room for another guest: try again in a minute."
             )

@@ -104,7 +104,7 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in a map, from anywhere, or end it."""
+    """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
@@ -112,6 +112,9 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
         str,
         Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
     ] = "plan"
+    keep: Annotated[
+        bool, Meta(description="keep the particles of the filter that runs on this map, if there is one")
+    ] = False
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
@@ -142,6 +145,26 @@ class Nav2Command(Struct, tag_field="type", tag="nav2"):
     """Sessions with a costmap: ask for its parameters as a Nav2 parameter file, or set them from one."""
 
     text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: answer with one")] = None
+
+
+class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
+    """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
+
+    op: Annotated[str, Meta(description="paint, fill, keepout, despeckle, rotate, crop or origin")]
+    points: Annotated[
+        list[Point] | None,
+        Meta(description="paint: the line; fill and keepout: the corners; crop: two corners; origin: the place"),
+    ] = None
+    state: Annotated[str | None, Meta(description="paint and fill: free, occupied or unknown")] = None
+    width: Annotated[Number | None, Meta(description="paint: width of the brush, m")] = None
+    value: Annotated[Number | None, Meta(description="keepout: 1 to 100, 0 for none; despeckle: most cells")] = None
+    angle: Annotated[Number | None, Meta(description="rotate: by this; origin: its heading, rad")] = None
+
+
+class MapHistoryCommand(Struct, tag_field="type", tag="map_history"):
+    """Maps: undo edits, or make them again."""
+
+    steps: Annotated[Whole, Meta(description="negative: so many are undone; positive: made again")]
 
 
 class DriveCommand(Struct, tag_field="type", tag="drive"):
@@ -252,6 +275,8 @@ Command = (
     | GoalCommand
     | CostCommand
     | Nav2Command
+    | MapEditCommand
+    | MapHistoryCommand
     | DriveCommand
     | AutoCommand
     | EditCommand

@@ -19,6 +19,7 @@ import msgspec
 from msgspec import inspect as types
 
 from server.stream import message_parts, protocol
+from server.stream.class_messages import ClassCommand, ClassMessage
 from server.stream.close_codes import CLOSE_CODES
 from server.stream.commands import Command
 from server.stream.generate_constants import constants
@@ -42,6 +43,7 @@ def _structs(union: object) -> list[types.StructType]:
 
 
 MESSAGES, COMMANDS = _structs(ServerMessage), _structs(Command)
+CLASS_MESSAGES, CLASS_COMMANDS = _structs(ClassMessage), _structs(ClassCommand)
 
 
 #: description of each alias by its title; a field's own description hides it in ``msgspec.inspect``
@@ -182,8 +184,9 @@ def _interface(struct: types.StructType) -> list[str]:
 
 def typescript() -> str:
     """Return ``static/src/wire/messages.ts``."""
-    parts = _named_parts([*MESSAGES, *COMMANDS])
-    read = _named_parts(MESSAGES)
+    every = [*MESSAGES, *COMMANDS, *CLASS_MESSAGES, *CLASS_COMMANDS]
+    parts = {name: part for name, part in _named_parts(every).items() if part not in every}
+    read = _named_parts([*MESSAGES, *CLASS_MESSAGES])
     lines = [
         f"// Written by `{COMMAND}` from server/stream/messages.py, message_parts.py and commands.py: change those.",
         "",
@@ -201,9 +204,15 @@ def typescript() -> str:
             lines += _interface(part)
         else:
             lines += [*_comment(ALIASES[name]), f"export type {name} = {_typescript(part, expand=True)};", ""]
-    for struct in (*MESSAGES, *COMMANDS):
+    for struct in every:
         lines += _interface(struct)
-    for union, structs in (("ServerMessage", MESSAGES), ("Command", COMMANDS)):
+    unions = (
+        ("ServerMessage", MESSAGES),
+        ("Command", COMMANDS),
+        ("ClassMessage", CLASS_MESSAGES),
+        ("ClassCommand", CLASS_COMMANDS),
+    )
+    for union, structs in unions:
         lines += [f"export type {union} =", *(f"  | {struct.cls.__name__}" for struct in structs)]
         lines[-1] += ";"
         lines.append("")
@@ -213,6 +222,11 @@ def typescript() -> str:
         "/** The check of each field of each message from the server; a message may have more fields. */",
         'export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, Check>>>> = {',
         *(f"  {struct.tag}: {_fields(struct.fields, '  ')}," for struct in MESSAGES),
+        "};",
+        "",
+        "/** The same of the messages of a class. */",
+        'export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record<string, Check>>>> = {',
+        *(f"  {struct.tag}: {_fields(struct.fields, '  ')}," for struct in CLASS_MESSAGES),
         "};",
         "",
         "/** The sentence that the page shows when the server closes the connection with one of these codes. */",
@@ -235,11 +249,17 @@ _CHECKS = (
 
 def schema() -> str:
     """Return ``docs/wire.schema.json``, with the definitions ``ServerMessage`` and ``Command``."""
-    (message, command), parts = msgspec.json.schema_components((ServerMessage, Command), ref_template="#/$defs/{name}")
+    unions = {
+        "ServerMessage": ServerMessage,
+        "Command": Command,
+        "ClassMessage": ClassMessage,
+        "ClassCommand": ClassCommand,
+    }
+    found, parts = msgspec.json.schema_components(unions.values(), ref_template="#/$defs/{name}")
     whole = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": protocol.SUBPROTOCOL,
-        "$defs": {"ServerMessage": message, "Command": command} | parts,
+        "$defs": dict(zip(unions, found, strict=True)) | parts,
     }
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 
@@ -282,12 +302,19 @@ def page() -> str:
     lines = [f"<!-- Written by `{COMMAND}`: change server/stream/*.py instead. -->", "", "# Wire protocol", ""]
     lines += [inspect.cleandoc(protocol.__doc__ or ""), ""]
     lines += ["The schema of all text messages: [wire.schema.json](wire.schema.json).", ""]
-    for title, structs in (("Messages from the server", MESSAGES), ("Commands from the browser", COMMANDS)):
+    sections = (
+        ("Messages from the server", MESSAGES),
+        ("Commands from the browser", COMMANDS),
+        ("Messages of a class", CLASS_MESSAGES),
+        ("Commands of a class", CLASS_COMMANDS),
+    )
+    for title, structs in sections:
         lines += [f"## {title}", ""]
         for struct in structs:
             lines += [f"### `{struct.tag}`", "", _doc(struct), *_table(struct.fields), ""]
     lines += ["## Parts of messages", ""]
-    for name, part in _named_parts([*MESSAGES, *COMMANDS]).items():
+    every = [*MESSAGES, *COMMANDS, *CLASS_MESSAGES, *CLASS_COMMANDS]
+    for name, part in _named_parts(every).items():
         if isinstance(part, types.StructType):
             lines += [f"### {name}", "", _doc(part), *_table(part.fields), ""]
         else:

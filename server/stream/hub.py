@@ -16,6 +16,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import msgspec
+
 from server.stream.codecs import TILES, join_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.protocol import ProtocolError, encode_text
@@ -27,11 +29,13 @@ PRESUMED_LATENCY_S = 1.0  #: assumed latency of a new client, until its acknowle
 HOLD_SHARE = 0.1  #: a slow client's next batch waits this share of its latency, so that it is recent when it is read
 MAX_HOLD_S = 0.1
 ACK_TIMEOUT_S = 30.0  #: a client that acknowledges nothing for this time is disconnected
+STALLED_S = 5.0  #: a client that acknowledges nothing for this time sees nothing: nothing is computed for it alone
 FIRST_BATCH_BYTES = 16 * 1024
 MIN_BATCH_BYTES = 8 * 1024
 MAX_BATCH_BYTES = 256 * 1024
 MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
+_SCAN = msgspec.json.Encoder(enc_hook=float)  # of Python's json the slowest part; a scan has no NaN
 _NOTHING = Body(0, 0, (), complete=False)
 
 
@@ -61,9 +65,9 @@ class Hub:
         self._scan_rest = ""
         self.set_layers(layers)
 
-    def join(self) -> Client:
-        """Return a new client, to which the complete state will be sent."""
-        client = Client(self)
+    def join(self, *, follows: bool = False) -> Client:
+        """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
+        client = Client(self, follows=follows)
         self.clients.add(client)
         return client
 
@@ -117,7 +121,7 @@ class Hub:
             layer.publish()
         if scan is not self._scan:
             self._scan = scan
-            self._scan_rest = json.dumps(scan, separators=(",", ":"), allow_nan=False)[1:-1]
+            self._scan_rest = _SCAN.encode(scan).decode()[1:-1]
             self.scan_number += 1
         self._frame_rest = json.dumps(frame, separators=(",", ":"), allow_nan=False)[1:]
         self.focus_xy = focus_xy
@@ -137,8 +141,9 @@ class Hub:
 class Client:
     """One browser: what it has received, what it has not yet acknowledged, and what has to be sent to it."""
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: Hub, *, follows: bool = False) -> None:
         self.hub = hub
+        self.follows = follows  #: whether it is a follower's of a class
         self.wake = asyncio.Event()
         self.wake.set()
         self.unsent: set[str] = set(hub.slots)
@@ -226,6 +231,11 @@ class Client:
     def is_lost(self) -> bool:
         """Whether the oldest unacknowledged batch is older than :data:`ACK_TIMEOUT_S`."""
         return bool(self._unacknowledged) and self.hub.clock() - self._unacknowledged[0][1] > ACK_TIMEOUT_S
+
+    @property
+    def is_stalled(self) -> bool:
+        """Whether the oldest unacknowledged batch is older than :data:`STALLED_S`."""
+        return bool(self._unacknowledged) and self.hub.clock() - self._unacknowledged[0][1] > STALLED_S
 
     @property
     def unacknowledged(self) -> int:

@@ -41,7 +41,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
     session: Annotated[str, Meta(description="id of the session")]
     kind: Annotated[
         str,
-        Meta(description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: costmaps; `volume`: in 3D"),
+        Meta(
+            description="`simulation`: a simulated robot; `log`: a recording; `costmaps`, `map`, `volume`: what the name says"
+        ),
     ]
     title: Annotated[str, Meta(description="title of the world or log")]
     epoch_id: Annotated[str, Meta(description="changes when the server restarts or the session is created again")]
@@ -244,6 +246,16 @@ class PathMessage(Struct, tag_field="type", tag="path"):
     plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
 
 
+class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
+    """Maps: the edits so far."""
+
+    n: Annotated[int, Meta(description="number of edits that are not undone")]
+    undone: Annotated[int, Meta(description="number of edits that are undone")]
+    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
+    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
+    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
+
+
 class CostMessage(Struct, tag_field="type", tag="cost"):
     """Answer to `cost`: what each layer says of a cell, bottom first."""
 
@@ -376,6 +388,7 @@ ServerMessage = (
     | CostmapMessage
     | PathMessage
     | CostMessage
+    | MapEditsMessage
     | Nav2Message
     | VolumeMessage
     | VoxelMessage

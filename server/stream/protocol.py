@@ -50,6 +50,14 @@ layer that has waited longest comes first.
 Text frames are JSON objects with a `type`. NaN and infinities are not allowed. A page ignores unknown
 fields; for an unknown `type` or session kind it shows a request to reload the page. A command has at most 64 KiB; a
 malformed one is answered with an `error` whose code is `command.` and the name of the field.
+
+## Classes
+
+A page of a class opens `/api/classes/{code}/stream` with the same subprotocol; only text frames go over it, those of
+the sections on classes below. Of each type a follower gets the newest message; none waits in a queue. The session
+that the lecturer shows is watched at `/api/classes/{code}/session`, as any other session; commands are answered with
+the error `class.read_only`, except those that drive the robot from the follower to whom it was handed. The `hello` of
+such a connection has no `session`.
 """
 
 from __future__ import annotations

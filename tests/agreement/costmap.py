@@ -67,7 +67,11 @@ def costmap_cases(draw: st.DrawFn) -> CostmapCase:
         points,
         draw(st.sampled_from([(0.0, 3.0), (0.5, 2.0), (0.0, 100.0)])),
         Marking(0.2, draw(st.sampled_from([1.0, 4.0])), 0.0, 2.0),
-        StaticConfig(trinary_costmap=draw(st.booleans()), lethal_cost_threshold=draw(st.sampled_from([1, 65, 100]))),
+        StaticConfig(
+            trinary_costmap=draw(st.booleans()),
+            lethal_cost_threshold=draw(st.sampled_from([1, 65, 100])),
+            inscribed_obstacle_cost_value=draw(st.sampled_from([50, 99, 255])),
+        ),
         draw(st.booleans()),
     )
 
@@ -135,7 +139,7 @@ def interpreted_by_textbook(case: CostmapCase) -> tuple[Any, ...]:
             [
                 textbook.interpret_value(
                     value, case.tracks_unknown, int(config.lethal_cost_threshold), config.trinary_costmap,
-                    int(config.unknown_cost_value),
+                    int(config.unknown_cost_value), int(config.inscribed_obstacle_cost_value),
                 )
                 for value in range(256)
             ],

@@ -24,6 +24,7 @@ class PlanningCase:
     table: np.ndarray
     start: tuple[int, int]
     goal: tuple[int, int]
+    is_whole: bool = False  #: whether all cells are searched, without a goal
 
 
 @st.composite
@@ -41,15 +42,15 @@ def planning_cases(draw: st.DrawFn) -> PlanningCase:
     )
     start, goal = (tuple(int(k) for k in rng.integers(0, (rows, cols))) for _ in range(2))
     costs[start] = 0
-    return PlanningCase(costs, step_costs(config), (start[0], start[1]), (goal[0], goal[1]))
+    return PlanningCase(costs, step_costs(config), (start[0], start[1]), (goal[0], goal[1]), draw(st.booleans()))
 
 
 def spread_by_kernel(case: PlanningCase) -> tuple[Any, ...]:
-    return (cost_to_come(case.costs, case.table, case.start, case.goal),)
+    return (cost_to_come(case.costs, case.table, case.start, None if case.is_whole else case.goal),)
 
 
 def spread_by_textbook(case: PlanningCase) -> tuple[Any, ...]:
-    return (textbook.dijkstra(case.costs, case.table, case.start, case.goal),)
+    return (textbook.dijkstra(case.costs, case.table, case.start, None if case.is_whole else case.goal),)
 
 
 def searched_cells_by_kernel(case: PlanningCase) -> tuple[Any, ...]:

@@ -117,6 +117,7 @@ from tests.agreement.planning import (
     spread_by_kernel,
     spread_by_textbook,
 )
+from tests.agreement.reflection import reflected_by_kernel, reflected_by_textbook, reflection_cases
 from tests.agreement.sensors import (
     cloud_by_core,
     cloud_by_textbook,
@@ -281,5 +282,6 @@ TABLE = (
     Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
     Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
+    Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import sys
@@ -14,6 +15,7 @@ import numpy as np
 from numba import njit
 from scipy.ndimage import distance_transform_edt
 
+from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.errors import MapperError
 from mapper.costmap import LETHAL, CostmapConfig, Footprint, InflationConfig, InflationLayer, KeepoutLayer
 from mapper.costmap.build import build_costmap
@@ -25,7 +27,7 @@ from mapper.io.logs import open_log
 from mapper.io.maps.pixels import occupancy_values
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
-from mapper.planning import PlannerConfig, plan_path
+from mapper.planning import GoalPlanner, PlannerConfig, plan_path
 from server.stream.layers import GridLayer
 
 SIDE, RESOLUTION, INSCRIBED = 2048, 0.05, 0.1
@@ -216,6 +218,23 @@ def moving_goal(folder: Path, goals: int = 50) -> None:
             f"{max(lengths):.0f} m: median {np.median(took[1:]):.1f} ms, p95 {p95(took[1:]):.1f} ms",
             flush=True,
         )
+    dragged(costmap.costs, grid.geometry, start, rng.permutation(open_cells)[:200])
+
+
+def dragged(costs: UInt8Array, geometry: GridGeometry, start: Float64Array, cells: Int64Array) -> None:
+    """Print the processor time of a path to each of some cells while the costs and the start stay: a goal dragged."""
+    planner = GoalPlanner(costs, geometry, start)
+    took: list[float] = []
+    for cell in cells:
+        began = time.process_time()
+        with contextlib.suppress(MapperError):
+            planner.plan(start, geometry.cell_to_world(cell))
+            took.append(1e3 * (time.process_time() - began))
+    print(
+        f"a dragged goal, {len(took)} places: median {np.median(took):.2f} ms, p95 {p95(took):.2f} ms, "
+        f"the two searches {took[0]:.1f} and {max(took[1:]):.1f} ms",
+        flush=True,
+    )
 
 
 def costmap() -> None:

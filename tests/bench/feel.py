@@ -135,7 +135,7 @@ def lecture(browser: Browser, server: str, hand: Hand) -> dict[str, tuple[Laps, 
     page.locator("#model").get_by_label("Model", exact=True).select_option("fixed_increments")
     grips = {
         "profile": ("#model", "figure.profile", "Hit increment", ".handle-mark", 0.0, -24.0),
-        "rays": ("#rays", "figure.rays", "Last cell of the line", ".drag-handle-dot", 60.0, -60.0),
+        "rays": ("#rays", "figure.rays", "Last cell of the line", ".drag-handle-dot", -40.0, 30.0),
         "matching": ("#matching", "figure.matching", "Position of the moving scan", ".robot-shape", 40.0, 24.0),
         "graph": ("#graph", "figure.springs", "Pose 9", ".robot-shape", 30.0, 30.0),
         "thresholds": ("#file", "figure.thresholds", "Occupied above", ".pill", 30.0, 0.0),

@@ -7,8 +7,9 @@ from typing import Any
 
 from playwright.sync_api import ElementHandle, Error, Locator, Page, expect
 
-from tests.browser.looking import carried_out, until
+from tests.browser.looking import carried_out
 
+FULL_SCREEN = "Full screen"  #: the name of the button that shows a group alone
 SIZES = ((1280, 720), (1440, 900), (1920, 1080), (1024, 768))
 
 # What is used: no explanations, no links, no files, no number fields, whose slider stands beside it.
@@ -150,12 +151,6 @@ class Screen:
             wrong = control.evaluate(_AT_HAND)
             assert wrong is None, (self._size, control.evaluate(_NAME), wrong)
 
-    def _is_at_hand(self, control: ElementHandle) -> bool:
-        """Scroll the group to a control, not the page; return whether it is in the viewport."""
-        if control.evaluate("(one) => one.isConnected"):
-            control.scroll_into_view_if_needed()
-        return control.evaluate(_AT_HAND) is None
-
     def use(self, control: ElementHandle) -> None:
         """Use a control. It and what it changes of the map have to be in the viewport then."""
         name = control.evaluate(_NAME)
@@ -174,8 +169,8 @@ class Screen:
             control.click()
         carried_out(self.page)
         self._answer(name)
-        # After the full screen the group scrolls back with one of the next frames, also past what is used next.
-        until(f"{name} in the viewport at {self._size}", lambda: self._is_at_hand(control))
+        wrong = control.evaluate(_AT_HAND)
+        assert wrong is None, (self._size, name, wrong)
         self.stands(name)
         changed, seen = self.page.evaluate(_CHANGED, self.pictures)
         assert seen == changed, (self._size, name)
@@ -190,7 +185,9 @@ class Screen:
             assert box["x"] + box["width"] <= self._size[0], (self._size, name)
             assert box["y"] + box["height"] <= self._size[1], (self._size, name)
             self.page.keyboard.press("Escape")
-        if self.page.evaluate("async () => document.fullscreenElement && (await document.exitFullscreen(), true)"):
+        if name == FULL_SCREEN:
+            self.page.wait_for_function("() => document.fullscreenElement")
+            self.page.evaluate("() => document.exitFullscreen()")
             self.page.evaluate(_STILL, self.pictures)
 
 

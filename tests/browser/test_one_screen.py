@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Page, Route, expect
 
 from tests.browser.looking import await_map, settled_digest
-from tests.browser.one_screen import SIZES, Screen, Turns, open_tab
+from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns, open_tab
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -47,6 +47,8 @@ def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
         if title in BEFORE_GROUP:
             page.evaluate(BEFORE_GROUP[title])
             settled_digest(page)
+        if title == "3D":
+            expect(page.get_by_role("button", name=FULL_SCREEN)).to_be_visible()  # its controls come with the scene
         screen.stands(title)
         turns.use_all(screen, page.locator(".dock-group:visible"))
 

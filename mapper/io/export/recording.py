@@ -87,14 +87,14 @@ def write_mcap(
     maps = iter(()) if growing_map is None else growing_map.maps(log, trajectory)
     coming = next(maps, None)
     is_joint = isinstance(log, JointLog)
-    told: tuple[int, Pose] | None = None
+    written: tuple[int, Pose] | None = None
     for index, stamp in enumerate(stamps.tolist()):
         sensor = sensors[int(log.part_of_scan[index])] if isinstance(log, JointLog) else sensors[0]
         own = int(log.scan_of_part[index]) if isinstance(log, JointLog) else index
         x, y, yaw = (float(value) for value in sensor.poses[own])
         pose = (x, y, yaw)
-        if not way.is_placeholder and not (is_joint and told == (stamp, pose)):
-            told = (stamp, pose)
+        if not way.is_placeholder and not (is_joint and written == (stamp, pose)):
+            written = (stamp, pose)
             edge = (frame, base, pose, False)
             topics.send("/tf", "tf2_msgs/msg/TFMessage", stamp, ros2.transforms(stamp, [edge]))
             topics.send("/pose", "geometry_msgs/msg/PoseStamped", stamp, ros2.pose_stamped(stamp, frame, pose))

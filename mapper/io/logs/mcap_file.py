@@ -197,7 +197,7 @@ class _Mcap:
     def _skipped_by_index(self, ahead: int, data_bytes: int) -> bool:
         """Jump over a compressed chunk's data, and count its messages, where nothing is made of any of them.
 
-        That is told by the message indexes, which follow the chunk's record, ``ahead`` bytes from here.
+        The message indexes state it, which follow the chunk's record, ``ahead`` bytes from here.
         """
         counts: dict[int, int] = {}
         while (

@@ -47,6 +47,15 @@ class TimeSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class MapSummary:
+    """The size of a map in cells, and the side of a cell in metres."""
+
+    rows: int
+    cols: int
+    resolution: float
+
+
+@dataclass(frozen=True, slots=True)
 class LogSummary:
     """Figures of one log: metres, radians and, where the name says so, degrees and seconds."""
 
@@ -69,6 +78,7 @@ class LogSummary:
     costmaps: int = 0  #: of a recording that has no scans
     clouds: int = 0  #: scans in 3D, of a file that has no planar ones; an octree counts as one
     points: int = 0  #: of these clouds, or leaves of the octree
+    map: MapSummary | None = None  #: of map files, which have no scans
 
 
 def summarise(log: ScanLog) -> LogSummary:

@@ -28,6 +28,8 @@ def spread(
 ) -> None:
     """Write the cost to come (rows, cols) of each cell from ``start``; infinity for what costs more than ``goal``.
 
+    With a ``goal`` below 0 that of all cells.
+
     Numba twin of :func:`mapper.planning.textbook.dijkstra`. Cells are row · cols + col. ``width`` of a bucket is
     less than the cheapest step; ``heads`` (more than the dearest step / width + 1,) and ``after`` and ``before``
     (rows · cols,) are working memory: each bucket is a list of cells linked in both directions.
@@ -77,11 +79,11 @@ def spread(
                     before[heads[place]] = to
                 heads[place] = to
                 waiting += 1
-        most = out[goal // cols, goal % cols]
+        most = out[goal // cols, goal % cols] if goal >= 0 else inf
         if most < inf and int(most / width) <= bucket:
             break
         bucket += 1
-    most = out[goal // cols, goal % cols]
+    most = out[goal // cols, goal % cols] if goal >= 0 else inf
     if most < inf:
         for row in range(out.shape[0]):
             line = out[row]

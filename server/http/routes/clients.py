@@ -7,6 +7,7 @@ from collections.abc import Coroutine
 from typing import Any, TypeVar
 
 from fastapi import Request
+from starlette.requests import HTTPConnection
 
 from mapper.core.errors import MapperError
 from server.network_address import network_of
@@ -14,7 +15,7 @@ from server.network_address import network_of
 T = TypeVar("T")
 
 
-def client_address(request: Request) -> str:
+def client_address(request: HTTPConnection) -> str:
     """Return the client's address, for IPv6 its /64 network; empty if unknown."""
     return "" if request.client is None else network_of(request.client.host)
 

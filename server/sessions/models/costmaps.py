@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from mapper.costmap import NO_INFORMATION
+from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
@@ -17,10 +18,6 @@ from server.stream.protocol import ProtocolError, integer, text
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream, RecordedCostmap
 
-#: No reading: pages wait for a first scan.
-_NO_READINGS: dict[str, Any] = {
-    "scan_pose": [0.0, 0.0, 0.0], "ranges": [], "angle_min": 0.0, "angle_increment": 0.0, "range_max": 0.0,
-}  # fmt: skip
 LOWEST, HIGHEST = 0.0, 254.0  #: of a cell's cost: 254 steps, so that each cost has a byte of its own
 
 
@@ -36,6 +33,7 @@ class CostmapsModel(SessionModel):
         """Show the costmaps of ``topic``, else of the topic with most of them."""
         self._streams = dict(streams)
         self._log_id, self._title = log_id, title
+        self.costed = self
         self._layer = GridLayer("map", "Costmap", "recorded_costs")
         most = max(self._streams, key=lambda name: len(self._streams[name]))
         super().__init__(Playback(speed=1.0, speeds=(0.1, 100.0)))
@@ -119,7 +117,14 @@ class CostmapsModel(SessionModel):
 
     def scan(self) -> dict[str, Any]:
         """Return a scan without readings."""
-        return _NO_READINGS
+        return NO_READINGS
+
+    def present_costs(self) -> RecordedCostmap:
+        """Return the present costmap."""
+        return self._now
+
+    def present_mask(self) -> None:
+        """A recording has no zones that were painted."""
 
     # -- computing ------------------------------------------------------------------------------------------------
 

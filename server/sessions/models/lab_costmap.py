@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array, UInt8Array
+from mapper.core.array_types import Float64Array, Int8Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap import (
     NO_INFORMATION,
@@ -25,6 +25,7 @@ from mapper.costmap import (
 from mapper.costmap.layers import Layer as CostLayer
 from mapper.costmap.observing import observation_of_scan
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
+from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
@@ -202,6 +203,16 @@ class LabCostmap:
         self._shown[sheet.name] = (self.geometry, costs.copy())
         sheet.set_bytes(self.geometry, costs)
         return True
+
+    def recorded(self, seconds: float, frame: str | None) -> RecordedCostmap:
+        """Return a copy of the costs as a message of a recording has them."""
+        stamp_ns = max(round(seconds * 1e9), 0)
+        return RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", self.geometry, self.costs.copy())
+
+    @property
+    def mask(self) -> Int8Array | None:
+        """A copy of the keepout mask (rows, cols), −1 for none; None where nothing is painted."""
+        return self._keepout.mask.copy() if (self._keepout.mask >= 0).any() else None
 
     def why(self, x: float, y: float) -> list[CellReason]:
         """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""

@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import CellBox
+from mapper.io.costmaps import RecordedCostmap
 from mapper.mapping.integrate import Change
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
 from mapper.sensors.scan import RangeScan
@@ -103,6 +105,14 @@ class LabNavigation:
             result.slot(self.messages()[0])
             result.slot(self.messages()[1])
 
+    def present_costs(self) -> RecordedCostmap | None:
+        """Return the present costs."""
+        return None if self._costmap is None else self._costmap.recorded(self._mapper.simulation.time, None)
+
+    def present_mask(self) -> Int8Array | None:
+        """Return the mask of the keepout zones."""
+        return None if self._costmap is None else self._costmap.mask
+
     # -- commands -------------------------------------------------------------------------------------------------
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
@@ -177,13 +187,15 @@ class LabNavigation:
         if is_scan and scan is not None:
             self._seen = scan
             costmap.look(scan, compose(mapper.believed_pose, mapper.simulation.mount))
-        if is_scan or self._is_new or whole:
+        are_new = self._is_new or whole
+        if is_scan or are_new:
             self._is_new = False
-            self._is_stale |= costmap.update(mapper.simulation.time, pose)
+            are_new |= costmap.update(mapper.simulation.time, pose)
+            self._is_stale |= are_new
         moved = self._pose is None or any(abs(a - b) > 1e-3 for a, b in zip(pose, self._pose, strict=True))
         if self._is_stale or (moved and is_scan and self._path.goal is not None):
             self._is_stale, self._pose = False, pose
-            self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters)
+            self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, are_new=are_new)
             result.changed = True
             result.slot(self._path.message())
 

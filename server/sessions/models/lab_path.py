@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from mapper.core.array_types import UInt8Array
+from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION
 from mapper.grid import GridGeometry
-from mapper.planning import Path, follow_path, plan_path
+from mapper.planning import GoalPlanner, Path, follow_path
 from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.stream.layers import GridLayer, Layer, TableLayer
@@ -29,6 +29,8 @@ class LabPath:
         self.goal: Goal | None = None
         self.drives = False
         self._path: Path | None = None
+        self._planner: GoalPlanner | None = None
+        self._shown: Float64Array | None = None  #: the potential in the layer
         self._reason: str | None = None
         self._carrot: Goal | None = None
         self._plan_ms = 0.0
@@ -46,14 +48,37 @@ class LabPath:
         self.goal, self.drives = goal, drives and goal is not None
         self._carrot = None
 
-    def plan(self, costs: UInt8Array, geometry: GridGeometry, pose: PoseTuple, parameters: LabParameters) -> None:
-        """Plan the path from the robot's pose, and keep the reason where there is none."""
+    def plan(
+        self,
+        costs: UInt8Array,
+        geometry: GridGeometry,
+        pose: PoseTuple,
+        parameters: LabParameters,
+        *,
+        are_new: bool = True,
+    ) -> None:
+        """Plan the path from the robot's pose, and keep the reason where there is none.
+
+        Without ``are_new`` the costs are those of the last call: where the robot and the planner's parameters are the
+        same too, a goal that moved has its path traced in the cost to come that is known.
+        """
         self._path = self._reason = None
         started = time.perf_counter()
-        if self.goal is not None:
+        if self.goal is None:
+            self._planner = None
+        else:
             try:
-                begun = _with_room(costs, geometry, pose, parameters.outline.circumscribed_radius)
-                self._path = plan_path(begun, geometry, pose[:2], self.goal, parameters.planner)
+                planner = self._planner
+                if (
+                    are_new
+                    or planner is None
+                    or planner.config != parameters.planner
+                    or not planner.begins_at(pose[:2])
+                ):
+                    begun = _with_room(costs, geometry, pose, parameters.outline.circumscribed_radius)
+                    begun = begun.copy() if begun is costs else begun  # the costmap goes on writing its own
+                    self._planner = planner = GoalPlanner(begun, geometry, pose[:2], parameters.planner)
+                self._path = planner.plan(pose[:2], self.goal)
                 if not self._path.reaches_goal:
                     away = math.dist(self._path.points[-1], self.goal)
                     self._reason = f"The robot cannot be at the goal itself: the path ends {away:.2f} m before it."
@@ -62,16 +87,21 @@ class LabPath:
         self._plan_ms = 1e3 * (time.perf_counter() - started)
         path = self._path
         self._line.set(np.zeros((2, 0)) if path is None else path.points.T)
-        if path is None:
-            if self._is_shown:
-                self._potential.set_bytes(geometry, np.full(geometry.shape, 255, dtype=np.uint8))
-        else:
-            known = path.potential < math.inf
-            scale = 254.0 / max(float(path.potential.max(where=known, initial=0.0)), 1.0)
-            shares = np.full(path.potential.shape, 255, dtype=np.uint8)
-            np.multiply(path.potential, scale, out=shares, where=known, casting="unsafe")
-            self._potential.set_bytes(geometry, shares)
+        self._show_potential(None if path is None else path.potential, geometry)
+
+    def _show_potential(self, potential: Float64Array | None, geometry: GridGeometry) -> None:
+        """Write the potential into its layer, unless it is there already; None for none."""
+        if potential is self._shown:
+            return
+        self._shown = potential
+        shares = np.full(geometry.shape, 255, dtype=np.uint8)
+        if potential is not None:
+            known = potential < math.inf
+            scale = 254.0 / max(float(potential.max(where=known, initial=0.0)), 1.0)
+            np.multiply(potential, scale, out=shares, where=known, casting="unsafe")
             self._is_shown = True
+        if self._is_shown:
+            self._potential.set_bytes(geometry, shares)
 
     def control(self, pose: PoseTuple, parameters: LabParameters) -> tuple[float, float] | None:
         """Return the velocities (m/s, rad/s) of a robot that drives along the path; None where it does not drive."""

@@ -13,6 +13,7 @@ from server.sessions.view import LogView
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
+    from server.library.given_map import GivenMap
     from server.sessions.hosting import ModelHost
     from server.sessions.model import SessionModel
 
@@ -71,6 +72,9 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
         if costmaps is not None:
             title = library.get(resources.visitor, wanted.log).name
             return _costmaps_plan(costmaps, wanted, title)
+        given = await library.given_map(resources.visitor, wanted.log)
+        if given is not None:
+            return _map_plan(given, wanted)
         log = await library.load(resources.visitor, wanted.log, wanted.topic, view.planar_cut)
     finally:
         making.watched = None
@@ -87,6 +91,17 @@ def _costmaps_plan(streams: dict[str, CostmapStream], wanted: NewLog, title: str
         return CostmapsModel(streams, log_id=wanted.log, title=title, topic=wanted.topic)
 
     return Plan(make, playing=wanted.playing)
+
+
+def _map_plan(given: GivenMap, wanted: NewLog) -> Plan:
+    """Return the plan of a session that shows and edits a map."""
+
+    def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans
+        from server.sessions.models.map_editing import MapModel  # noqa: PLC0415 - few uploads are maps
+
+        return MapModel(host, given, log_id=wanted.log)
+
+    return Plan(make, playing=False)
 
 
 LOG = Kind(NewLog, _plan)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
+from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import CellBox
+from mapper.io.costmaps import RecordedCostmap
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
 from server.sessions.models.lab_costmap import LabCostmap, strokes_of
 from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, TABLE, LabParameters, from_nav2
@@ -134,15 +136,26 @@ class LogNavigation:
         if replay.index != self._index:
             self._index, self._is_new = replay.index, True
             costmap.look(robot.scan, robot.scan_pose)
-        if self._is_new or whole:
+        are_new = self._is_new or whole
+        if are_new:
             self._is_new, self._is_stale = False, True
             costmap.update(robot.scan.stamp_ns * 1e-9, robot.pose)
         if not self._is_stale:
             return
         self._is_stale = False
-        self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters)
+        self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
         result.changed = True
         result.slot(self._path.message())
+
+    def present_costs(self) -> RecordedCostmap | None:
+        """Return the present costs."""
+        recording = self._recording
+        stamp_s = recording.robot_state().scan.stamp_ns * 1e-9
+        return None if self._costmap is None else self._costmap.recorded(stamp_s, None)
+
+    def present_mask(self) -> Int8Array | None:
+        """Return the mask of the keepout zones."""
+        return None if self._costmap is None else self._costmap.mask
 
     def messages(self) -> list[dict[str, Any]]:
         """Return the messages ``costmap`` and ``path``."""

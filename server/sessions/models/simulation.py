@@ -26,12 +26,11 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.lab_localization import LabLocalization
 from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.lab_navigation_parameters import TABLE
-from server.sessions.models.localization_message import OFF
+from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import COMMANDS
-from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
+from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
 from server.sessions.robot_report import RobotReport
@@ -67,8 +66,8 @@ class SimulationModel(SessionModel):
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
-        self._localization: LabLocalization | None = None
-        self._navigation = LabNavigation(mapper)
+        self._localization = LocalizationView()
+        self._navigation = self.costed = LabNavigation(mapper)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
@@ -78,8 +77,7 @@ class SimulationModel(SessionModel):
     def layers(self) -> Sequence[Layer]:
         """The map, the second map if there is one, and those of localization, navigation and SLAM while they are on."""
         second = () if self._second is None else (self._second,)
-        localization = () if self._localization is None else self._localization.layers
-        return (self._map, *second, *localization, *self._navigation.layers, *self._slam.layers)
+        return (self._map, *second, *self._localization.layers, *self._navigation.layers, *self._slam.layers)
 
     @property
     def title(self) -> str:
@@ -104,7 +102,7 @@ class SimulationModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of the map, of what the robot is localized in, and of its costmap."""
-        more = self._navigation.cells + (0 if self._localization is None else self._localization.cells)
+        more = self._navigation.cells + self._localization.cells
         return Footprint(cells=int(self.grid.log_odds.size) + more)
 
     @property
@@ -201,7 +199,7 @@ class SimulationModel(SessionModel):
             self._parameters_message(),
             self._world_message(),
             *self._navigation.messages(),
-            OFF if self._localization is None else self._localization.message(),
+            self._localization.message(),
         ]
 
     def _parameters_message(self) -> dict[str, Any]:
@@ -264,7 +262,7 @@ class SimulationModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
-        self._localize(result)
+        self._localization.look(self._mapper, result)
         self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
@@ -279,32 +277,6 @@ class SimulationModel(SessionModel):
         whole, box = second.changed()
         result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
 
-    def _localize(self, result: TickResult) -> None:
-        """Let the filter see the newest scan."""
-        one, scan = self._localization, self._mapper.newest
-        if one is None or scan is None or self._mapper.hidden:
-            return
-        if one.look(scan, self._mapper.newest_pose):
-            result.changed = True
-            result.slot(one.message())
-
-    def _begin_localizing(self, command: dict[str, Any], result: TickResult) -> None:
-        """Begin to localize the robot in a plan of the present world, or end it."""
-        simulation = self._mapper.simulation
-        self._localization = (
-            LabLocalization(
-                simulation.world,
-                simulation.sensor,
-                simulation.mount,
-                self._mapper.newest_pose,
-                values({"values": {}} | command),
-                text({"map": "plan"} | command, "map"),
-            )
-            if flag(command, "value")
-            else None
-        )
-        result.slot(OFF if self._localization is None else self._localization.message())
-
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
@@ -313,7 +285,7 @@ class SimulationModel(SessionModel):
             case kind if kind in ACTIONS:
                 self._act(command, result)
             case "localize":
-                self._begin_localizing(command, result)
+                self._localization.obey(command, self._mapper, result)
             case kind if kind in COMMANDS:
                 self._navigation.obey(command, result)
             case "step":
@@ -364,10 +336,10 @@ class SimulationModel(SessionModel):
             self.playback.playing = True
         if command["type"] in ("drive", "auto"):
             self._navigation.stop_driving(result)
-        if command["type"] == "teleport" and self._localization is not None:
+        if command["type"] == "teleport":
             self._localization.carried(mapper.newest_pose)
         if command["type"] == "sensor":
-            self._stop_localizing(result)
+            self._localization.end(result)
         if command["type"] == "edit":
             result.slot(self._world_message())
         if command["type"] == "sensor" or mapper.second is not second:
@@ -388,13 +360,8 @@ class SimulationModel(SessionModel):
         if scans > now:
             result.unfinished = command | {"scans": scans - now}
 
-    def _stop_localizing(self, result: TickResult) -> None:
-        if self._localization is not None:
-            self._localization = None
-            result.slot(OFF)
-
     def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
-        self._stop_localizing(result)
+        self._localization.end(result)
         self._navigation.end(result)
         self._mapper.begin(world, self.sensor, edits_of(edits))
         result.new_grid = True

@@ -10,6 +10,8 @@ import { Cell } from "../lessons/cell/Cell";
 import type { Picture } from "../render/picture/Picture";
 import { type Connection, connect } from "../store/connect";
 import type { Store } from "../store/store";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { showOther } from "../tools/classroom/pages";
 import { changedOf } from "../tools/parameters/parameters";
 import { BeliefView } from "../tools/picture/BeliefView";
 import { Plate } from "../tools/picture/Plate";
@@ -271,12 +273,16 @@ function Page() {
   );
 }
 
+showOther();
 render(
   <>
-    <SiteHeader current="home" />
+    <SiteHeader current="home">
+      <ClassButton />
+    </SiteHeader>
     <main id="main" tabIndex={-1}>
       <Page />
     </main>
+    <ClassHost />
     <Toasts />
   </>,
   document.getElementById("app") as HTMLElement,

@@ -6,7 +6,10 @@ import { computed, type Signal, signal, useSignal, useSignalEffect } from "@prea
 import { render } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../render/picture/Picture";
+import { classroom, followedCode } from "../store/classroom";
 import { connect } from "../store/connect";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { followPages } from "../tools/classroom/pages";
 import type { Comparison } from "../tools/compare/comparison";
 import { useComparison } from "../tools/compare/SecondMap";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
@@ -17,6 +20,8 @@ import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
 import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
+import { useClass } from "./lab/classLab";
+import { watchClassSession } from "./lab/classSession";
 import { groupsOf } from "./lab/groups";
 import { visibleState } from "./lab/link";
 import { useReading } from "./lab/reading";
@@ -64,7 +69,7 @@ let stopAddress: () => void = () => undefined;
 let onPicture: (picture: Picture) => void = () => undefined;
 
 /** The curve, and the groups of controls; both use the state of the profile. */
-function Instruments({ session, comparison, openGroup }: InstrumentsProps) {
+function Instruments({ session, comparison, openGroup, isFollowing }: InstrumentsProps) {
   const { store, id } = session;
   const place = useRef<HTMLDivElement>(null);
   const reading = useReading(store, place);
@@ -73,7 +78,7 @@ function Instruments({ session, comparison, openGroup }: InstrumentsProps) {
   const profile = useProfileView(store.mapping.values, reading);
   return (
     <>
-      <section class="lab-curve" aria-label="Inverse sensor model" ref={place}>
+      <section class="lab-curve" aria-label="Inverse sensor model" ref={place} inert={isFollowing}>
         <ProfileFigure
           view={profile}
           setParameter={set}
@@ -85,6 +90,7 @@ function Instruments({ session, comparison, openGroup }: InstrumentsProps) {
         label="Controls of the lab"
         groups={groupsOf({ store, session: id, comparison, profile })}
         open={openGroup}
+        isInert={isFollowing}
       />
     </>
   );
@@ -95,6 +101,8 @@ interface InstrumentsProps {
   readonly comparison: Comparison;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
+  /** Whether it is the lecturer who controls them. */
+  readonly isFollowing: boolean;
 }
 
 function Lab() {
@@ -102,6 +110,7 @@ function Lab() {
   const store = session?.store ?? null;
   const comparison = useComparison(store);
   const openGroup = useOpenGroup(store, "model");
+  const isFollowing = useClass(session, openGroup);
   // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
@@ -113,7 +122,7 @@ function Lab() {
     );
   });
   useSignalEffect(() => {
-    if (live.value?.status.value !== "gone") return;
+    if (live.value?.status.value !== "gone" || followedCode !== null) return;
     live.value.stop();
     void connectLab();
   });
@@ -125,7 +134,7 @@ function Lab() {
     }
   });
   return (
-    <main class="lab" id="main" tabIndex={-1}>
+    <main class={`lab ${isFollowing ? "is-following" : ""}`} id="main" tabIndex={-1}>
       <h1 class="visually-hidden">The lab</h1>
       <div class="lab-bar">
         <Controls store={store} />
@@ -137,9 +146,14 @@ function Lab() {
         </p>
       )}
       {replay.value && <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />}
-      <Stage session={session} comparison={comparison} onPicture={(picture) => onPicture(picture)} />
+      <Stage
+        session={session}
+        comparison={comparison}
+        isInert={isFollowing && !classroom.value?.drives.value}
+        onPicture={(picture) => onPicture(picture)}
+      />
       {isSeen.value && session && comparison ? (
-        <Instruments session={session} comparison={comparison} openGroup={openGroup} />
+        <Instruments session={session} comparison={comparison} openGroup={openGroup} isFollowing={isFollowing} />
       ) : (
         <>
           <div class="lab-curve" />
@@ -150,11 +164,25 @@ function Lab() {
   );
 }
 
-void connectLab();
+if (followedCode === null) void connectLab();
+else {
+  followPages("lab");
+  watchClassSession((next) => {
+    live.peek()?.stop();
+    if (next) {
+      exposeHook(next, () => null);
+      next.start();
+    }
+    live.value = next;
+  });
+}
 render(
   <>
-    <SiteHeader current="lab" />
+    <SiteHeader current="lab" links={followedCode === null}>
+      <ClassButton />
+    </SiteHeader>
     <Lab />
+    <ClassHost />
     <Toasts />
   </>,
   document.getElementById("app") as HTMLElement,

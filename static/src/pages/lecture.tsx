@@ -4,6 +4,9 @@ import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
 import { type ComponentType, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { fetchLater } from "../lessons/stage/later";
+import { followedCode } from "../store/classroom";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
@@ -18,8 +21,12 @@ import { FileSection } from "./lecture/FileSection";
 import { ForgettingSection } from "./lecture/ForgettingSection";
 import { GraphSection } from "./lecture/GraphSection";
 import { GridSection } from "./lecture/GridSection";
+import { InflationSection } from "./lecture/InflationSection";
+import { KidnappingSection } from "./lecture/KidnappingSection";
 import { LandmarksSection } from "./lecture/LandmarksSection";
+import { LayersSection } from "./lecture/LayersSection";
 import { LectureStage } from "./lecture/LectureStage";
+import { LifetimeSection } from "./lecture/LifetimeSection";
 import { LogSection } from "./lecture/LogSection";
 import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
@@ -28,17 +35,30 @@ import { MountSection } from "./lecture/MountSection";
 import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OdometrySection } from "./lecture/OdometrySection";
+import { ParticlesSection } from "./lecture/ParticlesSection";
+import { PathSection } from "./lecture/PathSection";
 import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
+import { ClassPointer } from "./lecture/present/ClassPointer";
+import { attendLecture } from "./lecture/present/classSlides";
 import { OwnSlide } from "./lecture/present/OwnSlide";
 import { Blank, Presenter, usePresentation } from "./lecture/present/Presenter";
 import { SpeakerView } from "./lecture/present/SpeakerView";
-import { presenting, readAddress, sectionInSight, sectionOfSlide, setPresenting } from "./lecture/present/state";
+import {
+  isPreview,
+  presenting,
+  readAddress,
+  sectionInSight,
+  sectionOfSlide,
+  setPresenting,
+} from "./lecture/present/state";
 import { RaysSection } from "./lecture/RaysSection";
 import { ResolutionSection } from "./lecture/ResolutionSection";
 import type { SectionHead } from "./lecture/Section";
 import { SectionList } from "./lecture/SectionList";
+import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
+import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
 import { WindowSection } from "./lecture/WindowSection";
 
@@ -74,6 +94,14 @@ const BODIES: Record<LessonId, Part["body"]> = {
   matching: MatchingSection,
   graph: GraphSection,
   file: FileSection,
+  particles: ParticlesSection,
+  "sensor-models": SensorModelsSection,
+  kidnapping: KidnappingSection,
+  layers: LayersSection,
+  inflation: InflationSection,
+  path: PathSection,
+  lifetime: LifetimeSection,
+  stack: StackSection,
   next: NextSection,
   log: LogSection,
 };
@@ -112,7 +140,13 @@ function Page() {
   useReturn();
   return (
     <>
-      {presenting.value ? <Presenter /> : <SiteHeader current="lecture" />}
+      {presenting.value ? (
+        <Presenter />
+      ) : (
+        <SiteHeader current="lecture" links={followedCode === null}>
+          <ClassButton />
+        </SiteHeader>
+      )}
       {!presenting.value && <SectionList />}
       <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
@@ -141,10 +175,14 @@ function Page() {
         </main>
       </div>
       <Blank />
+      <ClassPointer />
+      {!isPreview && <ClassHost />}
       <Toasts />
     </>
   );
 }
 
 const speaker = new URLSearchParams(location.search).get("speaker");
+void fetchLater(async () => (await import("../lessons/later")).LATER);
+if (speaker === null && !isPreview) attendLecture(PARTS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

@@ -6,6 +6,8 @@ import "./logs/finder.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { showOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { lazy } from "../ui/lazy";
@@ -16,13 +18,14 @@ import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
 import { arrived, type LogRecord, openSession } from "./logs/library";
 import { linkOf } from "./logs/links";
+import { MapEditor } from "./logs/mapediting/MapEditor";
 import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
 
 const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);
 
 /**
- * The query of the address, `?log=ID&topic=NAME&session=ID&kind=costmaps`; the topic is one of the log's sensors, null
+ * The query of the address, `?log=ID&topic=NAME&session=ID&kind=KIND`; the topic is one of the log's sensors, null
  * the default; the kind is that of the session, null for one of a log.
  */
 interface Place {
@@ -137,9 +140,10 @@ function Page() {
       />
     );
   }
-  if (session && kind === "costmaps") {
+  if (session && (kind === "costmaps" || kind === "map")) {
+    const Kind = kind === "map" ? MapEditor : CostmapViewer;
     return (
-      <CostmapViewer
+      <Kind
         key={session}
         session={session}
         onClose={close}
@@ -178,13 +182,17 @@ function Page() {
 }
 
 resume();
+showOther();
 render(
   <>
-    <SiteHeader current="logs" />
+    <SiteHeader current="logs">
+      <ClassButton />
+    </SiteHeader>
     <main id="main" tabIndex={-1}>
       <Page />
     </main>
     <ConfirmDialog />
+    <ClassHost />
     <Toasts />
   </>,
   document.getElementById("app") as HTMLElement,

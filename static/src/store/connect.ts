@@ -1,6 +1,7 @@
 /** A store and the stream that it receives from. */
 
 import type { ReadonlySignal } from "@preact/signals";
+import type { Command } from "../wire/protocol";
 import { Store } from "./store";
 import { type Status, Stream } from "./stream";
 
@@ -14,12 +15,11 @@ export interface Connection {
   stop(): void;
 }
 
-const address = (session: string): string =>
-  `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/sessions/${encodeURIComponent(session)}/stream`;
+const address = (path: string): string => `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
 
-async function isGone(session: string): Promise<boolean> {
+async function isGone(path: string): Promise<boolean> {
   try {
-    return (await fetch(`/api/sessions/${encodeURIComponent(session)}`)).status === 404;
+    return (await fetch(path)).status === 404;
   } catch {
     return false; // the server does not answer: nothing is known about the session
   }
@@ -27,9 +27,28 @@ async function isGone(session: string): Promise<boolean> {
 
 /** Prepare a connection to a session; `start` opens it. */
 export function connect(session: string): Connection {
+  const path = `/api/sessions/${encodeURIComponent(session)}`;
+  return connection(`${path}/stream`, path, () => true);
+}
+
+/** Commands that a follower of a class may send: they change nothing. */
+const HARMLESS: readonly Command["type"][] = ["ack", "resume", "subscribe", "ping", "inspect"];
+const DRIVING: readonly Command["type"][] = ["drive", "teleport", "auto"];
+
+/** Prepare a connection to the session that the lecturer of a class shows. Only who `drives` it can control it. */
+export function connectToClass(code: string, drives: () => boolean): Connection {
+  const path = `/api/classes/${code}`;
+  return connection(
+    `${path}/session`,
+    path,
+    ({ type }) => HARMLESS.includes(type) || (DRIVING.includes(type) && drives()),
+  );
+}
+
+function connection(streamPath: string, statePath: string, may: (command: Command) => boolean): Connection {
   let stream: Stream;
-  const store = new Store((command) => stream.send(command));
-  stream = new Stream(address(session), store, () => isGone(session));
+  const store = new Store((command) => may(command) && stream.send(command));
+  stream = new Stream(address(streamPath), store, () => isGone(statePath));
   const { status, trouble } = stream;
   return { store, stream, status, trouble, start: () => stream.start(), stop: () => stream.stop() };
 }

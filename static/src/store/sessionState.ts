@@ -32,7 +32,9 @@ import type {
 } from "../wire/protocol";
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
+import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
@@ -153,6 +155,8 @@ export class SessionState implements Receiver {
   readonly forgetting = signal<Forgetting | null>(null);
   /** How the robot is localized; null before the first message. */
   readonly localization = signal<LocalizationMessage | null>(null);
+  /** The particle filter that the user wants in the lab. */
+  readonly filter = new FilterSettings();
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
   /** The map in 3D; null before the first message, and of other sessions. */
@@ -161,6 +165,8 @@ export class SessionState implements Receiver {
   readonly look = new Optimistic();
   /** The voxel that is asked about. */
   readonly voxel = signal<VoxelMessage | null>(null);
+  /** What the user does with a map that is edited. */
+  readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
   readonly underlay = signal<string | null>(null);
   /** Where a visitor says that the robot is in a map that it is to be localized in. */
@@ -352,12 +358,16 @@ export class SessionState implements Receiver {
         return;
       case "localization":
         this.localization.value = message;
+        this.filter.take(message);
         return;
       case "costmap":
         this.navigation.take(message);
         return;
       case "path":
         this.navigation.path.value = message;
+        return;
+      case "map_edits":
+        this.mapEditing.take(message);
         return;
       case "cost":
         this.navigation.cost.value = message;
@@ -398,6 +408,7 @@ export class SessionState implements Receiver {
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot, this.look, this.navigation.values])
           values.refuse();
+        this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":

@@ -24,6 +24,8 @@ interface DockProps {
   readonly groups: readonly DockGroup[];
   /** The id of the open group; of an id that no group has, the first group is open. */
   readonly open: Signal<string>;
+  /** Whether nothing in it can be used. */
+  readonly isInert?: boolean;
 }
 
 const STEPS: Readonly<Record<string, (now: number, count: number) => number>> = {
@@ -40,7 +42,7 @@ export function keyedTab(key: string, now: number, count: number): number | null
   return STEPS[key]?.(now, count) ?? null;
 }
 
-export function Dock({ label, groups, open }: DockProps) {
+export function Dock({ label, groups, open, isInert = false }: DockProps) {
   const id = useId();
   const tabs = useRef<HTMLDivElement>(null);
   const kept = useRef(new Set<string>());
@@ -66,7 +68,7 @@ export function Dock({ label, groups, open }: DockProps) {
     tabs.current?.querySelectorAll<HTMLElement>("[role=tab]")[next]?.focus();
   };
   return (
-    <div class="dock">
+    <div class="dock" inert={isInert}>
       <div class="dock-tabs" role="tablist" aria-label={label} ref={tabs} onKeyDown={onKey}>
         {groups.map((group, n) => (
           <button

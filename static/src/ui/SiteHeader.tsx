@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { Icon } from "./Icon";
 import { ThemeToggle } from "./ThemeToggle";
 
@@ -11,10 +12,17 @@ const PAGES = [
 const isFramed = parent !== window;
 document.documentElement.classList.toggle("framed", isFramed);
 
+interface SiteHeaderProps {
+  readonly current: "home" | "lecture" | "lab" | "logs";
+  readonly links?: boolean;
+  readonly children?: ComponentChildren;
+}
+
 /**
  * The header of every page, with a link to its content, which has the id `main`. A page within a slide has none.
+ * `children` come before the choice of the colours; without `links` it leads nowhere.
  */
-export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | "logs" }) {
+export function SiteHeader({ current, links = true, children }: SiteHeaderProps) {
   if (isFramed) return null;
   return (
     <header class="site-header">
@@ -25,13 +33,16 @@ export function SiteHeader({ current }: { current: "home" | "lecture" | "lab" | 
         <Icon name="logo" />
         <span>Gridbloom</span>
       </a>
-      <nav aria-label="Pages">
-        {PAGES.map((page) => (
-          <a key={page.id} href={page.href} {...(page.id === current ? { "aria-current": "page" } : {})}>
-            {page.label}
-          </a>
-        ))}
-      </nav>
+      {links && (
+        <nav aria-label="Pages">
+          {PAGES.map((page) => (
+            <a key={page.id} href={page.href} {...(page.id === current ? { "aria-current": "page" } : {})}>
+              {page.label}
+            </a>
+          ))}
+        </nav>
+      )}
+      {children}
       <ThemeToggle />
     </header>
   );

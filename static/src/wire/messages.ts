@@ -263,6 +263,74 @@ export interface Contribution {
   readonly sensor?: string;
 }
 
+/** The axis of a guess that is a number. */
+export interface ClassAxis {
+  /** least guess */
+  readonly low: number;
+  /** greatest guess */
+  readonly high: number;
+  /** unit, may be empty */
+  readonly unit?: string;
+}
+
+/** A question that the class is asked, and what has been answered. */
+export interface ClassQuestion {
+  /** number of the question, from 1 */
+  readonly id: number;
+  /** the question */
+  readonly text: string;
+  /** the answers to choose from; null: a number is guessed */
+  readonly options: readonly string[] | null;
+  /** the axis of the guess; null: an option is chosen */
+  readonly axis: ClassAxis | null;
+  /** whether the result is shown to all */
+  readonly is_revealed: boolean;
+  /** how many have answered */
+  readonly answered: number;
+  /** answers for each option, or in each part of the axis; followers: null before the reveal */
+  readonly counts: readonly number[] | null;
+  /** the right option from 0, or number; null: there is none, or not yet */
+  readonly right: number | null;
+}
+
+/** The part of the map that a picture shows, with the size of the picture. */
+export interface ClassLook {
+  /** the place in the middle, m */
+  readonly x: number;
+  /** the place in the middle, m */
+  readonly y: number;
+  /** metres that a pixel shows */
+  readonly scale: number;
+  /** width of the picture, pixels */
+  readonly width: number;
+  /** height of the picture, pixels */
+  readonly height: number;
+}
+
+/** What the lecturer's page shows. Places are map metres. */
+export interface ClassView {
+  /** the page; other: no page that can be followed */
+  readonly page: "lab" | "lecture" | "other";
+  /** fragment of its address: slide, step, deck */
+  readonly hash?: string;
+  /** whether the screen is blank */
+  readonly blank?: boolean;
+  /** the visible part of the map; null: all of it */
+  readonly look?: ClassLook | null;
+  /** where the pointer is in the map */
+  readonly pointer?: Point | null;
+  /** the selected cell */
+  readonly pinned?: Point | null;
+  /** the cell whose updates are explained */
+  readonly explained?: Point | null;
+  /** number of the selected update; null: the newest */
+  readonly update?: number | null;
+  /** the open group of controls */
+  readonly group?: string | null;
+  /** where the pointer is on the slide, as fractions of its width and height */
+  readonly on_slide?: readonly [number, number] | null;
+}
+
 /** First message of a connection: description of the session. */
 export interface Hello {
   readonly type: "hello";
@@ -270,7 +338,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: costmaps; `volume`: in 3D */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`, `map`, `volume`: what the name says */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -541,6 +609,21 @@ export interface CostMessage {
   readonly y: number;
   /** one for each layer that is on */
   readonly layers: readonly LayerCost[];
+}
+
+/** Maps: the edits so far. */
+export interface MapEditsMessage {
+  readonly type: "map_edits";
+  /** number of edits that are not undone */
+  readonly n: number;
+  /** number of edits that are undone */
+  readonly undone: number;
+  /** the last of the edits, oldest first, a phrase each */
+  readonly last: readonly string[];
+  /** cells of keepout zones */
+  readonly keepout_cells: number;
+  /** what the reader of the map noted */
+  readonly notes: readonly string[];
 }
 
 /** Answer to `nav2`. */
@@ -815,7 +898,7 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** Simulations: begin to localize the robot in a map, from anywhere, or end it. */
+/** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
 export interface LocalizeCommand {
   readonly type: "localize";
   /** whether it is localized */
@@ -824,6 +907,8 @@ export interface LocalizeCommand {
   readonly values?: Values;
   /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
   readonly map?: string;
+  /** keep the particles of the filter that runs on this map, if there is one */
+  readonly keep?: boolean;
 }
 
 /** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
@@ -864,6 +949,30 @@ export interface Nav2Command {
   readonly type: "nav2";
   /** a Nav2 parameter file; null: answer with one */
   readonly text?: string | null;
+}
+
+/** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
+export interface MapEditCommand {
+  readonly type: "map_edit";
+  /** paint, fill, keepout, despeckle, rotate, crop or origin */
+  readonly op: string;
+  /** paint: the line; fill and keepout: the corners; crop: two corners; origin: the place */
+  readonly points?: readonly Point[] | null;
+  /** paint and fill: free, occupied or unknown */
+  readonly state?: string | null;
+  /** paint: width of the brush, m */
+  readonly width?: number | null;
+  /** keepout: 1 to 100, 0 for none; despeckle: most cells */
+  readonly value?: number | null;
+  /** rotate: by this; origin: its heading, rad */
+  readonly angle?: number | null;
+}
+
+/** Maps: undo edits, or make them again. */
+export interface MapHistoryCommand {
+  readonly type: "map_history";
+  /** negative: so many are undone; positive: made again */
+  readonly steps: number;
 }
 
 /** Simulations: drive by hand. The speed is held for 0.5 s. */
@@ -980,6 +1089,132 @@ export interface PingCommand {
   readonly id: number;
 }
 
+/** The state of the class, to all who are in it; at most five times a second. */
+export interface ClassState {
+  readonly type: "class";
+  /** the code of the class */
+  readonly code: string;
+  /** followers that are connected */
+  readonly present: number;
+  /** whether nobody else can join */
+  readonly is_locked: boolean;
+  /** whether the class is over */
+  readonly has_ended: boolean;
+  /** numbers of the followers who ask for the robot; lecturer only */
+  readonly hands: readonly number[];
+  /** number of the follower who drives the robot; null: the lecturer */
+  readonly driver: number | null;
+  /** the question that is asked; null: none */
+  readonly question: ClassQuestion | null;
+}
+
+/** The first message: who one is in the class. */
+export interface ClassWelcome {
+  readonly type: "welcome";
+  /** what one may do */
+  readonly role: "follower" | "lecturer";
+  /** number of a follower, from 1; 0: the lecturer */
+  readonly number: number;
+  /** what one has answered to the question; null: nothing */
+  readonly answer: number | null;
+}
+
+/** What the lecturer shows now, to the followers. */
+export interface ClassViewMessage {
+  readonly type: "view";
+  /** what the lecturer shows */
+  readonly view: ClassView;
+  /** number of the session that is shown, from 1; 0: none */
+  readonly stage: number;
+}
+
+/** The explanation of the selected cell, as the lecturer's page shows it, to the followers. */
+export interface ClassExplained {
+  readonly type: "explained";
+  /** the explanation; null: none is shown */
+  readonly why: WhyMessage | null;
+}
+
+/** A command was refused. */
+export interface ClassError {
+  readonly type: "refused";
+  /** stable name of the error */
+  readonly code: string;
+  /** one sentence */
+  readonly message: string;
+}
+
+/** Lecturer: what the page shows now. */
+export interface ShowCommand {
+  readonly type: "show";
+  /** what it shows */
+  readonly view: ClassView;
+  /** id of the session that it shows; null: none */
+  readonly session?: string | null;
+}
+
+/** Lecturer: the explanation that the page shows. */
+export interface ExplainCommand {
+  readonly type: "explain";
+  /** the explanation; null: none is shown */
+  readonly why?: WhyMessage | null;
+}
+
+/** Lecturer: ask the class a question, with options to choose from or an axis on which a number is guessed. */
+export interface AskCommand {
+  readonly type: "ask";
+  /** the question */
+  readonly text: string;
+  /** two to eight answers; null: a number is guessed */
+  readonly options?: readonly string[] | null;
+  /** the axis of the guess */
+  readonly axis?: ClassAxis | null;
+  /** the right option from 0, or number; null: there is none */
+  readonly right?: number | null;
+}
+
+/** Lecturer: show the result to all. No more answers are taken. */
+export interface RevealCommand {
+  readonly type: "reveal";
+  /** the right answer, if it was not known before */
+  readonly right?: number | null;
+}
+
+/** Lecturer: take the question away. Its result is kept until the class ends. */
+export interface CloseCommand {
+  readonly type: "close";
+}
+
+/** Lecturer: let nobody else join, or let people join again. */
+export interface LockCommand {
+  readonly type: "lock";
+  /** whether it is locked */
+  readonly value: boolean;
+}
+
+/** Lecturer: hand the robot to a follower, or take it back. */
+export interface HandCommand {
+  readonly type: "hand";
+  /** number of the follower; null: take it back */
+  readonly number?: number | null;
+}
+
+/** Follower: answer the question; a later answer replaces it. */
+export interface AnswerCommand {
+  readonly type: "answer";
+  /** id of the question */
+  readonly question: number;
+  /** the option from 0, or the number */
+  readonly value: number;
+}
+
+/** Follower: ask for the robot, or no longer. */
+export interface RaiseCommand {
+  readonly type: "raise";
+  /** whether one asks for it */
+  readonly value: boolean;
+}
+
 export type ServerMessage =
   | Hello
   | LayersMessage
@@ -996,6 +1231,7 @@ export type ServerMessage =
   | CostmapMessage
   | PathMessage
   | CostMessage
+  | MapEditsMessage
   | Nav2Message
   | VolumeMessage
   | VoxelMessage
@@ -1027,6 +1263,8 @@ export type Command =
   | GoalCommand
   | CostCommand
   | Nav2Command
+  | MapEditCommand
+  | MapHistoryCommand
   | DriveCommand
   | AutoCommand
   | EditCommand
@@ -1039,6 +1277,24 @@ export type Command =
   | VoxelRayCommand
   | VolumeKeepCommand
   | PingCommand;
+
+export type ClassMessage =
+  | ClassState
+  | ClassWelcome
+  | ClassViewMessage
+  | ClassExplained
+  | ClassError;
+
+export type ClassCommand =
+  | ShowCommand
+  | ExplainCommand
+  | AskCommand
+  | RevealCommand
+  | CloseCommand
+  | LockCommand
+  | HandCommand
+  | AnswerCommand
+  | RaiseCommand;
 
 const isValue: Check = oneOf(isNumber, isText, isFlag);
 const isParameter: Check = isObject({
@@ -1155,6 +1411,57 @@ const isContribution: Check = isObject({
   increment: isNumber,
   log_odds: isNumber,
   sensor: optional(isText),
+});
+const isClassAxis: Check = isObject({
+  low: isNumber,
+  high: isNumber,
+  unit: optional(isText),
+});
+const isClassQuestion: Check = isObject({
+  id: isInteger,
+  text: isText,
+  options: oneOf(isListOf(isText), isNull),
+  axis: oneOf(isClassAxis, isNull),
+  is_revealed: isFlag,
+  answered: isInteger,
+  counts: oneOf(isListOf(isInteger), isNull),
+  right: oneOf(isNumber, isNull),
+});
+const isClassLook: Check = isObject({
+  x: isNumber,
+  y: isNumber,
+  scale: isPositive,
+  width: isPositive,
+  height: isPositive,
+});
+const isClassView: Check = isObject({
+  page: isLiteral("lab", "lecture", "other"),
+  hash: optional(isText),
+  blank: optional(isFlag),
+  look: optional(oneOf(isClassLook, isNull)),
+  pointer: optional(oneOf(isPoint, isNull)),
+  pinned: optional(oneOf(isPoint, isNull)),
+  explained: optional(oneOf(isPoint, isNull)),
+  update: optional(oneOf(isInteger, isNull)),
+  group: optional(oneOf(isText, isNull)),
+  on_slide: optional(oneOf(isTuple(isNumber, isNumber), isNull)),
+});
+const isWhyMessage: Check = isObject({
+  row: isInteger,
+  col: isInteger,
+  epoch: isInteger,
+  index: isInteger,
+  log_odds: isNumber,
+  prior: isNumber,
+  log_odds_min: oneOf(isNumber, isNull),
+  log_odds_max: oneOf(isNumber, isNull),
+  per_scan: isFlag,
+  total: isInteger,
+  hits: isInteger,
+  first_scan: oneOf(isInteger, isNull),
+  curve: isListOf(isTuple(isInteger, isNumber)),
+  contributions: isListOf(isContribution),
+  layer: isText,
 });
 
 /** The check of each field of each message from the server; a message may have more fields. */
@@ -1288,6 +1595,13 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     y: isNumber,
     layers: isListOf(isLayerCost),
   },
+  map_edits: {
+    n: isInteger,
+    undone: isInteger,
+    last: isListOf(isText),
+    keepout_cells: isInteger,
+    notes: isListOf(isText),
+  },
   nav2: {
     text: oneOf(isText, isNull),
   },
@@ -1365,6 +1679,35 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   pong: {
     id: isInteger,
     t: isNumber,
+  },
+};
+
+/** The same of the messages of a class. */
+export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record<string, Check>>>> = {
+  class: {
+    code: isText,
+    present: isInteger,
+    is_locked: isFlag,
+    has_ended: isFlag,
+    hands: isListOf(isInteger),
+    driver: oneOf(isInteger, isNull),
+    question: oneOf(isClassQuestion, isNull),
+  },
+  welcome: {
+    role: isLiteral("follower", "lecturer"),
+    number: isInteger,
+    answer: oneOf(isNumber, isNull),
+  },
+  view: {
+    view: isClassView,
+    stage: isInteger,
+  },
+  explained: {
+    why: oneOf(isWhyMessage, isNull),
+  },
+  refused: {
+    code: isText,
+    message: isText,
   },
 };
 

@@ -215,3 +215,22 @@ def test_files_that_are_no_edits_of_this_map() -> None:
     with pytest.raises(ConfigError, match="another resolution or origin"):
         apply_edits(moved, source, operations)
     assert json.loads(text)["source"]["width"] == 40
+
+
+def test_a_map_comes_with_a_mask_and_states_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Undone one by one with few kept states, it goes through the same values as before."""
+    mask = np.zeros((30, 40), np.int8)
+    mask[3, 4] = 50
+    monkeypatch.setattr("mapper.editing.edited_map.MOST_KEPT_CELLS", 9 * 1200)
+    edited = EditedMap(made().geometry, made().values, mask)
+    states = [edited.values]
+    for k in range(70):
+        after(edited, STROKE | {"points": [[0.03 * k, 0.05 * (k % 40)]]})
+        states.append(edited.values)
+        assert edited.cells <= 9 * 1200
+    for values in reversed(states[:-1]):
+        assert edited.undo()
+        np.testing.assert_array_equal(edited.values, values)
+    assert (edited.keepout[3, 4], edited.can_redo, edited.n_undone) == (50, True, 70)
+    with pytest.raises(ConfigError, match=r"The keepout mask has \(2, 2\) values"):
+        EditedMap(made().geometry, made().values, mask[:2, :2])

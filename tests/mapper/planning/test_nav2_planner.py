@@ -4,7 +4,7 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.planning import PlannerConfig
-from mapper.planning.nav2_parameters import parse_nav2_planner
+from mapper.planning.nav2_parameters import parse_nav2_planner, parse_nav2_pursuit
 
 FILE = """
 planner_server:
@@ -18,6 +18,12 @@ planner_server:
 def test_navfns_parameters_are_read() -> None:
     assert parse_nav2_planner(FILE.encode()) == PlannerConfig(use_astar=True, allow_unknown=False, tolerance=0.25)
     assert parse_nav2_planner(b"amcl: {ros__parameters: {alpha1: 0.1}}") == PlannerConfig()
+
+
+def test_the_speed_has_two_names() -> None:
+    text = "controller_server: {ros__parameters: {controller_plugins: [F], F: {plugin: RegulatedPurePursuitController, "
+    for name in ("max_linear_vel", "desired_linear_vel"):
+        assert parse_nav2_pursuit(f"{text}{name}: 0.3}}}}}}".encode()).desired_linear_vel == 0.3
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Paths on costmaps: against SciPy's shortest paths, closed forms, and what is refused."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
-from mapper.planning import PlannerConfig, plan_path
+from mapper.planning import GoalPlanner, PlannerConfig, plan_path
 from mapper.planning.step_costs import step_costs
 
 GEOMETRY = GridGeometry(0.1, 40, 60, (-1.0, 2.0, 0.3))
@@ -73,6 +74,31 @@ def test_a_star_finds_a_path_of_the_same_cost_in_fewer_cells() -> None:
         plan_path(rough, GEOMETRY, at(5, 5), at(33, 52), PlannerConfig(use_astar=a)).cost for a in (False, True)
     ]
     assert costs_of_both[0] == pytest.approx(costs_of_both[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("use_astar", [False, True])
+def test_a_goal_that_moves_has_the_path_that_is_planned_anew(use_astar: bool) -> None:
+    """Goals near and far, on obstacles, and beyond them; errors are the same."""
+    costs, config = rough_map(), PlannerConfig(use_astar=use_astar, tolerance=0.3)
+    costs[30:36, 50] = costs[30:36, 56] = costs[30, 50:57] = costs[35, 50:57] = 254  # a closed box
+    planner = GoalPlanner(costs, GEOMETRY, at(5, 5), config)
+    assert planner.begins_at(at(5, 5))
+    assert not planner.begins_at(at(5, 6))
+    rng = np.random.default_rng(4)
+    seen: set[object] = set()
+    for row, col in [(6, 6), (33, 53), *rng.integers((0, 0), GEOMETRY.shape, (30, 2)).tolist()]:
+        try:
+            expected = plan_path(costs, GEOMETRY, at(5, 5), at(row, col), config)
+        except ConfigError as error:
+            with pytest.raises(ConfigError, match=re.escape(error.message)):
+                planner.plan(at(5, 5), at(row, col))
+            seen.add(error.code)
+            continue
+        found = planner.plan(at(5, 5), at(row, col))
+        assert (found.cost, found.reaches_goal) == (expected.cost, expected.reaches_goal)
+        np.testing.assert_array_equal(found.cells, expected.cells)
+        seen.add(found.reaches_goal)
+    assert seen == {True, False, "path.none"}
 
 
 def test_the_steps_of_a_path_add_up_to_its_cost_and_pass_no_obstacle() -> None:

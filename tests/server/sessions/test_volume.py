@@ -11,7 +11,7 @@ import pyoctomap
 import pytest
 
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file
-from mapper.volume.scan_sequence import gather
+from mapper.volume.scan_sequence import ScanSequence, gather
 from mapper.volume.sources import Insertion, insert_all, open_source
 from server.library.volume_pack import read_volume_pack, write_volume_pack
 from tests.mapper.io.logs.recorded import written
@@ -102,6 +102,7 @@ def test_what_is_packed_is_what_was_read(recording: Path, tmp_path: Path) -> Non
     scans = gather(recording)
     write_volume_pack(scans, tmp_path / "a.npz")
     again = read_volume_pack(tmp_path / "a.npz")
+    assert isinstance(again, ScanSequence)
     for name in ("points", "starts", "origins", "stamps_ns", "offset"):
         np.testing.assert_array_equal(getattr(again, name), getattr(scans, name))
     assert (again.kind, again.notes) == (scans.kind, scans.notes)

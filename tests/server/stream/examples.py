@@ -23,7 +23,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
-    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved"},
+    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved", "keep": True},
     {
         "type": "costmap",
         "value": True,
@@ -34,6 +34,9 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "goal", "x": 4.5, "y": -1.0, "drives": True},
     {"type": "cost", "x": 4.5, "y": -1.0},
     {"type": "nav2", "text": None},
+    {"type": "map_edit", "op": "paint", "state": "free", "width": 0.2, "points": [[1.0, 2.0], [1.5, 2.0]]},
+    {"type": "map_edit", "op": "rotate", "angle": 0.25},
+    {"type": "map_history", "steps": -1},
     {"type": "why", "row": 3, "col": 4, "epoch": 1, "layer": "second_map"},
     {"type": "pause"},
     {"type": "restart"},
@@ -236,6 +239,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         (0.05, 0.15, 0.25), 0.1, 0.85, "occupied", 3, 1, 1, [parts.VoxelUpdate(2, True, 4, None, 0.85)]
     ),
     messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
+    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, ["A note."]),
     messages.WorkingMessage(0.55, 0.2),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),

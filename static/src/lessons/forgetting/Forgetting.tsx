@@ -1,10 +1,12 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
-import { useMemo, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
+import { askedAs, lecturersClass } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
+import type { ClassQuestion } from "../../wire/protocol";
 import { RobotShape } from "../common/DragHandle";
 import { Plot } from "../common/Plot";
 import { Scene, Walls } from "../common/Scene";
@@ -14,6 +16,9 @@ import "./forgetting.css";
 
 const OFF: Clamp = { on: false, low: -2, high: 3.5 };
 const MS_PER_SCAN = 70;
+const MOST_SCANS = 120;
+/** What a class is asked. */
+const QUESTION = "The table is taken away. After how many scans has the map with the clamp forgotten it?";
 
 const scans = (count: number): string => `${count} scan${count === 1 ? "" : "s"}`;
 
@@ -59,6 +64,12 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
     () => step(1),
   );
   const done = t !== null && t >= end;
+  const asked = askedAs(QUESTION);
+  const room = lecturersClass.value;
+  const right = done ? clamped.forgottenAfter : null;
+  useEffect(() => {
+    if (room && asked && !asked.is_revealed && right !== null) room.send({ type: "reveal", right });
+  }, [room, asked?.id, right]);
   return (
     <figure class="forgetting" ref={root} aria-label="A table is removed: the map with the clamp and without it">
       <div class="side-by-side">
@@ -75,6 +86,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
             clamped={clamped}
             free={free}
             prediction={prediction.value}
+            asked={asked}
             clamp={clamp.value}
           />
         )}
@@ -86,7 +98,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
           value={prediction.value}
           initial={20}
           low={1}
-          high={120}
+          high={MOST_SCANS}
           step={1}
           unit="scans"
           disabled={t !== null}
@@ -94,6 +106,16 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
             prediction.value = value;
           }}
         />
+        {room && t === null && !asked && (
+          <Button
+            icon="people"
+            onClick={() =>
+              room.send({ type: "ask", text: QUESTION, axis: { low: 0, high: MOST_SCANS, unit: "scans" } })
+            }
+          >
+            Ask the class
+          </Button>
+        )}
         {t === null ? (
           <Button
             kind="primary"
@@ -212,13 +234,15 @@ interface ChartProps {
   readonly clamped: MapHistory;
   readonly free: MapHistory;
   readonly prediction: number;
+  /** The question to the class; null if it was not asked. */
+  readonly asked: ClassQuestion | null;
   readonly clamp: Clamp;
 }
 
 /** ℓ of the cell that is forgotten last, in both maps, over the scans. */
-function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartProps) {
+function Chart({ width, seen, t, end, clamped, free, prediction, asked, clamp }: ChartProps) {
   const now = seen + (t ?? 0);
-  const across = readingScale(width, 0, seen + Math.max(end, prediction) + 2);
+  const across = readingScale(width, 0, seen + Math.max(end, prediction, asked ? MOST_SCANS : 0) + 2);
   const up = evidenceScale(HEIGHT, [clamp.low, clamp.high], free.path.slice(0, seen + 1));
   const x = (i: number): number => toPixel(i, across);
   const y = (l: number): number => toPixel(l, up);
@@ -231,6 +255,7 @@ function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartP
   return (
     <>
       <LogOddsBackground width={width} evidence={up} limits={[clamp.low, clamp.high]} />
+      {asked && <Guesses asked={asked} x={(after) => x(seen + after)} />}
       <line class="forgetting-gone" x1={x(seen)} x2={x(seen)} y1={8} y2={HEIGHT - 8} />
       <line class="forgetting-guess" x1={guess} x2={guess} y1={8} y2={HEIGHT - 8} />
       <text class="guess" x={guess + 5} y={22}>
@@ -260,5 +285,25 @@ function Chart({ width, seen, t, end, clamped, free, prediction, clamp }: ChartP
         {t === null ? "after its removal" : "without it"}
       </text>
     </>
+  );
+}
+
+/** The guesses of a class, as columns on the axis of the scans. */
+function Guesses({ asked, x }: { readonly asked: ClassQuestion; readonly x: (after: number) => number }) {
+  const counts = asked.counts ?? [];
+  const most = Math.max(1, ...counts);
+  const each = MOST_SCANS / Math.max(1, counts.length);
+  return (
+    <g class="forgetting-class">
+      {counts.map((count, i) => {
+        const height = (0.6 * HEIGHT * count) / most;
+        const from = x(i * each);
+        return (
+          <rect key={i} x={from + 1} width={x((i + 1) * each) - from - 2} y={HEIGHT - height} height={height}>
+            <title>{`${count} guessed ${i * each} to ${(i + 1) * each}`}</title>
+          </rect>
+        );
+      })}
+    </g>
   );
 }

@@ -12,7 +12,9 @@ import { useSeen, useSteps } from "../common/useSteps";
 import { pipelineBeam, pipelineStep } from "../stage/controls";
 import { nowOf } from "../stage/nowOf";
 import { readingOf } from "../stage/reading";
+import type { Scene } from "../stage/scene";
 import { SCENES } from "../stage/scenes";
+import { useSceneInSight } from "../stage/useSceneInSight";
 import { densityCharacter, stateCharacter } from "./density";
 import "./pipeline.css";
 
@@ -27,8 +29,7 @@ interface Box {
 }
 
 /** What each step of the pipeline makes of the selected reading. */
-function boxes(): readonly Box[] {
-  const scene = SCENES.pipeline();
+function boxes(scene: Scene): readonly Box[] {
   const shown = nowOf(scene);
   const reading = readingOf(scene, shown, pipelineBeam.value);
   if (!reading) return [];
@@ -90,7 +91,7 @@ function boxes(): readonly Box[] {
 export function Pipeline() {
   const playing = useSignal(false);
   const root = useRef<HTMLDivElement>(null);
-  const found = boxes();
+  const found = boxes(useSceneInSight(root, SCENES.pipeline));
   const at = pipelineStep.value;
   const go = (next: number): void => {
     pipelineStep.value = Math.min(LAST, Math.max(0, next));

@@ -1,7 +1,9 @@
 import { useSignal } from "@preact/signals";
+import { useRef } from "preact/hooks";
 import { Choice } from "../../ui/Choice";
 import { nowOf } from "../stage/nowOf";
 import { SCENES } from "../stage/scenes";
+import { useSceneInSight } from "../stage/useSceneInSight";
 import { asText, densityCharacter, stateCharacter } from "./density";
 import "./pipeline.css";
 
@@ -13,10 +15,11 @@ const KINDS = [
 /** The map of the stage as characters. */
 export function Terminal() {
   const kind = useSignal("density");
-  const { map } = nowOf(SCENES.characters());
+  const root = useRef<HTMLDivElement>(null);
+  const { map } = nowOf(useSceneInSight(root, SCENES.characters));
   const isDensity = kind.value === "density";
   return (
-    <div class="terminal">
+    <div class="terminal" ref={root}>
       <Choice
         label="The map as characters"
         options={KINDS}

@@ -3,8 +3,8 @@
 import { bearingOf, evidenceOfBeam } from "../../grid/textbook";
 import { written } from "../../ui/numbers";
 import { pipelineBeam, pipelineStep } from "./controls";
-import type { MarkProps } from "./markProps";
 import { readingOf } from "./reading";
+import type { MarkProps } from "./scene";
 
 /** How far a reading has come: 1 its end point, 2 that cell, 3 the cells of its beam, 4 their evidence. */
 const ALL = 4;

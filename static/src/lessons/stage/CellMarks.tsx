@@ -5,7 +5,7 @@ import { indexOf } from "../../grid/occupancyGrid";
 import { evidenceOfBeam } from "../../grid/textbook";
 import { signed, written } from "../../ui/numbers";
 import type { StageTransform } from "../common/Stage";
-import type { MarkProps } from "./markProps";
+import type { MarkProps } from "./scene";
 import { scanAt } from "./sensing";
 
 /** Cells smaller than this have no borders; smaller than that no number in them, CSS pixels. */

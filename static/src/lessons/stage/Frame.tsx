@@ -5,8 +5,8 @@ import { written } from "../../ui/numbers";
 import { DragHandle } from "../common/DragHandle";
 import { cellSide, originAt, pipelineBeam } from "./controls";
 import { FLOOR } from "./floor";
-import type { MarkProps } from "./markProps";
 import { readingOf } from "./reading";
+import type { MarkProps } from "./scene";
 
 const limited = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 

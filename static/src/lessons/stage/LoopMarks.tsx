@@ -1,6 +1,6 @@
 import { visited } from "./controls";
 import { FIELD, LOOP_GEOMETRY, visitOf } from "./loop";
-import type { MarkProps } from "./markProps";
+import type { MarkProps } from "./scene";
 
 /** The loop of table 9.1: the perceptual field outlined, and the cell that is visited now. */
 export function LoopMarks({ transform }: MarkProps) {

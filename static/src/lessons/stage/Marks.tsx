@@ -9,8 +9,7 @@ import { CORNERS, sightings } from "./corners";
 import { Frame } from "./Frame";
 import { LOW_TABLE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS, walker } from "./floor";
 import { LoopMarks } from "./LoopMarks";
-import type { MarkProps } from "./markProps";
-import type { Mark } from "./scene";
+import type { Mark, MarkProps } from "./scene";
 import { believed, SONAR, SONAR_REACH, scanAt, wallsAt } from "./sensing";
 import { STRETCH } from "./wall";
 
@@ -126,7 +125,12 @@ function Noise({ transform, scene, shown }: MarkProps) {
         height={Math.max(1, low - high)}
       />
       <path class="world-stage-gauss" d={`${points.join("")}L${x0} ${transform.y(wall + 4 * sigma)}`} />
-      <text class="world-stage-label" x={x0 + 6} y={transform.y(wall + 4 * sigma) - 8}>
+      <text
+        class="world-stage-label"
+        x={Math.min(x0 + tall, transform.width - 8)}
+        y={transform.y(wall - 4 * sigma) + 20}
+        text-anchor="end"
+      >
         p(z), σ = {sigma.toFixed(2)} m
       </text>
       <text class="world-stage-label" x={transform.x(STRETCH.from)} y={transform.y(wall + 0.42)}>

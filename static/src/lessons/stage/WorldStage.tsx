@@ -48,7 +48,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   const now = scene.value;
   const view = useCamera(now.view, still);
   const { width, height } = size.value;
-  const { map, ladder } = layout(width, height, now.history);
+  const { map, ladder } = layout(width, height, now.history, now.drawing !== null);
   const at = projection(view.value, map);
   useLayoutEffect(
     () =>
@@ -56,7 +56,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
         void isDark.value;
         if (canvas.current) paint(canvas.current, shown.value, scene.value, projection(view.value, map));
       }),
-    [shown, scene, view, width, height],
+    [shown, scene, view, map.width, map.height],
   );
   const transform: StageTransform = {
     width: map.width,
@@ -80,7 +80,11 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
           <g clip-path={`url(#${clip})`}>
             <World transform={transform} scene={now} shown={shown.value} />
             <Marks transform={transform} scene={now} shown={shown.value} />
-            <Handles transform={transform} scene={now} shown={shown.value} still={still} />
+            {now.drawing ? (
+              <now.drawing transform={transform} scene={now} shown={shown.value} />
+            ) : (
+              <Handles transform={transform} scene={now} shown={shown.value} still={still} />
+            )}
           </g>
           {ladder && <Ladder rect={ladder} scene={now} shown={shown.value} />}
         </svg>
@@ -93,9 +97,12 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   );
 }
 
-/** The map with the ladder below it; in a low box beside it, and there only if it is a part of the point. */
-function layout(width: number, height: number, history: boolean): { map: Rect; ladder: Rect | null } {
-  if (height < LOW && !history) return { map: { left: 0, top: 0, width, height }, ladder: null };
+/**
+ * The map with the ladder below it; in a low box beside it, and there only if it is a part of the point. `alone`: a
+ * scene with a drawing of its own has no ladder.
+ */
+function layout(width: number, height: number, history: boolean, alone: boolean): { map: Rect; ladder: Rect | null } {
+  if (alone || (height < LOW && !history)) return { map: { left: 0, top: 0, width, height }, ladder: null };
   if (height < LOW) {
     const left = Math.round(width * 0.6);
     return {
@@ -162,14 +169,10 @@ function paint(canvas: HTMLCanvasElement, shown: Shown, scene: Scene, at: Projec
   context.scale(ratio, ratio);
   context.fillStyle = ground;
   context.fillRect(0, 0, rect.width, rect.height);
-  if (scene.bare) return;
-  context.drawImage(
-    picture,
-    at.x(0) - rect.left,
-    at.y(rows * resolution) - rect.top,
-    cols * resolution * at.metre,
-    rows * resolution * at.metre,
-  );
+  context.translate(-rect.left, -rect.top);
+  const side = resolution * at.metre;
+  if (!scene.bare) context.drawImage(picture, at.x(0), at.y(rows * resolution), cols * side, rows * side);
+  scene.overlay?.(context, at);
 }
 
 interface PartProps {

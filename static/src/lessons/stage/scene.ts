@@ -1,10 +1,12 @@
 /** What the stage shows at one place of the lecture. */
 
+import type { ComponentType } from "preact";
 import { cellAt } from "../../grid/lattice";
 import { INITIAL_CONFIG, indexOf, type MappingConfig, type OccupancyGrid } from "../../grid/occupancyGrid";
 import type { Point, Pose } from "../../wire/protocol";
 import { cellParameters } from "../common/parameters";
-import type { View } from "./camera";
+import type { StageTransform } from "../common/Stage";
+import type { Projection, View } from "./camera";
 import { ownCell, ownPoses } from "./controls";
 import { DRIVE, FLOOR } from "./floor";
 import type { MapHistory, Plan } from "./history";
@@ -45,6 +47,13 @@ export interface Scene {
   readonly history: boolean;
   /** Other values in place of the history of the selected cell. */
   readonly ladder: readonly number[] | null;
+  /** Paints over the map, in CSS pixels of the stage; it reads the signals that it depends on. */
+  readonly overlay: ((context: CanvasRenderingContext2D, at: Projection) => void) | null;
+  /**
+   * Drawings and handles of the scene's own, in place of the robot that makes the map, and of the selected cell with
+   * its history.
+   */
+  readonly drawing: ComponentType<MarkProps> | null;
   /** The point that the scene makes, in one or two sentences. */
   readonly caption: (now: Shown) => string;
 }
@@ -56,6 +65,13 @@ export interface Shown {
   readonly map: OccupancyGrid;
   /** Index of the selected cell, −1 outside the map. */
   readonly index: number;
+}
+
+/** What each mark on the stage is given: where it is drawn, the scene, and how much of it is shown. */
+export interface MarkProps {
+  readonly transform: StageTransform;
+  readonly scene: Scene;
+  readonly shown: Shown;
 }
 
 /** The whole floor. */
@@ -76,6 +92,8 @@ interface SceneParts {
   readonly grid?: OccupancyGrid;
   readonly history?: boolean;
   readonly ladder?: readonly number[];
+  readonly overlay?: Scene["overlay"];
+  readonly drawing?: Scene["drawing"];
   readonly caption: string | ((now: Shown) => string);
 }
 
@@ -88,7 +106,7 @@ export function scene(parts: SceneParts): Scene {
   const { caption } = parts;
   return {
     view: parts.view ?? WHOLE,
-    poses: [...(parts.poses ?? DRIVE.slice(0, parts.scans ?? 0)), ...ownPoses.value],
+    poses: [...(parts.poses ?? DRIVE.slice(0, parts.scans ?? 0)), ...(parts.drawing ? [] : ownPoses.value)],
     resolution: parts.resolution ?? 0.1,
     conditions: { ...USUAL, ...parts.conditions },
     config: { ...INITIAL_CONFIG, log_odds_hit, log_odds_miss, clamp, log_odds_min, log_odds_max, ...parts.config },
@@ -99,6 +117,8 @@ export function scene(parts: SceneParts): Scene {
     grid: parts.grid ?? null,
     history: parts.history ?? false,
     ladder: parts.ladder ?? null,
+    overlay: parts.overlay ?? null,
+    drawing: parts.drawing ?? null,
     caption: typeof caption === "string" ? () => caption : caption,
   };
 }

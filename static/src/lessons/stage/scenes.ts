@@ -1,7 +1,7 @@
 /** The scenes of the stage in the order of the lecture. Each continues the one before it: the same floor and drive. */
 
 import { probability } from "../../grid/logOdds";
-import { signed, written } from "../../ui/numbers";
+import { plural, signed, written } from "../../ui/numbers";
 import { cellsOf, phantoms } from "../common/counts";
 import { cellParameters } from "../common/parameters";
 import {
@@ -23,6 +23,7 @@ import {
 } from "./controls";
 import { CORNERS, sightings } from "./corners";
 import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
+import { laterScene } from "./later";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
 import { lookOfWall, STRETCH } from "./wall";
@@ -33,8 +34,6 @@ const REMOVED = 62;
 
 /** Everything that is really there. */
 const SOLID = [...WALLS, POLISHED, ...TABLE];
-
-const plural = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
 /** ℓ and p of the selected cell. */
 function cellInWords({ map, index }: Shown): string {
@@ -309,10 +308,18 @@ export const SCENES = {
       caption: (now) =>
         `What the file keeps of the map: ${plural(cellsOf(now.map, "occupied").length, "cell")} occupied, ${cellsOf(now.map, "free").length.toLocaleString("en")} free, the others unknown.`,
     }),
+  particles: () => laterScene("particles"),
+  "sensor-models": () => laterScene("sensor-models"),
+  kidnapping: () => laterScene("kidnapping"),
+  layers: () => laterScene("layers"),
+  inflation: () => laterScene("inflation"),
+  path: () => laterScene("path"),
+  lifetime: () => laterScene("lifetime"),
+  stack: () => laterScene("stack"),
   next: () =>
     scene({
       scans: 77,
-      caption: "This map is the starting point of localization, of costmaps and of path planning.",
+      caption: "The occupancy grid of the whole drive: one of several kinds of maps.",
     }),
   log: () =>
     scene({

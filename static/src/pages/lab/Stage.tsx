@@ -18,14 +18,16 @@ import type { Live } from "./session";
 interface StageProps {
   readonly session: Live | null;
   readonly comparison: Comparison | null;
+  /** Whether nothing in it can be used. */
+  readonly isInert: boolean;
   /** Called with the picture of the map. */
   readonly onPicture: (picture: Picture) => void;
 }
 
-export function Stage({ session, comparison, onPicture }: StageProps) {
+export function Stage({ session, comparison, isInert, onPicture }: StageProps) {
   const store = session?.store ?? null;
   return (
-    <div class="lab-stage">
+    <div class="lab-stage" inert={isInert}>
       <Plate
         title="The world"
         note="ground truth"

@@ -54,14 +54,12 @@ export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
     if (isHere && rect && rect.bottom <= 0 && !CSS.supports("overflow-anchor", "auto"))
       scrollBy({ top: (box.current?.offsetHeight ?? rect.height) - rect.height, behavior: "instant" });
   }, [isHere, near]);
-  const style = isHere
-    ? {}
-    : {
-        "--wide": `${reserve[0]}px`,
-        "--full": `${reserve[1]}px`,
-        "--middle": `${reserve[2]}px`,
-        "--narrow": `${reserve[3]}px`,
-      };
+  const style = {
+    "--wide": `${reserve[0]}px`,
+    "--full": `${reserve[1]}px`,
+    "--middle": `${reserve[2]}px`,
+    "--narrow": `${reserve[3]}px`,
+  };
   return (
     <div class={isHere ? "" : "figure-awaited"} ref={box} style={style}>
       {isHere && children}

@@ -99,6 +99,19 @@ export const SOURCES = {
       1996, for signed distance fields
     </>
   ),
+  kerbl: (
+    <>
+      B. Kerbl, G. Kopanas, T. Leimkühler and G. Drettakis,{" "}
+      <cite>3D Gaussian splatting for real-time radiance field rendering</cite>, ACM Transactions on Graphics 42 (4),
+      2023
+    </>
+  ),
+  mildenhall: (
+    <>
+      B. Mildenhall and others, <cite>NeRF: representing scenes as neural radiance fields for view synthesis</cite>,
+      European Conference on Computer Vision, 2020
+    </>
+  ),
   ieee754: (
     <>
       <cite>IEEE Standard for Floating-Point Arithmetic</cite>, IEEE 754
@@ -109,6 +122,50 @@ export const SOURCES = {
       D. Hähnel, R. Triebel, W. Burgard and S. Thrun,{" "}
       <cite>Map building with mobile robots in dynamic environments</cite>, IEEE International Conference on Robotics
       and Automation, 2003
+    </>
+  ),
+  dellaert: (
+    <>
+      F. Dellaert, D. Fox, W. Burgard and S. Thrun, <cite>Monte Carlo localization for mobile robots</cite>, IEEE
+      International Conference on Robotics and Automation, 1999
+    </>
+  ),
+  amcl: (
+    <>
+      Nav2, <cite>AMCL</cite>: the documentation of its parameters
+    </>
+  ),
+  "nav2-costmap": (
+    <>
+      Nav2, <cite>Costmap 2D</cite>: the documentation of the layers and their parameters
+    </>
+  ),
+  "nav2-inflation": (
+    <>
+      Nav2, <cite>Inflation Layer Parameters</cite>, and computeCost in inflation_layer.hpp
+    </>
+  ),
+  "nav2-navfn": (
+    <>
+      Nav2, <cite>nav2_navfn_planner</cite>: navfn.hpp and navfn.cpp
+    </>
+  ),
+  "dijkstra-1959": (
+    <>
+      E. W. Dijkstra, <cite>A note on two problems in connexion with graphs</cite>, Numerische Mathematik 1, 1959
+    </>
+  ),
+  hart: (
+    <>
+      P. E. Hart, N. J. Nilsson and B. Raphael,{" "}
+      <cite>A formal basis for the heuristic determination of minimum cost paths</cite>, IEEE Transactions on Systems
+      Science and Cybernetics 4 (2), 1968
+    </>
+  ),
+  "slam-toolbox": (
+    <>
+      S. Macenski and I. Jambrecic, <cite>SLAM Toolbox: SLAM for the dynamic world</cite>, Journal of Open Source
+      Software 6 (61), 2021
     </>
   ),
   "rep-103": (

@@ -1,3 +1,4 @@
+import { EditMap } from "../../tools/mapediting/EditMap";
 import { Button } from "../../ui/Button";
 import { MapFiles } from "../../ui/MapFiles";
 import { Panel } from "../../ui/Panel";
@@ -7,7 +8,15 @@ const RUN_FILES = ["run.mcap", "trajectory.tum"];
 const LABELS: Readonly<Record<string, string>> = { "trajectory.tum": "Trajectory (TUM)" };
 
 /** The map as files and, except for a guest, the run. */
-export function Downloads({ session, isGuest }: { readonly session: string; readonly isGuest: boolean }) {
+export function Downloads({
+  session,
+  title,
+  isGuest,
+}: {
+  readonly session: string;
+  readonly title: string;
+  readonly isGuest: boolean;
+}) {
   return (
     <Panel title="Download">
       <div class="downloads">
@@ -17,6 +26,7 @@ export function Downloads({ session, isGuest }: { readonly session: string; read
             {LABELS[name] ?? name.split(".").at(-1)}
           </Button>
         ))}
+        {!isGuest && <EditMap session={session} name={title} />}
       </div>
       <p class="quiet">
         pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.

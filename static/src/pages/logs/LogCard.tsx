@@ -70,7 +70,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
       {opens && (
         <div class="log-open">
           <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
-            {log.costmaps > 0 ? "Open costmaps" : log.clouds > 0 ? "Open in 3D" : "Open map"}
+            {openLabel(log)}
           </Button>
           {log.clouds === 0 && hasClouds(log) && (
             <Button icon="cube" onClick={() => onOpen(log, null, true)}>
@@ -81,6 +81,12 @@ export function LogCard({ log, onOpen }: LogCardProps) {
       )}
     </li>
   );
+}
+
+function openLabel(log: LogRecord): string {
+  if (log.map) return "Edit map";
+  if (log.clouds > 0) return "Open in 3D";
+  return log.costmaps > 0 ? "Open costmaps" : "Open map";
 }
 
 /** The map of a log, drawn by the server when it was read. */

@@ -13,19 +13,23 @@ interface LogChoiceProps {
   readonly own: string;
   readonly chosen: ChosenLog | null;
   readonly disabled: boolean;
+  /** Whether maps are offered too. */
+  readonly withMaps?: boolean;
   readonly onChoose: (chosen: ChosenLog) => void;
 }
 
 const SEPARATOR = "\n";
 
-export function LogChoice({ own, chosen, disabled, onChoose }: LogChoiceProps) {
+export function LogChoice({ own, chosen, disabled, withMaps = false, onChoose }: LogChoiceProps) {
   useEffect(watchAll, []);
-  const list = (logs.value ?? []).filter((log) => log.state === "ready" && log.id !== own);
+  const list = (logs.value ?? []).filter(
+    (log) => log.state === "ready" && log.id !== own && log.costmaps === 0 && (withMaps || !log.map),
+  );
   const choices = list.flatMap((log) => {
     const sensors = log.topics.filter((topic) => topic.beams !== null);
     return sensors.length > 1
       ? sensors.map((topic) => ({ id: log.id, topic: topic.name, label: `${log.name}, ${topic.name}` }))
-      : [{ id: log.id, topic: "", label: log.name }];
+      : [{ id: log.id, topic: "", label: log.map ? `${log.name} (map)` : log.name }];
   });
   return (
     <label class="field">

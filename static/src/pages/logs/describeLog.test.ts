@@ -17,6 +17,7 @@ const intel: LogRecord = {
   costmaps: 0,
   clouds: 0,
   points: 0,
+  map: null,
   beams: 180,
   duration_s: 2650.86,
   format: "CARMEN FLASER",
@@ -34,6 +35,12 @@ const intel: LogRecord = {
 test("a run is told by its time, its way and its scans", () => {
   expect(run(intel)).toEqual(["44:10", "501 m driven", "13,631 scans"]);
   expect(file(intel)).toEqual(["180 beams", "CARMEN FLASER", "447 kB"]);
+});
+
+test("a map is told by its size", () => {
+  const map = { ...intel, scans: 0, map: { rows: 400, cols: 1200, resolution: 0.05 }, format: "map" };
+  expect(run(map)).toEqual(["60 m × 20 m", "cells of 5.0 cm"]);
+  expect(file(map)).toEqual(["map", "447 kB"]);
 });
 
 test("what a log does not tell is not told", () => {

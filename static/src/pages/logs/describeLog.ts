@@ -27,6 +27,13 @@ const metres = (length: number): string => `${length < 10 ? length.toFixed(1) : 
 /** Duration, length and number of scans of the run. Empty until the log was read. */
 export function run(log: LogRecord): readonly string[] {
   if (log.scans === null) return [];
+  if (log.map) {
+    const { cols, rows, resolution } = log.map;
+    return [
+      `${metres(cols * resolution)} × ${metres(rows * resolution)}`,
+      `cells of ${written(100 * resolution, 1)} cm`,
+    ];
+  }
   const length = log.trajectories[0]?.length_m ?? 0;
   return [
     ...(log.duration_s ? [clock(log.duration_s)] : []),
@@ -49,9 +56,7 @@ function cloudRun({ clouds, points, format }: LogRecord): readonly string[] {
 /** Number of beams, format and size of the file. */
 export function file(log: LogRecord): readonly string[] {
   return [
-    ...(log.beams === null || log.costmaps > 0 || log.clouds > 0
-      ? []
-      : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
+    ...(log.beams === null || !isScanned(log) ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
     ...(log.format ? [log.format] : []),
     ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
   ];
@@ -73,7 +78,7 @@ export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
   const sensor = log.topics.find((one) => one.chosen);
   // A file that names the sensor's frame and not its place: the centre is a guess.
-  const mount = log.costmaps > 0 || log.clouds > 0 || (sensor?.frame && !sensor.mount) ? null : log.mount;
+  const mount = !isScanned(log) || (sensor?.frame && !sensor.mount) ? null : log.mount;
   const unit = log.costmaps > 0 ? "costmaps" : "scans";
   const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
   return [
@@ -89,7 +94,7 @@ export function inside(log: LogRecord): readonly string[] {
           }`,
         ]
       : []),
-    ...(log.mount && !mount && log.costmaps === 0 && log.clouds === 0
+    ...(log.mount && !mount && isScanned(log)
       ? ["Sensor mount not stated in the file; the robot's centre is assumed"]
       : []),
     ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
@@ -105,6 +110,9 @@ export function lidars(log: LogRecord): readonly string[] {
     .filter((one) => one.beams !== null && /Scan$|laser scan$/.test(one.type) && one.count > 0)
     .map((one) => one.name);
 }
+
+/** Whether it has planar scans: it is no map, no cloud and no recording of costmaps. */
+const isScanned = (log: LogRecord): boolean => log.costmaps === 0 && log.clouds === 0 && !log.map;
 
 /** Whether a recording has point clouds, of which a map in 3D can be made. */
 export const hasClouds = (log: LogRecord): boolean =>

@@ -43,6 +43,12 @@ describe("files that are chosen together", () => {
     expect(names("", "poses.txt", "a.log")).toEqual(["poses.txt", "a.log"]);
   });
 
+  it("are one map where a yaml and its image come together", () => {
+    expect(names("", "office.pgm", "office.yaml", "a.log")).toEqual(["office.yaml", "a.log"]);
+    expect(names("m", "o.pgm", "o.yaml", "o_keepout.pgm", "o_keepout.yaml", "o.edits.json")).toEqual(["o.yaml"]);
+    expect(names("", "a.yaml", "b.yaml", "a.pgm")).toEqual(["a.yaml", "b.yaml", "a.pgm"]);
+  });
+
   it("a single one is taken whatever it is called: the server says what it is", () => {
     expect(names("", "run_0.db3-wal")).toEqual(["run_0.db3-wal"]);
   });

@@ -8,12 +8,14 @@ const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs
 const RECORDING = /\.(db3|mcap)(\.zstd)?$/i;
 
 /**
- * Group files that were chosen together into logs: the parts of a split recording, or the two files of a sonar ring.
+ * Group files that were chosen together into logs: the parts of a split recording, the two files of a sonar ring, or a map.
  */
 export function groupIntoLogs({ name, files }: Folder): readonly File[] {
   if (files.length === 1) return files; // the server determines the format
   const parts = splitRecording(files) ?? ring(files) ?? depthImages(files);
-  const rest = files.filter((file) => !parts?.includes(file) && !NOT_LOGS.test(file.name));
+  const map = parts ? null : mapFiles(files);
+  const rest = files.filter((file) => !(parts ?? map)?.includes(file) && !NOT_LOGS.test(file.name));
+  if (map) return [tarred(map, map[0]?.name ?? "map"), ...rest];
   return parts ? [tarred(parts, name || nameOf(parts)), ...rest] : rest;
 }
 
@@ -33,6 +35,16 @@ function ring(files: readonly File[]): readonly File[] | null {
 function depthImages(files: readonly File[]): readonly File[] | null {
   if (!files.some(({ name }) => name.endsWith(".depth.png"))) return null;
   return files.filter(({ name }) => /\.(depth\.png|pose\.txt)$|^(camera-)?intrinsics\.txt$|^camera\.txt$/.test(name));
+}
+
+/** The yaml of a map, its image, and what map editing saves beside them; the yaml is the first. */
+function mapFiles(files: readonly File[]): readonly File[] | null {
+  const yamls = files.filter(({ name }) => /\.ya?ml$/i.test(name) && name !== "metadata.yaml");
+  const own = yamls.filter(({ name }) => !/_keepout\.ya?ml$/i.test(name));
+  const images = files.filter(({ name }) => /\.(pgm|png|bmp|jpe?g|tiff?|gif)$/i.test(name));
+  const edits = files.filter(({ name }) => name.endsWith(".edits.json"));
+  if (own.length !== 1 || images.length === 0) return null;
+  return [...own, ...yamls.filter((file) => !own.includes(file)), ...images, ...edits];
 }
 
 /** Name of a log whose parts are not in a folder: the name of a part without its number. */

@@ -173,7 +173,9 @@ const GROUPS: readonly Group[] = [
   {
     id: "download",
     title: "Download",
-    content: ({ session, isGuest }) => <Downloads session={session} isGuest={isGuest} />,
+    content: ({ store, session, isGuest }) => (
+      <Downloads session={session} title={store.hello.value?.title ?? "log"} isGuest={isGuest} />
+    ),
   },
 ];
 

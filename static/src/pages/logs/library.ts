@@ -37,6 +37,8 @@ export interface LogRecord {
   readonly clouds: number;
   /** Of these, or leaves of the octree. */
   readonly points: number;
+  /** The size in cells and the side of a cell in m, of map files. */
+  readonly map: { readonly rows: number; readonly cols: number; readonly resolution: number } | null;
   readonly beams: number | null;
   readonly duration_s: number | null;
   readonly format: string | null;

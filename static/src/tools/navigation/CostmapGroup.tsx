@@ -6,6 +6,7 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { CostCurve } from "./CostCurve";
+import { CostFiles } from "./CostFiles";
 import { Outline } from "./Outline";
 import { Begin, End, useRows } from "./PathGroup";
 import { Sheets } from "./Sheets";
@@ -46,6 +47,11 @@ export function CostmapGroup({ store }: { readonly store: Store }) {
       </div>
       <h2>Nav2</h2>
       <Nav2 store={store} />
+      <h2>Download the costs</h2>
+      <CostFiles
+        session={store.hello.value?.session ?? ""}
+        hasZones={store.navigation.costmap.value.keepout.some((stroke) => !stroke.erases)}
+      />
       <End store={store} />
     </div>
   );
@@ -83,7 +89,7 @@ function Nav2({ store }: { readonly store: Store }) {
     <>
       <p class="navigation-note">
         The parameters as a Nav2 file: costmap, NavFn and Regulated Pure Pursuit. Nav2 has no layer with a lifetime, and
-        takes keepout zones from a map: both are left out.
+        takes keepout zones from a mask: both are left out.
       </p>
       <div class="navigation-row">
         <Button icon="download" onClick={() => store.send({ type: "nav2" })}>

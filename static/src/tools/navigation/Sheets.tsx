@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { nameOfCost } from "../../grid/costs";
 import { type Cell, cellAt, centreOf } from "../../grid/lattice";
+import { costOfByte } from "../../render/map/costColours";
 import type { MapPicture } from "../../render/map/mapPicture";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
@@ -12,7 +13,7 @@ import { Slider } from "../../ui/Slider";
 import { useWidth } from "../../ui/useWidth";
 import { zoomOf } from "../../ui/zoom";
 import type { Geometry, Point } from "../../wire/protocol";
-import { COSTS, costOfByte } from "./palettes";
+import { COSTS } from "./palettes";
 import { Sheet } from "./sheetImage";
 import {
   cellOn,

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { costAt, factorFor } from "../../grid/costs";
 import vectors from "../../grid/costs.vectors.json";
+import { byteOfCost, costOfByte } from "../../render/map/costColours";
 import { OUTLINES, refusalOf } from "./footprint";
-import { byteOfCost, costOfByte } from "./palettes";
 import { cellOn, draggedGaps, LEAST_GAP, placeOn, sheetPlan } from "./sheetPlan";
 
 describe("the cost of a distance", () => {

@@ -8,10 +8,20 @@ import { listen } from "../../render/picture/gestures";
 import { type Paint, Picture } from "../../render/picture/Picture";
 import { panned, type Size, toScreen, toWorld, zoomedAt } from "../../render/view";
 import type { Store } from "../../store/store";
+import type { Point } from "../../wire/protocol";
 import { stroke } from "../editing/strokes";
 import { brushStroke, isOnGoal, paints, useTool } from "../navigation/mapTool";
 import { listenToKeys } from "./keyboard";
 import "./picture.css";
+
+/** A tool that draws in a picture; places are in the world. */
+export interface PictureTool {
+  draws(): boolean;
+  /** A stroke from `from` so far to `to`, null where it was cancelled. */
+  stroke(from: Point | null, to: Point | null, isDone: boolean): void;
+  /** A key of the focused picture; true where it was meant for the tool. */
+  key(key: string): boolean;
+}
 
 interface LinkedPictureProps {
   readonly store: Store;
@@ -27,10 +37,21 @@ interface LinkedPictureProps {
   readonly onPicture?: (picture: Picture) => void;
   /** Whether the editing tools work in this picture. */
   readonly draws?: boolean;
+  /** A tool that takes the drags in this picture while it `draws`, and its keys first. */
+  readonly tool?: PictureTool;
   readonly children?: ComponentChildren;
 }
 
-export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = false, children }: LinkedPictureProps) {
+export function LinkedPicture({
+  store,
+  label,
+  setUp,
+  onTap,
+  onPicture,
+  draws = false,
+  tool,
+  children,
+}: LinkedPictureProps) {
   const frame = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -91,11 +112,14 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
           else store.dragRobot(to);
         },
         draws: () =>
-          paints(store) || (draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box")),
+          tool?.draws() ||
+          paints(store) ||
+          (draws && (store.editing.tool.peek() === "wall" || store.editing.tool.peek() === "box")),
         stroke: (from, to, isDone) => {
           const start = inWorld(from[0], from[1]);
           const end = to && inWorld(to[0], to[1]);
-          if (paints(store)) brushStroke(store, start, end, isDone);
+          if (tool?.draws()) tool.stroke(start, end, isDone);
+          else if (paints(store)) brushStroke(store, start, end, isDone);
           else stroke(store, start, end, isDone);
         },
         pan: (dx, dy) => {
@@ -110,7 +134,12 @@ export function LinkedPicture({ store, label, setUp, onTap, onPicture, draws = f
           store.pointer.value = at && inWorld(at[0], at[1]);
         },
       }),
-      listenToKeys(element, store, () => picture.size),
+      listenToKeys(
+        element,
+        store,
+        () => picture.size,
+        (key) => tool?.key(key) ?? false,
+      ),
       () => picture.dispose(),
       () => {
         store.pictures.delete(element);

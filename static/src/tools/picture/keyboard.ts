@@ -61,8 +61,13 @@ function moveCursor(store: Store, row: number, col: number, size: Size): void {
   if (x < 0 || y < 0 || x > size.width || y > size.height) store.setView({ ...view, x: point[0], y: point[1] });
 }
 
-/** Handle the keys of a focused picture; the returned function stops it. */
-export function listenToKeys(element: HTMLElement, store: Store, size: () => Size): () => void {
+/** Handle the keys of a focused picture, which `takes` gets first; the returned function stops it. */
+export function listenToKeys(
+  element: HTMLElement,
+  store: Store,
+  size: () => Size,
+  takes: (key: string) => boolean = () => false,
+): () => void {
   const down = new Set<string>();
   let timer: ReturnType<typeof setInterval> | undefined;
 
@@ -84,6 +89,10 @@ export function listenToKeys(element: HTMLElement, store: Store, size: () => Siz
     const step = STEPS[event.key];
     const zoom = ZOOMS[event.key];
     const view = store.view.peek();
+    if (takes(event.key)) {
+      event.preventDefault();
+      return;
+    }
     if (drives) {
       if (!down.has(event.code)) {
         down.add(event.code);

@@ -17,25 +17,33 @@ interface SceneProps {
 const AGAIN_MS = 700;
 
 export function Scene({ session }: SceneProps) {
+  const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
   useSignalEffect(() => {
     if (!printing.value) dark.value = isDark.value;
   });
   useEffect(() => {
-    // The panel has scrolled to its top meanwhile: back to what was pressed.
-    const back = (): void => {
-      if (!document.fullscreenElement && group.current?.contains(document.activeElement))
-        document.activeElement?.scrollIntoView({ block: "nearest" });
+    const free = (): void => {
+      if (!document.fullscreenElement) place.current?.style.removeProperty("min-height");
     };
-    document.addEventListener("fullscreenchange", back);
-    return () => document.removeEventListener("fullscreenchange", back);
+    document.addEventListener("fullscreenchange", free);
+    return () => document.removeEventListener("fullscreenchange", free);
   }, []);
+  const enlarge = (): void => {
+    if (!place.current || !group.current) return;
+    // Its place in the panel is kept, and is as much higher as the panel may become: so the panel does not scroll.
+    const room = group.current.offsetHeight + Math.max(0, screen.height - innerHeight);
+    if (!document.fullscreenElement) place.current.style.minHeight = `${room}px`;
+    fullScreen(group.current);
+  };
   const query = dark.value ? "?darkMode" : "";
   return (
-    <div class="scene-group" ref={group}>
-      <iframe class="scene" title="3D view" src={sceneAddress(session, `plain/${query}`)} />
-      <SceneControls session={session} onFullScreen={() => group.current && fullScreen(group.current)} />
+    <div class="scene-place" ref={place}>
+      <div class="scene-group" ref={group}>
+        <iframe class="scene" title="3D view" src={sceneAddress(session, `plain/${query}`)} />
+        <SceneControls session={session} onFullScreen={enlarge} />
+      </div>
     </div>
   );
 }
@@ -63,7 +71,8 @@ function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFull
     if (found) now.value = found;
     else toast("The server does not answer.", "error");
   };
-  const { cameras = [], layers = {}, height = 1 } = now.value ?? {};
+  if (!now.value) return null; // all of them come at once, so that none moves when others come
+  const { cameras, layers, height } = now.value;
   return (
     <div class="scene-controls">
       <fieldset class="actions" aria-label="Camera">

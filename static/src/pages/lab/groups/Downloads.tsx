@@ -1,4 +1,5 @@
 import type { Store } from "../../../store/store";
+import { EditMap } from "../../../tools/mapediting/EditMap";
 import { Button } from "../../../ui/Button";
 import { MapFiles } from "../../../ui/MapFiles";
 import { toast } from "../../../ui/Toast";
@@ -49,6 +50,7 @@ export function Downloads({ id, store }: { readonly id: string; readonly store: 
       </p>
       <div class="actions">
         <MapFiles session={id} />
+        <EditMap session={id} name={store.hello.value?.title ?? "world"} />
       </div>
       <p class="quiet">
         pgm and yaml together are a map for map_server and Nav2; both show the map at the moment of the first download.

@@ -1,5 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { followedCode } from "../../../store/classroom";
+import { ClassButton } from "../../../tools/classroom/ClassHost";
 import { Button } from "../../../ui/Button";
 import { toast } from "../../../ui/Toast";
 import { act, canAct } from "./acts";
@@ -68,7 +70,7 @@ function Steps() {
 /** The bar above a slide. */
 export function Presenter() {
   const arranging = useSignal(false);
-  if (isPreview)
+  if (isPreview || followedCode !== null)
     return (
       <header class="presenter">
         <Heading />
@@ -87,6 +89,7 @@ export function Presenter() {
           <Button icon="back" label="Back (←)" onClick={() => act("back")} />
           <Button icon="forward" label="Next (→)" onClick={() => act("next")} />
           <Button icon="blank" label="Blank the screen (B)" onClick={() => act("blank")} />
+          <ClassButton iconOnly />
           <Button icon="fit" label="Full screen" onClick={fullScreen} />
           <Button
             icon="notes"

@@ -1,41 +1,85 @@
+import { useEffect } from "preact/hooks";
+import { askedAs, classroom, questionOnPage } from "../../../store/classroom";
+import { barsOf, letterOf } from "../../../tools/classroom/histogram";
 import { Icon } from "../../../ui/Icon";
 import type { LessonId } from "../lessons";
+import { ClassQuestion } from "./ClassQuestion";
 import { QUESTIONS } from "./questions";
-import { predicted, stage } from "./state";
+import { predicted, presenting, stage } from "./state";
 
-/** The question that a slide begins with, and the options to choose from. The figure comes after it. */
+/**
+ * The question that a slide begins with, and the options to choose from. The figure comes after it. In a class the
+ * options are chosen by the followers, and each shows how often it was.
+ */
 export function SlideQuestion({ id }: { id: string }) {
   const found = QUESTIONS[id as LessonId];
-  if (!found || (stage.value !== "ask" && stage.value !== "predict")) return null;
-  const { question, options } = found;
-  const chosen = predicted.value[id];
+  const isShown = found !== undefined && (stage.value === "ask" || stage.value === "predict");
+  const hasOptions = isShown && stage.value === "predict" && found.options !== undefined;
+  const text = found?.question ?? "";
+  useEffect(() => {
+    if (!hasOptions || presenting.value === false) return;
+    questionOnPage.value = text;
+    return () => {
+      questionOnPage.value = null;
+    };
+  }, [hasOptions, text]);
+  if (!isShown) return null;
   return (
     <div class="slide-question">
-      <p class="slide-question-text">{question}</p>
-      {stage.value === "predict" && options && (
-        <ol class="slide-options">
-          {options.map((option, i) => (
-            <li key={option}>
-              <button
-                type="button"
-                class="slide-option"
-                aria-pressed={chosen === i}
-                onClick={() => {
-                  predicted.value = { ...predicted.peek(), [id]: i };
-                }}
-              >
-                <span class="slide-option-letter">{String.fromCharCode(65 + i)}</span>
-                {option}
-                {chosen === i && (
-                  <span class="slide-option-mark">
-                    <Icon name="check" /> chosen
-                  </span>
-                )}
-              </button>
-            </li>
-          ))}
-        </ol>
-      )}
+      <p class="slide-question-text">{found.question}</p>
+      {hasOptions && <SlideOptions id={id} text={text} options={found.options ?? []} />}
+      <ClassQuestion />
     </div>
+  );
+}
+
+interface SlideOptionsProps {
+  readonly id: string;
+  readonly text: string;
+  readonly options: readonly string[];
+}
+
+function SlideOptions({ id, text, options }: SlideOptionsProps) {
+  const asked = askedAs(text);
+  const room = classroom.value;
+  const answer = room?.answer.value;
+  const given = asked && answer?.question === asked.id ? answer.value : undefined;
+  const chosen = asked ? given : predicted.value[id];
+  const bars = asked ? barsOf(asked) : [];
+  const choose = (option: number): void => {
+    if (!asked) predicted.value = { ...predicted.peek(), [id]: option };
+    else if (room?.isFollowed) room.give(option);
+  };
+  return (
+    <ol class="slide-options">
+      {options.map((option, i) => (
+        <li key={option}>
+          <button
+            type="button"
+            class="slide-option"
+            aria-pressed={chosen === i}
+            disabled={asked?.is_revealed ?? false}
+            onClick={() => choose(i)}
+          >
+            {bars[i] && <span class="slide-option-bar" style={`width: ${100 * bars[i].length}%`} aria-hidden="true" />}
+            <span class="slide-option-letter">{letterOf(i)}</span>
+            {option}
+            <span class="slide-option-mark">
+              {chosen === i && (
+                <>
+                  <Icon name="check" /> chosen
+                </>
+              )}{" "}
+              {bars[i] && (
+                <>
+                  <b class="number">{bars[i].count}</b>
+                  <span class="visually-hidden"> answers</span>
+                </>
+              )}
+            </span>
+          </button>
+        </li>
+      ))}
+    </ol>
   );
 }

@@ -1,8 +1,10 @@
+import { classroom } from "../../../store/classroom";
 import type { Act } from "./keys";
 import { blank, endOf, goTo, isPreview, move, presenting, setPresenting, slides } from "./state";
 
 /** Whether keys control the presentation now. */
-export const canAct = (): boolean => presenting.peek() && !isPreview;
+export const canAct = (): boolean =>
+  presenting.peek() && !isPreview && !(classroom.peek()?.isFollowing.peek() ?? false);
 
 const ACTS: Readonly<Record<Act, () => void>> = {
   next: () => move(1),

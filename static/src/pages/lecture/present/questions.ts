@@ -200,10 +200,77 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "A loop is one more spring in a chain of springs: its error is spread over all poses between.",
     notes: "Pull a pose and let it go, then close the loop. Then the wrong loop, without and with a robust kernel.",
   },
-  next: {
+  particles: {
+    question: "A robot sees a door, and the corridor has three. Where is the robot?",
+    options: [
+      "At the nearest door",
+      "At each of the three, with equal probability",
+      "Nowhere: it needs a second reading",
+    ],
+    right: 1,
+    answer: "A belief can have three peaks. Particles keep all of them, and the next readings decide.",
+    notes:
+      "Go through the steps: draw, drive, read. Turn the wheel by its handle: one random number for all draws. Then “independent”, and watch how many particles are left.",
+  },
+  "sensor-models": {
+    question: "Read backwards, as a function of m: is p(z | m) the probability of the map?",
+    options: ["Yes, up to a factor", "Yes, if the noise is small", "No"],
+    right: 2,
+    answer: "It is a distribution over readings. A cell needs a prior, and a sum over all maps.",
+    notes:
+      "Drag the four parts first. Then z in the lower chart, and the prior: the dashed curve is low before and behind the reading, the inverse is not.",
+  },
+  kidnapping: {
+    question: "All particles are here, and the robot is carried there. Do they find it?",
+    options: ["Yes, they follow the scans", "Never", "Only with random particles among them"],
+    right: 2,
+    answer: "Without random particles none is ever near the robot. Two averages of the weights say when to add them.",
+    notes:
+      "Let it drive until the cloud has found the robot, then drag it away. Set both rates to 0 and repeat: it stays lost. Equal rates: the same.",
+  },
+  layers: {
+    question: "A crate stands in the way, and the saved map does not have it. Who knows?",
+    options: ["The static layer", "The obstacle layer", "The inflation layer"],
+    right: 1,
+    answer: "Each layer has its own source; the greater cost counts. The scan’s layer marks the crate and clears it.",
+    notes:
+      "Drag the crate out of the robot’s view, and back. Switch the layers off one by one, and read the costs under the cross. What can the obstacle layer not clear?",
+  },
+  inflation: {
+    question: "cost_scaling_factor is doubled. Do paths come nearer to the walls?",
+    options: ["Yes", "No, they keep away"],
+    right: 0,
+    answer: "Yes: the cost falls faster, so that near the wall is cheap. The name is often taken the other way.",
+    notes:
+      "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is shut.",
+  },
+  path: {
+    question: "How does a robot find the cheapest way without trying all of them?",
+    options: ["It goes straight and avoids", "A wave of costs from cell to cell", "It learns the way"],
+    right: 1,
+    answer: "Each cell gets its least cost to come; the path goes back from the goal along it. A* expands fewer cells.",
+    notes:
+      "Drag the goal from room to room. Then play the search with Dijkstra and with A*, and compare the two numbers of cells.",
+  },
+  lifetime: {
+    question: "The table is gone, and the robot still drives around it. Why?",
+    options: ["The planner is slow", "No beam has passed there since", "The laser is too low"],
+    right: 1,
+    answer: "Only a beam clears an obstacle layer, and the path leads away. A lifetime forgets by the clock.",
+    notes:
+      "Saved map, obstacle layer, lifetime: three answers. With the obstacle layer drag the robot near. With the lifetime move the seconds past it. Ask what a short lifetime risks.",
+  },
+  stack: {
     question: "What does a robot do with the finished map?",
-    answer: "It is served, localized in, inflated into costs, and planned on; what moves is in a layer of its own.",
-    notes: "Go through the parts from left to right. The later sections and rooms of this site show each of them.",
+    answer: "It is saved, localized in, inflated into costs, and planned on; what is new is in a layer of its own.",
+    notes:
+      "Play it once from the start. Then stop in the last part and drag the goal. Point at the crate: it is in the costmap, and not in the map.",
+  },
+  next: {
+    question: "Which other maps are there, and what do they give up?",
+    answer: "Octrees keep free space in 3D; distance fields keep surfaces; clouds and splats do not know free space.",
+    notes:
+      "Ask of each row: does it know free space? Can it be updated while driving? What would a planner do with it?",
   },
   log: {
     question: "What does your own robot’s log look like as a map?",

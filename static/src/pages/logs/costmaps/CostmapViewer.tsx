@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { connect } from "../../../store/connect";
 import type { Store } from "../../../store/store";
+import { CostFiles } from "../../../tools/navigation/CostFiles";
 import { BeliefView } from "../../../tools/picture/BeliefView";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/Dock";
@@ -11,6 +12,7 @@ import { exposeHook } from "../../debugHook";
 import { Transport } from "../Transport";
 import { CostReadout } from "./CostReadout";
 import { MEANINGS } from "./meanings";
+import "../../../tools/navigation/navigation.css";
 import "./costmaps.css";
 
 interface CostmapViewerProps {
@@ -70,7 +72,20 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
       </div>
       <Dock
         label="About these costmaps"
-        groups={[{ id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> }]}
+        groups={[
+          { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> },
+          {
+            id: "download",
+            title: "Download",
+            keeps: true,
+            badge: null,
+            content: () => (
+              <Panel title="Download this costmap">
+                <CostFiles session={session} />
+              </Panel>
+            ),
+          },
+        ]}
         open={openGroup}
       />
     </div>

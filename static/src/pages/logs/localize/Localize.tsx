@@ -156,7 +156,7 @@ const TITLES: Readonly<Record<string, string>> = {
 
 const SOURCES: readonly { readonly value: MapSource; readonly label: string }[] = [
   { value: "own", label: "This log" },
-  { value: "other", label: "Another log" },
+  { value: "other", label: "Another log or map" },
   { value: "files", label: "Map files" },
 ];
 
@@ -208,6 +208,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
       )}
       {source === "other" && (
         <LogChoice
+          withMaps
           own={log?.id ?? ""}
           chosen={chosen.value}
           disabled={isBusy}

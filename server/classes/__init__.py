@@ -1,0 +1,17 @@
+"""Classes: a lecturer shows a page, and many followers see the same on their own devices. Kept in memory only."""
+
+from server.classes.classes import ClassBudgetError, Classes, ClassNotFoundError, ClassRightError
+from server.classes.classroom import Classroom, Member
+from server.classes.codes import new_code
+from server.classes.results import results_csv
+
+__all__ = [
+    "ClassBudgetError",
+    "ClassNotFoundError",
+    "ClassRightError",
+    "Classes",
+    "Classroom",
+    "Member",
+    "new_code",
+    "results_csv",
+]

@@ -1,0 +1,99 @@
+"""All classes that are open, within limits of number and time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from mapper.core.errors import MapperError
+from server.classes.classroom import Classroom, Member
+from server.classes.codes import new_code, normalised
+
+MAX_CLASSES = 32
+LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
+
+
+class ClassNotFoundError(MapperError):
+    """There is no class of that code; it may have ended."""
+
+
+class ClassRightError(MapperError):
+    """The class belongs to another visitor, or is locked."""
+
+
+class ClassBudgetError(MapperError):
+    """There is no room for another class, or for another follower."""
+
+
+class Classes:
+    """Opens, finds and ends classes. Used from the event loop only."""
+
+    def __init__(
+        self, max_followers: int, prepared: str | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """``prepared`` is the code of a class that is open from the start; who opens a class first takes it over."""
+        self._max_followers = max_followers
+        self._clock = clock
+        self._classes: dict[str, Classroom] = {}
+        if prepared is not None:
+            self._classes[prepared] = Classroom(prepared, None, clock)
+
+    def open(self, owner: str) -> Classroom:
+        """Return the class of a visitor, a new one if there is none. Raises :class:`ClassBudgetError`."""
+        self._end_abandoned()
+        for one in self._classes.values():
+            if one.owner in (owner, None):
+                one.owner = owner
+                one.lecturer_seen = self._clock()
+                return one
+        if len(self._classes) >= MAX_CLASSES:
+            raise ClassBudgetError("class.full", f"{MAX_CLASSES} classes are open, the most there may be.")
+        code = new_code()
+        while code in self._classes:
+            code = new_code()
+        made = self._classes[code] = Classroom(code, owner, self._clock)
+        return made
+
+    def get(self, code: str) -> Classroom:
+        """Return a class. Raises :class:`ClassNotFoundError`."""
+        found = self._classes.get(normalised(code))
+        if found is None:
+            raise ClassNotFoundError("class.unknown", "There is no class with this code; it may have ended.")
+        return found
+
+    def owned(self, code: str, visitor: str) -> Classroom:
+        """Return a class for its lecturer. Raises :class:`ClassRightError` for another visitor."""
+        found = self.get(code)
+        if found.owner != visitor:
+            raise ClassRightError("class.not_yours", "Only the lecturer who opened the class can do that.")
+        return found
+
+    def of(self, owner: str) -> Classroom | None:
+        """Return the class of a visitor."""
+        return next((one for one in self._classes.values() if one.owner == owner), None)
+
+    def check(self, found: Classroom, visitor: str) -> None:
+        """Raise :class:`ClassRightError` or :class:`ClassBudgetError` if a visitor cannot join a class."""
+        if found.knows(visitor):
+            return
+        if found.is_locked:
+            raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
+        if found.present >= self._max_followers:
+            raise ClassBudgetError("class.crowded", "As many people as may follow this class already do.")
+
+    def join(self, code: str, visitor: str) -> tuple[Classroom, Member]:
+        """Join a class. Raises as :meth:`get` and :meth:`check`."""
+        found = self.get(code)
+        self.check(found, visitor)
+        return found, found.join(visitor)
+
+    def close(self, found: Classroom) -> None:
+        """End a class; everything about it is forgotten."""
+        self._classes.pop(found.code, None)
+        found.end()
+
+    def _end_abandoned(self) -> None:
+        oldest = self._clock() - LONGEST_ABSENCE_S
+        for one in [*self._classes.values()]:
+            if one.owner is not None and not one.has_lecturer and one.lecturer_seen < oldest:
+                self.close(one)

@@ -1,0 +1,232 @@
+"""One class: who is in it, what the lecturer shows, and the question that is asked.
+
+As in the hub of a session there is no queue: each member has a set of the messages that it has not been sent in their
+newest form. A message is encoded once for all. Followers are known by the visitor's cookie while the class lasts, so
+that a phone that reconnects keeps its number and its answer; they get a number, and nothing else of them is kept.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+
+import msgspec
+
+from mapper.core.errors import ConfigError
+from server.classes.questions import Question
+from server.stream.class_messages import (
+    AnswerCommand,
+    AskCommand,
+    ClassCommand,
+    ClassError,
+    ClassExplained,
+    ClassState,
+    ClassView,
+    ClassViewMessage,
+    ClassWelcome,
+    CloseCommand,
+    ExplainCommand,
+    HandCommand,
+    LockCommand,
+    RaiseCommand,
+    RevealCommand,
+    ShowCommand,
+)
+
+STATE_EVERY_S = 0.2  #: shortest time between two messages of the state
+MAX_QUESTIONS = 200
+#: Commands with which a follower to whom the robot was handed may drive it.
+DRIVERS_COMMANDS = frozenset({"drive", "teleport", "auto"})
+_encoder = msgspec.json.Encoder()
+
+
+class Member:
+    """One connection of the lecturer or of a follower."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number  #: 0: the lecturer
+        self.wake = asyncio.Event()
+        self.unsent: set[str] = set()
+        self.answers: list[str] = []
+
+    def send(self, message: ClassWelcome | ClassError) -> None:
+        """Send a message to this member alone."""
+        self.answers.append(_encoder.encode(message).decode())
+        self.wake.set()
+
+
+class Classroom:
+    """A class. Used from the event loop only."""
+
+    def __init__(self, code: str, owner: str | None, clock: Callable[[], float] = time.monotonic) -> None:
+        self.code = code
+        self.owner = owner  #: the lecturer's visitor id; None until somebody takes it over
+        self.session: str | None = None  #: id of the session that is shown
+        self.stage = 0  #: number of that session, from 1
+        self.view = ClassView("other")
+        self.is_locked = self.has_ended = False
+        self.driver: int | None = None
+        self.questions: list[Question] = []
+        self.asked: Question | None = None
+        self.members: set[Member] = set()
+        self.lecturer_seen = clock()
+        self._clock = clock
+        self._numbers: dict[str, int] = {}  #: by visitor
+        self._hands: set[int] = set()
+        self._slots: dict[tuple[str, bool], str] = {}
+        self._state_at = -STATE_EVERY_S
+        self._state_timer: asyncio.TimerHandle | None = None
+        self._set("view", ClassViewMessage(self.view, 0))
+        self._set("explained", ClassExplained(None))
+        self._publish_state()
+
+    # -- members --------------------------------------------------------------------------------------------------
+
+    @property
+    def present(self) -> int:
+        """Followers that are connected."""
+        return len({member.number for member in self.members if member.number})
+
+    def knows(self, visitor: str) -> bool:
+        """Whether a visitor has joined before."""
+        return visitor == self.owner or visitor in self._numbers
+
+    def number_of(self, visitor: str) -> int | None:
+        """Return the number of a follower; None if the visitor has not joined."""
+        return self._numbers.get(visitor)
+
+    def join(self, visitor: str) -> Member:
+        """Return a new connection of the lecturer or a follower, to which the complete state will be sent."""
+        number = 0 if visitor == self.owner else self._numbers.setdefault(visitor, len(self._numbers) + 1)
+        member = Member(number)
+        answer = None if self.asked is None else self.asked.answers.get(number)
+        member.send(ClassWelcome("follower" if number else "lecturer", number, answer))
+        member.unsent = {"class", "view", "explained"} if number else {"class"}
+        self.members.add(member)
+        self._changed()
+        return member
+
+    def leave(self, member: Member) -> None:
+        """Remove a connection."""
+        self.members.discard(member)
+        if not member.number:
+            self.lecturer_seen = self._clock()
+        elif not any(other.number == member.number for other in self.members):
+            self._hands.discard(member.number)
+        self._changed()
+
+    @property
+    def has_lecturer(self) -> bool:
+        """Whether the lecturer is connected."""
+        return any(not member.number for member in self.members)
+
+    def take(self, member: Member) -> list[str]:
+        """Return the messages to send to a member now."""
+        out = [*member.answers, *(self._slots[kind, not member.number] for kind in sorted(member.unsent))]
+        member.answers.clear()
+        member.unsent.clear()
+        return out
+
+    def may_drive(self, visitor: str, command: str) -> bool:
+        """Whether a follower may send a command to the session that is shown."""
+        return command in DRIVERS_COMMANDS and self.driver is not None and self._numbers.get(visitor) == self.driver
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def obey(self, member: Member, command: ClassCommand) -> None:
+        """Carry out a command. Raises :class:`ConfigError` if it cannot be carried out."""
+        match command:
+            case AnswerCommand(question=number, value=value):
+                if self.asked is None or self.asked.id != number or not member.number:
+                    raise ConfigError("class.answer", "That question is not asked any more.")
+                self.asked.answer(member.number, value)
+            case RaiseCommand(value=value):
+                (self._hands.add if value and member.number else self._hands.discard)(member.number)
+            case _ if member.number:
+                raise ConfigError("class.lecturer", "Only the lecturer can do that.")
+            case ShowCommand(view=view, session=session):
+                self._show(view, session)
+                return
+            case ExplainCommand(why=why):
+                self._set("explained", ClassExplained(why))
+                return
+            case AskCommand():
+                self._ask(command)
+            case RevealCommand(right=right):
+                if self.asked is None:
+                    raise ConfigError("class.question", "No question is asked.")
+                self.asked.set_right(right)
+                self.asked.is_revealed = True
+            case CloseCommand():
+                self.asked = None
+            case LockCommand(value=value):
+                self.is_locked = value
+            case HandCommand(number=number):
+                self._hand(number)
+        self._changed()
+
+    def _show(self, view: ClassView, session: str | None) -> None:
+        if session != self.session:
+            self.session = session
+            self.stage = self.stage + 1
+            self._hand(None)
+        self.view = view
+        self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
+
+    def _ask(self, asked: AskCommand) -> None:
+        if len(self.questions) >= MAX_QUESTIONS:
+            raise ConfigError("class.questions", f"A class has at most {MAX_QUESTIONS} questions.")
+        self.asked = Question.of(len(self.questions) + 1, asked)
+        self.questions.append(self.asked)
+
+    def _hand(self, number: int | None) -> None:
+        if number is not None and not any(member.number == number > 0 for member in self.members):
+            raise ConfigError("class.number", f"Follower {number} is not here.")
+        self.driver = number
+        self._hands.discard(number or 0)
+        self._changed()
+
+    def end(self) -> None:
+        """End the class: everybody is told, and the connections close."""
+        self.has_ended = True
+        self._publish_state()
+
+    # -- messages -------------------------------------------------------------------------------------------------
+
+    def _set(self, kind: str, message: ClassViewMessage | ClassExplained) -> None:
+        """Set a message to the followers."""
+        self._slots[kind, False] = _encoder.encode(message).decode()
+        self._tell(kind, to_lecturer=False)
+
+    def _tell(self, kind: str, *, to_lecturer: bool) -> None:
+        for member in self.members:
+            if member.number or to_lecturer:
+                member.unsent.add(kind)
+                member.wake.set()
+
+    def _changed(self) -> None:
+        """Send the state, now or when the last one is :data:`STATE_EVERY_S` old."""
+        wait = self._state_at + STATE_EVERY_S - self._clock()
+        if wait <= 0.0:
+            self._publish_state()
+        elif self._state_timer is None:
+            self._state_timer = asyncio.get_running_loop().call_later(wait, self._publish_state)
+
+    def _publish_state(self) -> None:
+        if self._state_timer is not None:
+            self._state_timer.cancel()
+            self._state_timer = None
+        self._state_at = self._clock()
+        for lecturer in (False, True):
+            state = ClassState(
+                self.code,
+                self.present,
+                self.is_locked,
+                self.has_ended,
+                sorted(self._hands) if lecturer else [],
+                self.driver,
+                None if self.asked is None else self.asked.message(lecturer=lecturer),
+            )
+            self._slots["class", lecturer] = _encoder.encode(state).decode()
+        self._tell("class", to_lecturer=True)

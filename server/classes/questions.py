@@ -1,0 +1,86 @@
+"""The questions of a class and their answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from mapper.core.errors import ConfigError
+from server.stream.class_messages import AskCommand, ClassAxis, ClassQuestion
+
+BINS = 20  #: parts of the axis of a guess, in which answers are counted
+
+
+@dataclass(slots=True)
+class Question:
+    """A question and what was answered, by the number of the follower.
+
+    Raises :class:`ConfigError` for a question that cannot be asked.
+    """
+
+    id: int
+    text: str
+    options: list[str] | None
+    axis: ClassAxis | None
+    right: float | None = None
+    is_revealed: bool = False
+    answers: dict[int, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, number: int, asked: AskCommand) -> Question:
+        """Return the question of a command."""
+        options = None if asked.options is None else [one.strip() for one in asked.options]
+        if not asked.text.strip():
+            raise ConfigError("class.question", "A question needs a text.")
+        if (options is None) == (asked.axis is None):
+            raise ConfigError("class.question", "A question has either options or an axis.")
+        if options is not None and (len(options) < 2 or not all(options)):
+            raise ConfigError("class.options", "A question needs at least two options, none of them empty.")
+        if asked.axis is not None and not asked.axis.low < asked.axis.high:
+            raise ConfigError("class.axis", "The least guess must be less than the greatest.")
+        question = cls(number, asked.text.strip(), options, asked.axis)
+        question.set_right(asked.right)
+        return question
+
+    def set_right(self, right: float | None) -> None:
+        """Set the right answer. Raises :class:`ConfigError` for an option that there is not."""
+        if right is not None and self.options is not None and right not in range(len(self.options)):
+            raise ConfigError("class.right", "The right answer is none of the options.")
+        self.right = self.right if right is None else right
+
+    def answer(self, follower: int, value: float) -> None:
+        """Take an answer, which replaces an earlier one. Raises :class:`ConfigError` if it cannot be given."""
+        if self.is_revealed:
+            raise ConfigError("class.revealed", "The result is shown already: no more answers are taken.")
+        if self.options is not None and value not in range(len(self.options)):
+            raise ConfigError("class.answer", "That is none of the options.")
+        if self.axis is not None and not self.axis.low <= value <= self.axis.high:
+            raise ConfigError("class.answer", f"A guess is from {self.axis.low:g} to {self.axis.high:g}.")
+        self.answers[follower] = value
+
+    @property
+    def counts(self) -> list[int]:
+        """The number of answers for each option, or in each of :data:`BINS` equal parts of the axis."""
+        if self.axis is None:
+            counts = [0] * len(self.options or ())
+            for value in self.answers.values():
+                counts[int(value)] += 1
+            return counts
+        counts = [0] * BINS
+        width = (self.axis.high - self.axis.low) / BINS
+        for value in self.answers.values():
+            counts[min(BINS - 1, int((value - self.axis.low) / width))] += 1
+        return counts
+
+    def message(self, *, lecturer: bool) -> ClassQuestion:
+        """Return the question as the lecturer or a follower sees it."""
+        shown = lecturer or self.is_revealed
+        return ClassQuestion(
+            self.id,
+            self.text,
+            self.options,
+            self.axis,
+            self.is_revealed,
+            len(self.answers),
+            self.counts if shown else None,
+            self.right if shown else None,
+        )

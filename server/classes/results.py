@@ -1,0 +1,35 @@
+"""The results of a class as a table: counts only, nothing about who answered what."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+
+from server.classes.questions import BINS, Question
+
+
+def results_csv(questions: Iterable[Question]) -> str:
+    """Return one line for each option, or part of the axis, of each question: RFC 4180, with a head."""
+    out = io.StringIO()
+    writer = csv.writer(out)
+    writer.writerow(["question", "text", "option", "from", "to", "unit", "answers", "right"])
+    for one in questions:
+        for at, count in enumerate(one.counts):
+            if one.axis is None:
+                option, low, high, unit = (one.options or [])[at], "", "", ""
+                right = one.right == at
+            else:
+                width = (one.axis.high - one.axis.low) / BINS
+                option, unit = "", one.axis.unit
+                low, high = f"{one.axis.low + at * width:g}", f"{one.axis.low + (at + 1) * width:g}"
+                last = at == BINS - 1 and one.right == one.axis.high
+                right = one.right is not None and (float(low) <= one.right < float(high) or last)
+            known = "" if one.right is None else "yes" if right else "no"
+            writer.writerow([one.id, _plain(one.text), _plain(option), low, high, _plain(unit), count, known])
+    return out.getvalue()
+
+
+def _plain(text: str) -> str:
+    """Return a text that no spreadsheet takes for a formula."""
+    return f"'{text}" if text[:1] in ("=", "+", "-", "@", "\t", "\r") else text

@@ -1,0 +1,232 @@
+"""``/api/classes``: open a class, join and follow it; ``/join``, ``/class/CODE``: its pages.
+
+Who knows the code of a class may follow it without the service's token, and do nothing else: see what the lecturer
+shows, answer questions, and begin a session of their own that is a copy of the lecturer's.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import Any, Literal
+
+import segno
+from fastapi import APIRouter, Request, WebSocket
+from fastapi.responses import JSONResponse, RedirectResponse, Response
+
+from mapper.core.errors import MapperError
+from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
+from server.classes.codes import normalised
+from server.http.brake import Brake
+from server.http.class_connection import attend
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import client_address, while_connected
+from server.http.routes.pages import page_file
+from server.http.routes.sessions import public
+from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
+from server.network_address import reachable
+from server.sessions import Plan, SessionBudgetError, SessionHost, SessionRegistry
+from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
+
+router = APIRouter(tags=["classes"])
+
+
+def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket) -> Classroom:
+    """Return a class for somebody who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
+    address = client_address(request)
+    if brake.wait_s(address) > 0.0:
+        raise SessionBudgetError("class.guesses", "Too many wrong codes came from this network: wait a minute.")
+    try:
+        return classes.get(code)
+    except ClassNotFoundError:
+        brake.count(address)
+        raise
+
+
+def _public(request: Request, room: Classroom) -> dict[str, Any]:
+    settings, host = services_of(request.app).settings, request.headers["host"]
+    host = host if settings.is_loopback else reachable(host)
+    return {
+        "code": room.code,
+        "present": room.present,
+        "page": room.view.page,
+        "address": f"{request.url.scheme}://{host}/class/{room.code}",
+        "results": f"/api/classes/{room.code}/results.csv",
+        "qr": f"/api/classes/{room.code}/qr.svg",
+    }
+
+
+@router.post("/api/classes", status_code=201)
+async def open_class(request: Request, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
+    """Open a class, or return the one that this visitor has open."""
+    return _public(request, classes.open(visitor))
+
+
+@router.get("/api/classes", responses={204: {"description": "This visitor has no class open."}})
+async def mine(request: Request, classes: OpenClasses, visitor: Visitor) -> Any:  # noqa: ANN401 - or no content
+    """Return the class that this visitor has open."""
+    room = classes.of(visitor)
+    return Response(status_code=204) if room is None else _public(request, room)
+
+
+@router.delete("/api/classes/{code}", status_code=204)
+async def end(classes: OpenClasses, sessions: Sessions, visitor: Visitor, code: str) -> None:
+    """End a class; its results are forgotten, and the sessions of its followers end."""
+    room = classes.owned(code, visitor)
+    classes.close(room)
+    await sessions.end_linked(link_of(room))
+
+
+@router.get("/api/classes/{code}/results.csv")
+async def results(classes: OpenClasses, visitor: Visitor, code: str) -> Response:
+    """Return the counted answers of all questions of a class."""
+    room = classes.owned(code, visitor)
+    name = f"gridbloom-class-{room.code}.csv"
+    headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
+    return Response(results_csv(room.questions), media_type="text/csv; charset=utf-8", headers=headers)
+
+
+@router.get("/api/classes/{code}/qr.svg")
+async def qr(request: Request, classes: OpenClasses, visitor: Visitor, code: str) -> Response:
+    """Return the address of a class as a QR code."""
+    room = classes.owned(code, visitor)
+    out = io.BytesIO()
+    segno.make(_public(request, room)["address"], error="m", micro=False).save(
+        out, kind="svg", border=4, dark="#000", light="#fff", xmldecl=False, omitsize=True
+    )
+    return Response(out.getvalue(), media_type="image/svg+xml", headers={"Cache-Control": "no-store"})
+
+
+@router.get("/api/classes/{code}")
+@guests_may(GuestRight.ALWAYS)
+async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> dict[str, Any]:
+    """Return whether there is a class of this code that one may join, and which page it shows."""
+    room = _guessed(brake, classes, code, request)
+    classes.check(room, visitor)
+    return {"code": room.code, "present": room.present, "page": room.view.page}
+
+
+@router.websocket("/api/classes/{code}/stream")
+@guests_may(GuestRight.ALWAYS)
+async def stream(websocket: WebSocket, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> None:
+    """Exchange messages with a class."""
+    _guessed(brake, classes, code, websocket)
+    room, member = classes.join(code, visitor)
+    await attend(websocket, room, member)
+
+
+def link_of(room: Classroom) -> str:
+    """Return what marks the sessions of a class's followers."""
+    return f"class {room.code}"
+
+
+def _shown(classes: Classes, room: Classroom, sessions: SessionRegistry, visitor: str) -> SessionHost:
+    """Return the session that a class shows, for somebody who has joined."""
+    classes.check(room, visitor)
+    if room.session is None:
+        raise MapperError("class.no_session", "The lecturer shows no map now.")
+    return sessions.get(room.session)
+
+
+@router.websocket("/api/classes/{code}/session")
+@guests_may(GuestRight.ALWAYS)
+async def shown(
+    websocket: WebSocket,
+    classes: OpenClasses,
+    brake: CodeBrake,
+    sessions: Sessions,
+    settings: ServiceSettings,
+    visitor: Visitor,
+    code: str,
+) -> None:
+    """Watch the session that the lecturer shows. Commands are refused, except from whom the robot was handed to."""
+    room = _guessed(brake, classes, code, websocket)
+    session = _shown(classes, room, sessions, visitor)
+    from server.http.stream_connection import Following, exchange  # noqa: PLC0415 - comes with the first session
+
+    following = Following(lambda command: room.may_drive(visitor, command))
+    await exchange(websocket, session, settings.max_class_followers, following)
+
+
+@router.post("/api/classes/{code}/sessions", status_code=201)
+@guests_may(GuestRight.ALWAYS)
+async def fork(
+    request: Request,
+    classes: OpenClasses,
+    brake: CodeBrake,
+    sessions: Sessions,
+    settings: ServiceSettings,
+    visitor: Visitor,
+    code: str,
+) -> Response:
+    """Begin a session of one's own with the present state of the one that the lecturer shows."""
+    room = _guessed(brake, classes, code, request)
+    session = _shown(classes, room, sessions, visitor)
+
+    link = link_of(room)
+
+    async def begun() -> SessionHost:
+        for earlier in [s for s in sessions.all() if s.link == link and s.owner == visitor]:
+            await sessions.close(earlier.id)
+        plan = await _copy(session, settings.max_story_s)
+        places = max(1, settings.max_sessions // 2)
+        return await sessions.begin(plan, visitor, link=link, address=client_address(request), places=places)
+
+    made = await while_connected(request, begun())
+    return JSONResponse(public(made), status_code=201, headers={"Location": f"/api/sessions/{made.id}"})
+
+
+async def _copy(session: SessionHost, max_story_s: float) -> Plan:
+    """Return the plan of a session with the state that another one has now."""
+    story = session.model.story
+    if story is None:
+        raise MapperError("class.fork", "Only a simulated world can be copied; the map of a log cannot.")
+    now = NewSimulation.model_validate(_request_of(await story.current()))
+    begun = None if now.story is None else now.story.model_dump()
+    return simulation_plan(now.world, now.seed, begun, max_story_s=max_story_s)
+
+
+def _request_of(story: dict[str, Any]) -> dict[str, Any]:
+    return {"kind": "simulation", "world": story["world"], "seed": story["seed"], "story": story}
+
+
+# -- pages --------------------------------------------------------------------------------------------------------
+
+
+@router.api_route("/join", methods=["GET", "HEAD"], include_in_schema=False)
+@guests_may(GuestRight.ALWAYS)
+async def join_page(request: Request) -> Response:
+    """Return the page on which the code of a class is typed."""
+    return page_file(request, "join.html")
+
+
+@router.get("/class/{code}", include_in_schema=False)
+@guests_may(GuestRight.ALWAYS)
+async def enter(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
+    """Redirect to the page that a class shows, or to the one on which a code is typed."""
+    try:
+        room = _guessed(brake, classes, code, request)
+        classes.check(room, visitor)
+    except MapperError as error:
+        return RedirectResponse(f"/join?refused={error.code}", status_code=303)
+    return RedirectResponse(f"/class/{room.code}/{room.view.page}.html", status_code=303)
+
+
+@router.api_route("/class/{code}/{name}", methods=["GET", "HEAD"], include_in_schema=False)
+@guests_may(GuestRight.ALWAYS)
+async def page(
+    request: Request,
+    classes: OpenClasses,
+    brake: CodeBrake,
+    code: str,
+    name: Literal["lecture.html", "lab.html", "other.html"],
+) -> Response:
+    """Return a page that follows a class."""
+    try:
+        room = _guessed(brake, classes, code, request)
+    except MapperError as error:
+        return RedirectResponse(f"/join?refused={error.code}", status_code=303)
+    if code != normalised(code):
+        return RedirectResponse(f"/class/{room.code}/{name}", status_code=303)
+    response = page_file(request, "join.html" if name == "other.html" else name)
+    response.headers["X-Robots-Tag"] = "noindex"
+    return response

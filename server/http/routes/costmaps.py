@@ -1,0 +1,58 @@
+"""``/api/sessions/{id}/costmap/…``: the costs of a session as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+
+from mapper.core.errors import MapperError
+from server.downloads import Content, Download
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.maps import requester_of, stem_of
+from server.http.services import FileDownloads, Sessions
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+_NAMES = ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml")
+
+
+@router.get("/{session_id}/costmap/{name}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
+    """Return the session's costs as a file.
+
+    ``costmap.pgm`` has the costs 0 … 255 as greys, ``costmap.yaml`` describes it, ``costmap.mcap`` holds the messages
+    nav2_msgs/Costmap and nav_msgs/OccupancyGrid; ``keepout.pgm`` and ``keepout.yaml`` are the painted zones as a mask.
+    """
+    session = sessions.get(session_id)
+    if name not in _NAMES:
+        raise MapperError("costmap.no_file", f"There is no file {name!r:.80}: there are {', '.join(_NAMES)}.")
+    kind, _, ending = name.partition(".")
+    stem = f"{stem_of(session)}_{kind}"
+
+    async def make() -> Content:
+        async with session.settled():
+            costed = session.model.costed
+            found = None if costed is None else costed.present_costs()
+            mask = None if costed is None else costed.present_mask()
+        if found is None:
+            raise MapperError("costmap.off", "This session has no costmap: begin it first.")
+        if kind == "keepout" and mask is None:
+            raise MapperError("costmap.no_zones", "No keepout zone is painted.")
+
+        def work(check: Callable[[], None]) -> bytes:  # noqa: ARG001 - as all downloads
+            from mapper.costmap.files import costmap_mcap, costmap_pgm, keepout_pgm  # noqa: PLC0415 - few take costs
+            from mapper.io.maps import yaml_text  # noqa: PLC0415
+
+            if ending == "yaml":
+                return yaml_text(found.geometry, f"{stem}.pgm", "raw", frame=found.frame).encode()
+            if ending == "mcap":
+                return costmap_mcap(found)
+            return costmap_pgm(found.costs) if kind == "costmap" or mask is None else keepout_pgm(mask)
+
+        data = await downloads.run(work)
+        return Content(f"{stem}.{ending}", iter([data]), len(data))
+
+    return Download(downloads, requester_of(request, session), make, "application/octet-stream")

@@ -1,0 +1,105 @@
+"""``/api/sessions/{id}/edited-map``: a map that was edited, kept as a new map, and as files."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import TYPE_CHECKING, Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.core.errors import LimitError, MapperError
+from server.downloads import Content, Download, file_stem
+from server.http.routes.clients import client_address
+from server.http.routes.maps import grid_of, requester_of, stem_of
+from server.http.services import FileDownloads, Logs, Sessions, Visitor
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.parts import EditedFiles
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+#: What a file of an edited map is called in its address, and how its own name ends.
+_ENDINGS = {
+    "map.pgm": ".pgm", "map.yaml": ".yaml", "keepout.pgm": "_keepout.pgm", "keepout.yaml": "_keepout.yaml",
+    "edits.json": ".edits.json",
+}  # fmt: skip
+
+
+class NewMap(BaseModel):
+    """A map to keep."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str = Field(min_length=1, max_length=100, description="Name of the new map.")
+
+
+def _edited(session: SessionHost) -> EditedFiles:
+    if session.model.editing is None:
+        raise MapperError("session.not_a_map", "This session shows no map that is edited.")
+    return session.model.editing
+
+
+async def _pieces(data: bytes) -> AsyncIterator[bytes]:
+    yield data
+
+
+@router.post("/{session_id}/edited-map", status_code=201)
+async def keep(
+    request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
+) -> dict[str, Any]:
+    """Keep the session's edited map with its edits as a new map of this visitor; return its record."""
+    from server.library.map_files import archived  # noqa: PLC0415 - few visitors edit maps
+
+    files = await _edited(sessions.get(session_id)).files(file_stem(wanted.name))
+    data = archived(files)
+    record = await library.put(visitor, wanted.name, _pieces(data), len(data), address=client_address(request))
+    return record.public()
+
+
+@router.get("/{session_id}/edited-map/{name}")
+async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
+    """Return a file of the session's edited map.
+
+    ``map.pgm``, ``map.yaml``, ``keepout.pgm``, ``keepout.yaml`` or ``edits.json``, which ``gridbloom edit`` carries out
+    again.
+    """
+    session = sessions.get(session_id)
+    edited, stem = _edited(session), f"{stem_of(session)}_edited"
+
+    async def make() -> Content:
+        for own, data in await edited.files(stem):
+            if own == stem + _ENDINGS.get(name, "/"):
+                return Content(own, iter([data]), len(data))
+        message = "The map has no keepout zones." if name.startswith("keepout") else f"There is no file {name!r:.80}."
+        raise MapperError("map.no_file", message)
+
+    media = "application/json" if name.endswith(".json") else "application/octet-stream"
+    return Download(downloads, requester_of(request, session), make, media)
+
+
+@router.post("/{session_id}/kept-map", status_code=201)
+async def keep_present(
+    request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
+) -> dict[str, Any]:
+    """Keep the present map of a session, of a world or a log, as a new map of this visitor; return its record."""
+    from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
+    from mapper.editing.files import map_files  # noqa: PLC0415
+    from server.library.given_map_job import MOST_CELLS  # noqa: PLC0415
+    from server.library.map_files import archived  # noqa: PLC0415
+
+    session = sessions.get(session_id)
+    stem, frame = file_stem(wanted.name), session.model.frame_id
+
+    def work() -> bytes:
+        grid = grid_of(session)
+        if grid.geometry.rows * grid.geometry.cols > MOST_CELLS:
+            raise LimitError("map.cells", f"The map has more than the {MOST_CELLS:,} cells that are kept here.")
+        return archived(map_files(EditedMap(grid.geometry, grid.classify()), stem, frame=frame))
+
+    async with session.settled():
+        data = await session.on_thread(work)
+    record = await library.put(visitor, wanted.name, _pieces(data), len(data), address=client_address(request))
+    return record.public()

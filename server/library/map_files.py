@@ -1,0 +1,123 @@
+"""Map files as one upload: a tar archive of a yaml and its image, as map_server has them, or a map of CMU's course.
+
+Besides, an archive may hold a keepout mask of the same cells, ``NAME_keepout.yaml`` with its image, and the edits that
+made the map, ``NAME.edits.json``: what the page of map editing saves.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import tarfile
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path, PurePosixPath
+
+from mapper.core.errors import LimitError, ReadError
+from server.library.given_map import GivenMap
+
+MOST_FILES = 8  #: in an archive
+MOST_BYTES = 256 << 20  #: of all of them together
+_YAML = (".yaml", ".yml")
+_IMAGES = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif")
+_MASK = "_keepout"
+_EDITS = ".edits.json"
+
+
+def archived(files: Iterable[tuple[str, bytes]]) -> bytes:
+    """Return a tar archive of files, by name. The same files give the same bytes."""
+    out = io.BytesIO()
+    with tarfile.open(fileobj=out, mode="w", format=tarfile.USTAR_FORMAT) as archive:
+        for name, data in files:
+            member = tarfile.TarInfo(name[-100:])
+            member.size = len(data)
+            archive.addfile(member, io.BytesIO(data))
+    return out.getvalue()
+
+
+def is_map(source: Path) -> bool:
+    """Return whether an upload holds map files and nothing else."""
+    from mapper.io.maps.bee import is_bee_map  # noqa: PLC0415 - only the processes that read uploads read maps
+
+    if source.is_dir():
+        return False
+    if is_bee_map(source):
+        return True
+    try:
+        with tarfile.open(source, "r:") as archive:
+            names: list[str] = []
+            for member in archive:
+                names.append(PurePosixPath(member.name).name.lower())
+                if len(names) > MOST_FILES or not names[-1].endswith((*_YAML, *_IMAGES, _EDITS)):
+                    return False
+    except (OSError, tarfile.TarError, EOFError, ValueError):
+        return False
+    return any(name.endswith(_YAML) for name in names) and any(name.endswith(_IMAGES) for name in names)
+
+
+def read_map(source: Path, title: str, scratch: Path) -> GivenMap:
+    """Return the map in an upload; files are unpacked below ``scratch`` meanwhile.
+
+    ``title`` is that of a map of CMU's course; another one is named after its yaml. Raises :class:`ReadError` and
+    :class:`LimitError`.
+    """
+    from mapper.io.maps import load_map  # noqa: PLC0415 - only the processes that read uploads read maps
+    from mapper.io.maps.bee import is_bee_map  # noqa: PLC0415
+
+    if is_bee_map(source):
+        loaded = load_map(source)
+        return GivenMap(title, loaded.grid.geometry, loaded.values, loaded.notes)
+    with tempfile.TemporaryDirectory(dir=scratch) as name:
+        folder = Path(name)
+        names = _unpacked(source, folder)
+        yamls = [name for name in names if name.lower().endswith(_YAML)]
+        masks = [name for name in yamls if Path(name).stem.endswith(_MASK)] if len(yamls) > 1 else []
+        maps = [name for name in yamls if name not in masks]
+        if len(maps) != 1 or len(masks) > 1:
+            raise ReadError(
+                "map.files", "Map files are one yaml and the image that it names; "
+                + (f"there are {len(yamls)} yamls here." if yamls else "there is no yaml here."),
+            )  # fmt: skip
+        loaded = load_map(folder / maps[0])
+        geometry, keepout = loaded.grid.geometry, None
+        if masks:
+            mask = load_map(folder / masks[0])
+            if mask.grid.geometry != geometry:
+                raise ReadError("map.mask", f"The keepout mask {masks[0]!r} has other cells than the map {maps[0]!r}.")
+            keepout = mask.values.clip(0)
+        made_by = [_origin_of(folder / name) for name in names if name.endswith(_EDITS)]
+    return GivenMap(maps[0], geometry, loaded.values, (*loaded.notes, *filter(None, made_by)), keepout)
+
+
+def _origin_of(path: Path) -> str | None:
+    """Return a sentence on the edits that made a map, None for a file that is none of edits."""
+    try:
+        found = json.loads(path.read_bytes())
+        n, name = len(found["edits"]), str(found["source"]["map"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    return f"Made by {n} edit{'' if n == 1 else 's'} of {name[:100]!r}." if n else None
+
+
+def _unpacked(source: Path, folder: Path) -> list[str]:
+    """Write the files of a tar archive into ``folder`` by their last names, and return these."""
+    names: list[str] = []
+    room = MOST_BYTES
+    try:
+        with tarfile.open(source, "r:") as archive:
+            for member in archive:
+                name = PurePosixPath(member.name).name
+                if not member.isfile() or not name or len(names) >= MOST_FILES:
+                    raise ReadError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
+                room -= member.size
+                if room < 0:
+                    raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
+                content = archive.extractfile(member)
+                if content is not None:
+                    (folder / name).write_bytes(content.read())
+                    names.append(name)
+    except (tarfile.TarError, EOFError, ValueError):
+        raise ReadError(
+            "map.files", "These are no map files: choose a yaml together with its image, or a map of CMU's course."
+        ) from None
+    return names

@@ -1,0 +1,171 @@
+"""The model of a session that shows a map and edits it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, ClassVar
+
+import numpy as np
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.editing import EditedMap, Operation, parse_operation
+from mapper.editing.files import map_files
+from mapper.grid import GridGeometry
+from mapper.io.maps.reading import grid_of_values
+from mapper.mapping.parameters import MappingConfig
+from server.library.given_map import GivenMap
+from server.sessions.hosting import ModelHost
+from server.sessions.messages import NO_READINGS
+from server.sessions.model import Footprint, SessionModel
+from server.sessions.playback import Playback
+from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError, integer
+
+MOST_CELLS = 1 << 24  #: of a map that is edited
+MOST_LISTED = 12  #: of the last edits, in the message ``map_edits``
+_FIELDS = {
+    "paint": {"points": "points", "state": "state", "width": "width"},
+    "fill": {"points": "polygon", "state": "state"},
+    "keepout": {"points": "polygon", "value": "value"},
+    "despeckle": {"value": "cells"},
+    "rotate": {"angle": "angle"},
+    "crop": {"points": "corners"},
+    "origin": {"points": "points", "angle": "yaw"},
+}  #: of each operation: the field of the command ``map_edit``, and its own
+
+
+def operation_of(command: dict[str, Any]) -> Operation:
+    """Return the operation of a command ``map_edit``. Raises :class:`mapper.core.errors.ConfigError`."""
+    names = _FIELDS.get(command["op"], {})
+    given = {names[name]: value for name, value in command.items() if name in names and value is not None}
+    places = given.pop("points", None) if command["op"] == "origin" else None
+    if places:
+        given |= {"x": places[0][0], "y": places[0][1]}
+    return parse_operation({"op": command["op"], **given})
+
+
+class MapModel(SessionModel):
+    """A map of the library with its edits."""
+
+    kind: ClassVar[str] = "map"
+
+    def __init__(self, host: ModelHost, given: GivenMap, *, log_id: str) -> None:
+        """Show a map. Raises :class:`LimitError` for one of more than :data:`MOST_CELLS` cells."""
+        super().__init__(Playback(playing=False))
+        self._host, self._given, self._log_id = host, given, log_id
+        geometry = _limited(given.geometry, host.limits())
+        self._edited = EditedMap(geometry, given.values, given.keepout)
+        self._map = GridLayer("map", "Map")
+        self._keepout = GridLayer("keepout", "Keepout zones", "keepout")
+        self._is_stale = True
+        self.editing = self
+        self._draw()
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> Sequence[Layer]:
+        """The map and its keepout zones."""
+        return (self._map, self._keepout)
+
+    @property
+    def title(self) -> str:
+        """The name of the map."""
+        return self._given.title
+
+    @property
+    def footprint(self) -> Footprint:
+        """The cells of the states that are kept, and of the layers."""
+        return Footprint(self._edited.cells + 4 * self._edited.values.size)
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """The map is complete."""
+        return (1, 1)
+
+    def particulars(self) -> dict[str, Any]:
+        """Return the title."""
+        return {"title": self.title}
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``map_edits``."""
+        edited = self._edited
+        return [
+            {
+                "type": "map_edits",
+                "n": len(edited.operations),
+                "undone": edited.n_undone,
+                "last": [one.phrase for one in edited.operations[-MOST_LISTED:]],
+                "keepout_cells": int(np.count_nonzero(edited.keepout)),
+                "notes": list(self._given.notes),
+            }
+        ]
+
+    def frame(self) -> dict[str, Any]:
+        """Return the middle of the map as the pose: the cursor of the keyboard starts there."""
+        geometry = self._edited.geometry
+        x, y = geometry.cell_to_world(((geometry.rows - 1) // 2, (geometry.cols - 1) // 2)).round(4).tolist()
+        return {"pose": [x, y, 0.0]}
+
+    def scan(self) -> dict[str, Any]:
+        """Return a scan without readings."""
+        return NO_READINGS
+
+    # -- editing --------------------------------------------------------------------------------------------------
+
+    def advance(self, dt: float, result: TickResult) -> None:
+        """Do nothing: a map stays as it is."""
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+        """Carry out a command: an edit, or a step through the edits."""
+        edited = self._edited
+        match command["type"]:
+            case "map_edit":
+                edited.apply(operation_of(command))
+            case "map_history":
+                steps = integer(command, "steps")
+                step = edited.undo if steps < 0 else edited.redo
+                for _ in range(abs(steps)):
+                    if not step():
+                        break
+            case other:
+                raise ProtocolError("command.unknown", f"A map has no command {other!r:.80}.")
+        self._is_stale = True
+        result.changed = True
+
+    def draw(self, result: TickResult) -> None:
+        """Show the map after the edits of this tick."""
+        if self._is_stale:
+            self._draw()
+            result.slot(self.messages()[0])
+
+    def _draw(self) -> None:
+        self._is_stale = False
+        edited, whole = self._edited, MappingConfig()
+        self._map.update(grid_of_values(edited.geometry, edited.values), whole, None, whole=True)
+        zones = np.where(edited.keepout > 0, edited.keepout, -1).astype(np.int8)
+        self._keepout.set_bytes(edited.geometry, zones.view(np.uint8))
+
+    # -- on the event loop ----------------------------------------------------------------------------------------
+
+    async def files(self, stem: str) -> list[tuple[str, bytes]]:
+        """Return the files of the present map, by name."""
+        async with self._host.settled():
+            return await self._host.on_thread(partial(_files, self._edited, stem, self.title))
+
+
+def _files(edited: EditedMap, stem: str, source: str) -> list[tuple[str, bytes]]:
+    return list(map_files(edited, stem, source))
+
+
+def _limited(geometry: GridGeometry, limits: Limits) -> GridGeometry:
+    """Return the geometry such that what edits make of it has a bounded number of cells."""
+    most = min(MOST_CELLS, limits.max_cells // 8)
+    if geometry.rows * geometry.cols > most:
+        message = f"The map has {geometry.size_text} cells; here one of at most {most:,} cells can be edited."
+        raise LimitError("edit.too_large", f"{message} The command gridbloom edit edits larger ones.")
+    return replace(geometry, limits=replace(geometry.limits, max_cells=most))

@@ -1,0 +1,200 @@
+"""The messages of a class: between the lecturer's page, the service, and the pages of the followers.
+
+Each is stated once, as those of :mod:`server.stream.messages`. They go over `/api/classes/{code}/stream`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from server.stream.commands import Number, Whole
+from server.stream.message_parts import Point
+from server.stream.messages import WhyMessage
+
+MAX_OPTIONS = 8
+MAX_TEXT = 300
+MAX_HASH = 20_000  #: of an address: it may hold a deck of slides
+Sentence = Annotated[str, Meta(max_length=MAX_TEXT)]
+Name = Annotated[str, Meta(max_length=100)]
+Sentences = Annotated[list[Sentence], Meta(max_length=MAX_OPTIONS)]
+Hash = Annotated[str, Meta(max_length=MAX_HASH)]
+
+
+class ClassLook(Struct):
+    """The part of the map that a picture shows, with the size of the picture."""
+
+    x: Annotated[Number, Meta(description="the place in the middle, m")]
+    y: Annotated[Number, Meta(description="the place in the middle, m")]
+    scale: Annotated[float, Meta(description="metres that a pixel shows", gt=0.0, le=1e6)]
+    width: Annotated[float, Meta(description="width of the picture, pixels", gt=0.0, le=1e6)]
+    height: Annotated[float, Meta(description="height of the picture, pixels", gt=0.0, le=1e6)]
+
+
+class ClassView(Struct):
+    """What the lecturer's page shows. Places are map metres."""
+
+    page: Annotated[
+        Literal["lecture", "lab", "other"], Meta(description="the page; other: no page that can be followed")
+    ]
+    hash: Annotated[Hash, Meta(description="fragment of its address: slide, step, deck")] = ""
+    blank: Annotated[bool, Meta(description="whether the screen is blank")] = False
+    look: Annotated[ClassLook | None, Meta(description="the visible part of the map; null: all of it")] = None
+    pointer: Annotated[Point | None, Meta(description="where the pointer is in the map")] = None
+    pinned: Annotated[Point | None, Meta(description="the selected cell")] = None
+    explained: Annotated[Point | None, Meta(description="the cell whose updates are explained")] = None
+    update: Annotated[Whole | None, Meta(description="number of the selected update; null: the newest")] = None
+    group: Annotated[Name | None, Meta(description="the open group of controls")] = None
+    on_slide: Annotated[
+        tuple[float, float] | None,
+        Meta(description="where the pointer is on the slide, as fractions of its width and height"),
+    ] = None
+
+
+class ClassAxis(Struct):
+    """The axis of a guess that is a number."""
+
+    low: Annotated[Number, Meta(description="least guess")]
+    high: Annotated[Number, Meta(description="greatest guess")]
+    unit: Annotated[Name, Meta(description="unit, may be empty")] = ""
+
+
+class ClassQuestion(Struct):
+    """A question that the class is asked, and what has been answered."""
+
+    id: Annotated[int, Meta(description="number of the question, from 1")]
+    text: Annotated[str, Meta(description="the question")]
+    options: Annotated[list[str] | None, Meta(description="the answers to choose from; null: a number is guessed")]
+    axis: Annotated[ClassAxis | None, Meta(description="the axis of the guess; null: an option is chosen")]
+    is_revealed: Annotated[bool, Meta(description="whether the result is shown to all")]
+    answered: Annotated[int, Meta(description="how many have answered")]
+    counts: Annotated[
+        list[int] | None,
+        Meta(description="answers for each option, or in each part of the axis; followers: null before the reveal"),
+    ]
+    right: Annotated[
+        float | None, Meta(description="the right option from 0, or number; null: there is none, or not yet")
+    ]
+
+
+class ClassState(Struct, tag_field="type", tag="class"):
+    """The state of the class, to all who are in it; at most five times a second."""
+
+    code: Annotated[str, Meta(description="the code of the class")]
+    present: Annotated[int, Meta(description="followers that are connected")]
+    is_locked: Annotated[bool, Meta(description="whether nobody else can join")]
+    has_ended: Annotated[bool, Meta(description="whether the class is over")]
+    hands: Annotated[list[int], Meta(description="numbers of the followers who ask for the robot; lecturer only")]
+    driver: Annotated[int | None, Meta(description="number of the follower who drives the robot; null: the lecturer")]
+    question: Annotated[ClassQuestion | None, Meta(description="the question that is asked; null: none")]
+
+
+class ClassWelcome(Struct, tag_field="type", tag="welcome"):
+    """The first message: who one is in the class."""
+
+    role: Annotated[Literal["lecturer", "follower"], Meta(description="what one may do")]
+    number: Annotated[int, Meta(description="number of a follower, from 1; 0: the lecturer")]
+    answer: Annotated[float | None, Meta(description="what one has answered to the question; null: nothing")]
+
+
+class ClassViewMessage(Struct, tag_field="type", tag="view"):
+    """What the lecturer shows now, to the followers."""
+
+    view: Annotated[ClassView, Meta(description="what the lecturer shows")]
+    stage: Annotated[int, Meta(description="number of the session that is shown, from 1; 0: none")]
+
+
+class ClassExplained(Struct, tag_field="type", tag="explained"):
+    """The explanation of the selected cell, as the lecturer's page shows it, to the followers."""
+
+    why: Annotated[WhyMessage | None, Meta(description="the explanation; null: none is shown")]
+
+
+class ClassError(Struct, tag_field="type", tag="refused"):
+    """A command was refused."""
+
+    code: Annotated[str, Meta(description="stable name of the error")]
+    message: Annotated[str, Meta(description="one sentence")]
+
+
+ClassMessage = ClassState | ClassWelcome | ClassViewMessage | ClassExplained | ClassError
+
+
+class ShowCommand(Struct, tag_field="type", tag="show"):
+    """Lecturer: what the page shows now."""
+
+    view: Annotated[ClassView, Meta(description="what it shows")]
+    session: Annotated[Name | None, Meta(description="id of the session that it shows; null: none")] = None
+
+
+class ExplainCommand(Struct, tag_field="type", tag="explain"):
+    """Lecturer: the explanation that the page shows."""
+
+    why: Annotated[WhyMessage | None, Meta(description="the explanation; null: none is shown")] = None
+
+
+class AskCommand(Struct, tag_field="type", tag="ask"):
+    """Lecturer: ask the class a question, with options to choose from or an axis on which a number is guessed."""
+
+    text: Annotated[Sentence, Meta(description="the question")]
+    options: Annotated[Sentences | None, Meta(description="two to eight answers; null: a number is guessed")] = None
+    axis: Annotated[ClassAxis | None, Meta(description="the axis of the guess")] = None
+    right: Annotated[Number | None, Meta(description="the right option from 0, or number; null: there is none")] = None
+
+
+class RevealCommand(Struct, tag_field="type", tag="reveal"):
+    """Lecturer: show the result to all. No more answers are taken."""
+
+    right: Annotated[Number | None, Meta(description="the right answer, if it was not known before")] = None
+
+
+class CloseCommand(Struct, tag_field="type", tag="close"):
+    """Lecturer: take the question away. Its result is kept until the class ends."""
+
+
+class LockCommand(Struct, tag_field="type", tag="lock"):
+    """Lecturer: let nobody else join, or let people join again."""
+
+    value: Annotated[bool, Meta(description="whether it is locked")]
+
+
+class HandCommand(Struct, tag_field="type", tag="hand"):
+    """Lecturer: hand the robot to a follower, or take it back."""
+
+    number: Annotated[Whole | None, Meta(description="number of the follower; null: take it back")] = None
+
+
+class AnswerCommand(Struct, tag_field="type", tag="answer"):
+    """Follower: answer the question; a later answer replaces it."""
+
+    question: Annotated[Whole, Meta(description="id of the question")]
+    value: Annotated[Number, Meta(description="the option from 0, or the number")]
+
+
+class RaiseCommand(Struct, tag_field="type", tag="raise"):
+    """Follower: ask for the robot, or no longer."""
+
+    value: Annotated[bool, Meta(description="whether one asks for it")]
+
+
+ClassCommand = (
+    ShowCommand
+    | ExplainCommand
+    | AskCommand
+    | RevealCommand
+    | CloseCommand
+    | LockCommand
+    | HandCommand
+    | AnswerCommand
+    | RaiseCommand
+)
+LECTURERS_COMMANDS = (
+    ShowCommand,
+    ExplainCommand,
+    AskCommand,
+    RevealCommand,
+    CloseCommand,
+    LockCommand,
+    HandCommand,
+)

@@ -1,0 +1,25 @@
+/** What is built on the map: the scenes and figures that the lecture fetches after its first sections. */
+
+import { Kidnapping } from "./localization/Kidnapping";
+import { Particles } from "./localization/Particles";
+import { SensorModels } from "./localization/SensorModels";
+import { kidnappingScene, particlesScene, sensorScene } from "./localization/scenes";
+import { InflationCurve } from "./navigation/Inflation";
+import { Layers } from "./navigation/Layers";
+import { Lifetime } from "./navigation/Lifetime";
+import { PathControls } from "./navigation/PathControls";
+import { Stack } from "./navigation/Stack";
+import { inflationScene, layersScene, lifetimeScene, pathScene } from "./navigation/scenes";
+import { stackScene } from "./navigation/stackScene";
+import type { Later, LaterId } from "./stage/later";
+
+export const LATER: Readonly<Record<LaterId, Later>> = {
+  particles: { scene: particlesScene, figure: Particles },
+  "sensor-models": { scene: sensorScene, figure: SensorModels },
+  kidnapping: { scene: kidnappingScene, figure: Kidnapping },
+  layers: { scene: layersScene, figure: Layers },
+  inflation: { scene: inflationScene, figure: InflationCurve },
+  path: { scene: pathScene, figure: PathControls },
+  lifetime: { scene: lifetimeScene, figure: Lifetime },
+  stack: { scene: stackScene, figure: Stack },
+};

@@ -1,0 +1,55 @@
+/** Paints particles and the likelihood field over the map of the stage. */
+
+import { tokenRgb } from "../../style/colour";
+import type { Pose } from "../../wire/protocol";
+import type { Projection } from "../stage/camera";
+import { paintCells } from "../stage/paintCells";
+import { distances, FIELD_GEOMETRY, MIXTURE } from "./field";
+import { fieldDensity } from "./filter";
+
+const DOT = 2.2;
+
+interface CloudStyle {
+  readonly weights: Float64Array;
+  /** The last so many poses are random ones. */
+  readonly random: number;
+}
+
+/** Poses as dots: those with more weight are larger, random ones have another colour and a line for their heading. */
+export function paintCloud(
+  context: CanvasRenderingContext2D,
+  at: Projection,
+  poses: readonly Pose[],
+  { weights, random }: CloudStyle,
+): void {
+  const most = weights.reduce((a, b) => Math.max(a, b), 0);
+  const colours = { kept: tokenRgb("--beam"), random: tokenRgb("--hit") };
+  poses.forEach(([x, y, yaw], i) => {
+    const share = most > 0 ? Math.sqrt((weights[i] ?? 0) / most) : 0;
+    const [r, g, b] = i >= poses.length - random ? colours.random : colours.kept;
+    const [px, py] = [at.x(x), at.y(y)];
+    context.globalAlpha = 0.3 + 0.6 * share;
+    context.fillStyle = context.strokeStyle = `rgb(${r} ${g} ${b})`;
+    context.beginPath();
+    context.arc(px, py, DOT * (1 + 1.4 * share), 0, 2 * Math.PI);
+    context.fill();
+    context.beginPath();
+    context.moveTo(px, py);
+    context.lineTo(px + (5 + 6 * share) * Math.cos(yaw), py - (5 + 6 * share) * Math.sin(yaw));
+    context.stroke();
+  });
+  context.globalAlpha = 1;
+}
+
+/** The likelihood field: the more likely an end point is in a cell, the more colour it has. */
+export function paintField(context: CanvasRenderingContext2D, at: Projection): void {
+  const [r, g, b] = tokenRgb("--hit-fill");
+  const best = fieldDensity(0, MIXTURE);
+  const least = fieldDensity(2, MIXTURE);
+  const colours = new Uint8ClampedArray(4 * distances().length);
+  distances().forEach((distance, i) => {
+    const share = (fieldDensity(distance, MIXTURE) - least) / (best - least);
+    colours.set([r, g, b, 235 * share], 4 * i);
+  });
+  paintCells(context, at, FIELD_GEOMETRY, colours);
+}

@@ -1,0 +1,99 @@
+import { useLayoutEffect, useRef } from "preact/hooks";
+import { NO_INFORMATION, nameOfCost } from "../../grid/costs";
+import { Slider } from "../../ui/Slider";
+import { isDark } from "../../ui/theme";
+import type { Costs } from "./costmap";
+import { coloursOf } from "./paint";
+import { LAYERS, lifetime, probeAt, sheets, switched } from "./state";
+import { cellOf, GEOMETRY } from "./world";
+import "./navigation.css";
+
+const LIFETIME = 4;
+
+/** The layers of a costmap as sheets, the last one on top; each can be switched off. */
+export function Layers() {
+  const cell = cellOf(probeAt.value);
+  return (
+    <div class="costmap-layers">
+      <table class="plain-table">
+        <thead>
+          <tr>
+            <th scope="col">layer</th>
+            <th scope="col" class="layer-cost">
+              its cost
+            </th>
+            <th scope="col" class="layer-cost">
+              so far
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {sheets.value.map(({ id, own, master }) => {
+            const layer = LAYERS.find((one) => one.id === id);
+            const isOn = switched.value[id];
+            return (
+              <tr key={id} class={isOn ? "" : "off"}>
+                <th scope="row">
+                  <label class="layer-switch">
+                    <span class="toggle">
+                      <input
+                        type="checkbox"
+                        role="switch"
+                        aria-checked={isOn}
+                        checked={isOn}
+                        onChange={(event) => {
+                          switched.value = { ...switched.peek(), [id]: event.currentTarget.checked };
+                        }}
+                      />
+                      <span class="toggle-track" />
+                    </span>
+                    <Sheet costs={own} />
+                    <span>
+                      <b>{layer?.name}</b>
+                      <span class="layer-text">{layer?.text}</span>
+                    </span>
+                  </label>
+                </th>
+                <td class="layer-cost">{written(own[cell])}</td>
+                <td class="layer-cost">{isOn ? written(master[cell]) : "off"}</td>
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+      <div class="figure-controls no-print">
+        <Slider
+          label="Lifetime in the dynamic layer"
+          sentence="Obstacles that were not seen for longer are forgotten; somebody walked past in the last 9 seconds."
+          value={lifetime.value}
+          initial={LIFETIME}
+          low={0}
+          high={10}
+          step={1}
+          unit="s"
+          onInput={(value) => {
+            lifetime.value = value;
+          }}
+        />
+      </div>
+      <p class="quiet">The numbers are the costs under the cross on the stage; 254 is lethal, 253 inscribed.</p>
+    </div>
+  );
+}
+
+const written = (cost = NO_INFORMATION): string => (cost === NO_INFORMATION ? nameOfCost(cost) : String(cost));
+
+/** A layer alone, as a sheet that lies in space. */
+function Sheet({ costs }: { costs: Costs }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const { rows, cols } = GEOMETRY;
+  const dark = isDark.value;
+  useLayoutEffect(() => {
+    const colours = coloursOf(costs, false);
+    const flipped = new Uint8ClampedArray(colours.length);
+    for (let row = 0; row < rows; row++)
+      flipped.set(colours.subarray(4 * row * cols, 4 * (row + 1) * cols), 4 * (rows - 1 - row) * cols);
+    canvas.current?.getContext("2d")?.putImageData(new ImageData(flipped, cols, rows), 0, 0);
+  }, [costs, rows, cols, dark]);
+  return <canvas class="layer-sheet" ref={canvas} width={cols} height={rows} />;
+}

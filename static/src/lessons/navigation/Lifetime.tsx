@@ -1,0 +1,70 @@
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
+import { Slider } from "../../ui/Slider";
+import { looked, type Place, placeOfTable, since, tableLifetime, walkerAt } from "./state";
+import "./navigation.css";
+
+const PLACES = [
+  { value: "static", label: "the map" },
+  { value: "obstacle", label: "obstacles" },
+  { value: "dynamic", label: "lifetime" },
+];
+const [GONE_FOR, LIVES] = [12, 20];
+const START = walkerAt.peek();
+
+/** Where the table is remembered, and for how long. */
+export function Lifetime() {
+  return (
+    <div class="lifetime-controls figure-controls no-print">
+      <Choice
+        label="The table is in"
+        options={PLACES}
+        value={placeOfTable.value}
+        sentence="Which part of the costmap has the table that was seen."
+        onChange={(value) => {
+          placeOfTable.value = (PLACES.find((one) => one.value === value)?.value ?? "static") as Place;
+          looked.value = [];
+        }}
+      />
+      <Slider
+        label="Taken away since"
+        sentence="Seconds since the table was taken away; 0: it stands there."
+        value={since.value}
+        initial={GONE_FOR}
+        low={0}
+        high={60}
+        step={1}
+        unit="s"
+        onInput={(value) => {
+          since.value = value;
+          if (value === 0) looked.value = [];
+        }}
+      />
+      <Slider
+        label="Lifetime of an obstacle"
+        sentence="Seconds after which an obstacle that is not seen again is forgotten."
+        value={tableLifetime.value}
+        initial={LIVES}
+        low={1}
+        high={60}
+        step={1}
+        unit="s"
+        disabled={placeOfTable.value !== "dynamic"}
+        onInput={(value) => {
+          tableLifetime.value = value;
+        }}
+      />
+      <Button
+        icon="restart"
+        onClick={() => {
+          looked.value = [];
+          walkerAt.value = START;
+          since.value = GONE_FOR;
+          tableLifetime.value = LIVES;
+        }}
+      >
+        Reset
+      </Button>
+    </div>
+  );
+}

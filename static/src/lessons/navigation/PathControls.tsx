@@ -1,0 +1,110 @@
+import { useSignal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
+import { written } from "../../ui/numbers";
+import { reducedMotion } from "../../ui/reducedMotion";
+import { Slider } from "../../ui/Slider";
+import { useSeen, useSteps } from "../common/useSteps";
+import { groundCosts, method, pathGoal, pathStart, plan, planned, progress, ROBOT_RADIUS, robotRadius } from "./state";
+import "./navigation.css";
+
+const METHODS = [
+  { value: "dijkstra", label: "Dijkstra" },
+  { value: "a_star", label: "A*" },
+];
+const MS = 40;
+const PART = 0.02;
+
+/** The controls of the search for a path, and what both algorithms need for it. */
+export function PathControls() {
+  const root = useRef<HTMLDivElement>(null);
+  const playing = useSignal(false);
+  useSteps(
+    playing,
+    useSeen(root),
+    () => MS,
+    () => {
+      progress.value = Math.min(1, progress.peek() + PART);
+      if (progress.peek() >= 1) playing.value = false;
+    },
+  );
+  const other = planned(groundCosts.value, pathStart.value, pathGoal.value, method.value !== "a_star");
+  const [wave, directed] = method.value === "a_star" ? [other, plan.value] : [plan.value, other];
+  const count = (cells: number): string => cells.toLocaleString("en");
+  return (
+    <div class="path-controls" ref={root}>
+      <div class="figure-controls no-print">
+        <Choice
+          label="Search"
+          options={METHODS}
+          value={method.value}
+          sentence="Dijkstra expands cells by their cost to come, A* by that and an estimate of the cost to go."
+          onChange={(value) => {
+            method.value = value === "a_star" ? "a_star" : "dijkstra";
+          }}
+        />
+        {!reducedMotion.value && (
+          <Button
+            kind="primary"
+            icon={playing.value ? "pause" : "play"}
+            onClick={() => {
+              if (!playing.peek() && progress.peek() >= 1) progress.value = 0;
+              playing.value = !playing.peek();
+            }}
+          >
+            {playing.value ? "Pause" : "Search"}
+          </Button>
+        )}
+        <Slider
+          label="Part of the search"
+          sentence="How much of the search is shown; the path comes at its end."
+          value={Math.round(100 * progress.value)}
+          initial={100}
+          low={0}
+          high={100}
+          step={1}
+          unit="%"
+          onInput={(value) => {
+            playing.value = false;
+            progress.value = value / 100;
+          }}
+        />
+        <Slider
+          label="Inscribed radius"
+          sentence="Radius of the robot: cells nearer than this to an obstacle are blocked."
+          value={robotRadius.value}
+          initial={ROBOT_RADIUS}
+          low={0.05}
+          high={0.8}
+          step={0.05}
+          unit="m"
+          onInput={(value) => {
+            robotRadius.value = value;
+          }}
+        />
+      </div>
+      <table class="plain-table">
+        <thead>
+          <tr>
+            <th scope="col">search</th>
+            <th scope="col">cells expanded</th>
+            <th scope="col">path</th>
+          </tr>
+        </thead>
+        <tbody>
+          {[
+            { name: "Dijkstra", found: wave },
+            { name: "A*", found: directed },
+          ].map(({ name, found }) => (
+            <tr key={name}>
+              <th scope="row">{name}</th>
+              <td>{count(found.order.length)}</td>
+              <td>{found.path ? `${written(found.length, 1)} m` : "none"}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

@@ -1,0 +1,86 @@
+import "../style/index.css";
+import "../tools/classroom/classroom.css";
+import { useSignal } from "@preact/signals";
+import { render } from "preact";
+import { followedCode } from "../store/classroom";
+import { ClassHost } from "../tools/classroom/ClassHost";
+import { followPages } from "../tools/classroom/pages";
+import { Button } from "../ui/Button";
+import { Toasts } from "../ui/Toast";
+
+/** Why somebody was sent to this page. */
+const REFUSALS: Readonly<Record<string, string>> = {
+  "class.unknown": "There is no class with this code. It may have ended.",
+  "class.locked": "The lecturer has locked this class: nobody else can join.",
+  "class.crowded": "As many people as may follow this class already do.",
+  "class.guesses": "Too many wrong codes came from this network. Wait a minute, then try again.",
+};
+const LENGTH = 6;
+
+const letters = (text: string): string =>
+  text
+    .toUpperCase()
+    .replace(/[^A-Z]/g, "")
+    .slice(0, LENGTH);
+
+function Join() {
+  const code = useSignal("");
+  const refused = useSignal(new URLSearchParams(location.search).get("refused"));
+  const isComplete = code.value.length === LENGTH;
+  return (
+    <main class="class-join" id="main">
+      <h1>Join a class</h1>
+      <p>Type the six letters that the lecturer shows. No account and no name are needed.</p>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (isComplete) location.assign(`/class/${code.value}`);
+        }}
+      >
+        <label>
+          Code
+          <input
+            autocomplete="off"
+            autocapitalize="characters"
+            spellcheck={false}
+            value={code.value}
+            onInput={(event) => {
+              code.value = letters(event.currentTarget.value);
+              event.currentTarget.value = code.value;
+              refused.value = null;
+            }}
+          />
+        </label>
+        <Button
+          kind="primary"
+          size="large"
+          disabled={!isComplete}
+          onClick={() => location.assign(`/class/${code.value}`)}
+        >
+          Join
+        </Button>
+      </form>
+      {refused.value && <p role="alert">{REFUSALS[refused.value] ?? "This class cannot be joined now."}</p>}
+    </main>
+  );
+}
+
+/** Shown while the lecturer is on a page that cannot be followed. */
+function Waiting() {
+  return (
+    <main class="class-join" id="main">
+      <h1>You are in the class</h1>
+      <p>The lecturer shows no page that can be followed at the moment. This page changes by itself.</p>
+    </main>
+  );
+}
+
+followPages("other");
+render(
+  <>
+    {followedCode === null ? <Join /> : <Waiting />}
+    <ClassHost />
+    <Toasts />
+  </>,
+  document.getElementById("app") as HTMLElement,
+);

@@ -1,0 +1,7 @@
+import { type LaterId, later } from "../../lessons/stage/later";
+
+/** The figure of a section whose code is fetched after the first ones; its height is kept until then. */
+export function LaterFigure({ id }: { readonly id: LaterId }) {
+  const Figure = later.value?.[id].figure;
+  return Figure ? <Figure /> : <figure class="figure-later" aria-busy="true" />;
+}

@@ -1,0 +1,109 @@
+/** The lecture in a class: slide, step, black screen and pointer of the lecturer, on the pages of the followers. */
+
+import { effect, signal } from "@preact/signals";
+import { askedAs, type Classroom, classroom } from "../../../store/classroom";
+import { throttled } from "../../../tools/classroom/lab";
+import { followPages } from "../../../tools/classroom/pages";
+import type { ClassView } from "../../../wire/protocol";
+import {
+  blank,
+  deck,
+  hashOf,
+  place,
+  presenting,
+  questionOf,
+  readAddress,
+  sectionInSight,
+  setPresenting,
+  slide,
+  stage,
+} from "./state";
+
+const SHOW_EVERY_MS = 60;
+const PRESENT = "?present";
+
+/** Where the lecturer's pointer is, as fractions of the slide; null while it is not on it. */
+const pointerAt = signal<readonly [number, number] | null>(null);
+/** The same on a follower's page. */
+export const shownPointer = signal<readonly [number, number] | null>(null);
+
+const slideBox = (): DOMRect | null => document.querySelector(".slides > main")?.getBoundingClientRect() ?? null;
+
+function watchPointer(): void {
+  const leave = (): void => {
+    pointerAt.value = null;
+  };
+  addEventListener(
+    "pointermove",
+    ({ clientX, clientY }) => {
+      const box = presenting.peek() ? slideBox() : null;
+      if (!box) return leave();
+      const at = [(clientX - box.x) / box.width, (clientY - box.y) / box.height] as const;
+      pointerAt.value = at.every((part) => part >= 0 && part <= 1) ? at : null;
+    },
+    { passive: true },
+  );
+  document.documentElement.addEventListener("pointerleave", leave);
+}
+
+/** Send what the lecturer's page shows. */
+function show(room: Classroom, sections: readonly { readonly id: string }[]): () => void {
+  const send = throttled((view: ClassView) => room.send({ type: "show", view }), SHOW_EVERY_MS);
+  const section = signal(Math.max(0, sectionInSight(sections)));
+  const onScroll = (): void => {
+    section.value = Math.max(0, sectionInSight(sections));
+  };
+  addEventListener("scroll", onScroll, { passive: true });
+  const stop = effect(() => {
+    void deck.value;
+    const hash = presenting.value ? PRESENT + hashOf(place.value) : `#${sections[section.value]?.id ?? ""}`;
+    const on_slide = presenting.value ? pointerAt.value : null;
+    send({ page: "lecture", hash, blank: blank.value, on_slide });
+  });
+  // The answer of a slide reveals what the class has answered.
+  const stopRevealing = effect(() => {
+    const text = stage.value === "answer" ? questionOf(slide.value)?.question : undefined;
+    const asked = text === undefined ? null : askedAs(text);
+    if (presenting.value && asked && !asked.is_revealed) room.send({ type: "reveal" });
+  });
+  return () => {
+    removeEventListener("scroll", onScroll);
+    stop();
+    stopRevealing();
+  };
+}
+
+/** Show what the lecturer's page shows. */
+function follow(room: Classroom): () => void {
+  let before = "";
+  return effect(() => {
+    const view = room.shown.value?.view;
+    if (view?.page !== "lecture" || !room.isFollowing.value) return;
+    shownPointer.value = view.on_slide ?? null;
+    if (view.hash !== before) {
+      before = view.hash ?? "";
+      void goTo(before);
+    }
+    blank.value = view.blank ?? false;
+  });
+}
+
+async function goTo(hash: string): Promise<void> {
+  const isSlide = hash.startsWith(PRESENT);
+  if (presenting.peek() !== isSlide) setPresenting(isSlide);
+  history.replaceState(null, "", location.pathname + hash);
+  await readAddress().catch(() => undefined); // a deck that this page cannot read: it stays where it is
+  if (!isSlide) document.getElementById(hash.slice(1))?.scrollIntoView({ behavior: "smooth" });
+}
+
+/** Take part in a class, whatever one's role is. */
+export function attendLecture(sections: readonly { readonly id: string }[]): void {
+  followPages("lecture");
+  watchPointer();
+  let stop = (): void => undefined;
+  effect(() => {
+    stop();
+    const room = classroom.value;
+    stop = room === null ? () => undefined : room.isFollowed ? follow(room) : show(room, sections);
+  });
+}

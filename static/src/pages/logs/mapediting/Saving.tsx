@@ -1,0 +1,117 @@
+import { useSignal } from "@preact/signals";
+import type { Store } from "../../../store/store";
+import { mapAddress } from "../../../tools/mapediting/EditMap";
+import { Button } from "../../../ui/Button";
+import { Panel } from "../../../ui/Panel";
+import type { LogRecord } from "../library";
+import { request } from "../request";
+
+interface SavingProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+/** Keeps the edited map as a new one of the library, and gives its files. */
+export function Saving({ store, session }: SavingProps) {
+  const title = store.hello.value?.title ?? "map";
+  const typed = useSignal<string | null>(null);
+  const isBusy = useSignal(false);
+  const saved = useSignal<LogRecord | null>(null);
+  const failure = useSignal<string | null>(null);
+  const name = typed.value ?? `${title}, edited`.slice(0, 100);
+  const address = `/api/sessions/${encodeURIComponent(session)}/edited-map`;
+  const { edits } = store.mapEditing;
+  const save = async (): Promise<void> => {
+    isBusy.value = true;
+    failure.value = saved.value = null;
+    try {
+      saved.value = await request<LogRecord>(address, "POST", { name: name.trim() });
+    } catch (error) {
+      failure.value = (error as Error).message;
+    }
+    isBusy.value = false;
+  };
+  const geometry = store.map.value?.geometry;
+  const files = [
+    ["map.pgm", "pgm"],
+    ["map.yaml", "yaml"],
+    ...((edits.value?.keepout_cells ?? 0) > 0
+      ? ([
+          ["keepout.pgm", "Keepout pgm"],
+          ["keepout.yaml", "Keepout yaml"],
+        ] as const)
+      : []),
+    ...(edits.value?.n ? ([["edits.json", "Edits"]] as const) : []),
+  ] as const;
+  return (
+    <>
+      <Panel title="Save as a new map">
+        <form
+          class="mapediting"
+          onSubmit={(event) => {
+            event.preventDefault();
+            void save();
+          }}
+        >
+          <label class="mapediting-field">
+            <span class="field-label">Name</span>
+            <input
+              class="mapediting-name"
+              type="text"
+              maxLength={100}
+              required
+              value={name}
+              onInput={(event) => {
+                typed.value = event.currentTarget.value;
+              }}
+            />
+          </label>
+          <div class="actions">
+            <button class="button primary" type="submit" disabled={isBusy.value || name.trim() === ""}>
+              {isBusy.value ? "Saving …" : "Save"}
+            </button>
+          </div>
+        </form>
+        {saved.value && (
+          <div class="mapediting-saved" role="status">
+            <p>
+              Saved as <b>{saved.value.name}</b>, among the logs. To find the robot of a log in it, open the log,
+              “Localize”, and choose this map.
+            </p>
+            <div class="actions">
+              <Button href={mapAddress(saved.value.id)} icon="map">
+                Open it
+              </Button>
+            </div>
+          </div>
+        )}
+        {failure.value !== null && (
+          <p class="heal-failed" role="alert">
+            {failure.value}
+          </p>
+        )}
+      </Panel>
+      <Panel title="Download">
+        <div class="mapediting">
+          <div class="mapediting-files">
+            {files.map(([file, label]) => (
+              <Button key={file} icon="download" href={`${address}/${file}`} download>
+                {label}
+              </Button>
+            ))}
+          </div>
+          {geometry && (
+            <p class="quiet number">
+              {geometry.cols} × {geometry.rows} cells of {Number(geometry.resolution.toFixed(4))} m, origin{" "}
+              {geometry.origin.map((value) => value.toFixed(2)).join(", ")}
+            </p>
+          )}
+          <p class="quiet">
+            pgm and yaml together are a map for map_server and Nav2; the keepout files are the mask of Nav2’s keepout
+            filter. gridbloom edit carries the edits out again.
+          </p>
+        </div>
+      </Panel>
+    </>
+  );
+}

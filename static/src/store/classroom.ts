@@ -1,0 +1,226 @@
+/**
+ * The connection of a page to a class: of the lecturer, who shows what the page shows, or of a follower. A page follows
+ * a class if its address is `/class/CODE/…`; the lecturer's browser remembers the code of the class that is open.
+ */
+
+import { batch, computed, signal } from "@preact/signals";
+import { decodeClassText } from "../wire/decodeClassText";
+import {
+  type ClassCommand,
+  type ClassMessage,
+  type ClassQuestion,
+  type ClassState,
+  type ClassViewMessage,
+  type ClassWelcome,
+  ProtocolError,
+  SUBPROTOCOL,
+  type WhyMessage,
+} from "../wire/protocol";
+
+const KEY = "gridbloom.class";
+const FIRST_WAIT_MS = 200;
+const LONGEST_WAIT_MS = 1500;
+/** The service closes the socket of a class that has ended, or that one cannot join, with these codes. */
+const OVER: readonly number[] = [4404, 4410];
+
+/** The code of the class that this page follows; null for none. */
+export const followedCode: string | null = /^\/class\/([A-Z]{6})\//.exec(location.pathname)?.[1] ?? null;
+
+export class Classroom {
+  readonly code: string;
+  readonly isFollowed: boolean;
+  readonly state = signal<ClassState | null>(null);
+  readonly welcome = signal<ClassWelcome | null>(null);
+  readonly shown = signal<ClassViewMessage | null>(null);
+  readonly explained = signal<WhyMessage | null>(null);
+  readonly isConnected = signal(false);
+  /** Whether the class is over, or cannot be joined. */
+  readonly isOver = signal(false);
+  /** Why the last command was refused. */
+  readonly refused = signal<string | null>(null);
+  /** What this follower has answered to the question that is asked. */
+  readonly answer = signal<{ readonly question: number; readonly value: number } | null>(null);
+  /** The session of one's own in which a follower tries things out; null while the lecturer is followed. */
+  readonly own = signal<string | null>(null);
+  /** Whether the page shows what the lecturer shows. */
+  readonly isFollowing = computed(() => this.isFollowed && this.own.value === null && !this.isOver.value);
+  /** Whether the lecturer has handed the robot to this follower. */
+  readonly drives = computed(() => {
+    const number = this.welcome.value?.number ?? 0;
+    return number > 0 && this.state.value?.driver === number;
+  });
+  #socket: WebSocket | null = null;
+  #failures = 0;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  /** Commands of the lecturer that say what is shown now: sent again after a reconnect. */
+  readonly #last = new Map<ClassCommand["type"], ClassCommand>();
+
+  constructor(code: string, isFollowed: boolean) {
+    this.code = code;
+    this.isFollowed = isFollowed;
+    this.#connect();
+    addEventListener("online", () => this.#again());
+    document.addEventListener("visibilitychange", () => this.#again());
+  }
+
+  /** Send a command; `show` and `explain` are sent when there is a connection again, others not. */
+  send(command: ClassCommand): void {
+    if (command.type === "show" || command.type === "explain") this.#last.set(command.type, command);
+    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(command));
+  }
+
+  give(value: number): void {
+    const question = this.state.peek()?.question;
+    if (!question) return;
+    this.answer.value = { question: question.id, value };
+    this.send({ type: "answer", question: question.id, value });
+  }
+
+  leave(): void {
+    clearTimeout(this.#timer);
+    this.isOver.value = true;
+    this.#socket?.close();
+  }
+
+  #again(): void {
+    if (document.hidden || this.isOver.peek() || this.#socket) return;
+    clearTimeout(this.#timer);
+    this.#connect();
+  }
+
+  #connect(): void {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/api/classes/${this.code}/stream`, SUBPROTOCOL);
+    this.#socket = socket;
+    socket.onopen = () => {
+      for (const command of this.#last.values()) socket.send(JSON.stringify(command));
+    };
+    socket.onmessage = ({ data }) => {
+      try {
+        const message = decodeClassText(String(data));
+        batch(() => this.#take(message));
+      } catch (error) {
+        if (!(error instanceof ProtocolError)) throw error;
+        socket.close();
+      }
+    };
+    socket.onclose = ({ code }) => {
+      this.#socket = null;
+      this.isConnected.value = false;
+      if (OVER.includes(code)) this.isOver.value = true;
+      if (this.isOver.peek()) return;
+      this.#timer = setTimeout(() => this.#connect(), Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures));
+      this.#failures++;
+    };
+  }
+
+  #take(message: ClassMessage): void {
+    switch (message.type) {
+      case "welcome":
+        this.#failures = 0;
+        this.isConnected.value = true;
+        this.welcome.value = message;
+        return;
+      case "class": {
+        const before = this.welcome.peek();
+        const asked = message.question;
+        if (asked && this.answer.peek()?.question !== asked.id) {
+          const known = this.state.peek() === null ? before?.answer : null;
+          this.answer.value = known === null || known === undefined ? null : { question: asked.id, value: known };
+        }
+        this.state.value = message;
+        if (message.has_ended) this.isOver.value = true;
+        return;
+      }
+      case "view":
+        this.shown.value = message;
+        return;
+      case "explained":
+        this.explained.value = message.why;
+        return;
+      case "refused":
+        this.refused.value = message.message;
+    }
+  }
+}
+
+/** What the browser remembers; null if it forbids that. */
+function storage(): Storage | null {
+  try {
+    return localStorage;
+  } catch {
+    return null;
+  }
+}
+
+/** The class that this page belongs to; null for none. */
+export const classroom = signal<Classroom | null>(null);
+
+const remembered = followedCode === null && parent === window ? storage()?.getItem(KEY) : null;
+if (followedCode !== null) classroom.value = new Classroom(followedCode, true);
+else if (remembered) void reopen();
+
+/** The class that the service has open for this visitor. */
+export interface OpenClass {
+  readonly code: string;
+  readonly address: string;
+  readonly qr: string;
+  readonly results: string;
+}
+
+/** What the service says of the lecturer's own class, for the screen with its code. */
+export const openClass = signal<OpenClass | null>(null);
+
+function begin(found: OpenClass): void {
+  batch(() => {
+    storage()?.setItem(KEY, found.code);
+    openClass.value = found;
+    if (classroom.peek()?.code !== found.code) classroom.value = new Classroom(found.code, false);
+  });
+}
+
+/** Connect to the class that was open when the browser last showed a page. */
+async function reopen(): Promise<void> {
+  const answer = await fetch("/api/classes").catch(() => null);
+  if (answer?.status === 200) begin((await answer.json()) as OpenClass);
+  else if (answer) storage()?.removeItem(KEY);
+}
+
+/** Open a class, as its lecturer. Throws the service's refusal. */
+export async function openOne(): Promise<void> {
+  const answer = await fetch("/api/classes", { method: "POST" });
+  const body = (await answer.json()) as OpenClass & { readonly message?: string };
+  if (!answer.ok) throw new Error(body.message ?? `The server answered ${answer.status}.`);
+  begin(body);
+}
+
+/** End the lecturer's class. */
+export async function endClass(): Promise<void> {
+  const room = classroom.peek();
+  if (!room || room.isFollowed) return;
+  const answer = await fetch(`/api/classes/${room.code}`, { method: "DELETE" });
+  if (!answer.ok && answer.status !== 404) throw new Error(`The server answered ${answer.status}.`);
+  storage()?.removeItem(KEY);
+  room.leave();
+  batch(() => {
+    classroom.value = null;
+    openClass.value = null;
+  });
+}
+
+// --- questions of figures --------------------------------------------------------------------------------------------
+
+/** The text of a question that the page itself shows with its answers: the class's line does not show it as well. */
+export const questionOnPage = signal<string | null>(null);
+
+/** The question with this text, if it is the one that is asked. */
+export function askedAs(text: string): ClassQuestion | null {
+  const asked = classroom.value?.state.value?.question ?? null;
+  return asked?.text === text ? asked : null;
+}
+
+/** The class of which this page is the lecturer's; null for none. */
+export const lecturersClass = computed(() => {
+  const room = classroom.value;
+  return room && !room.isFollowed ? room : null;
+});

@@ -1,0 +1,92 @@
+import { useSignal } from "@preact/signals";
+import { type Classroom, questionOnPage } from "../../store/classroom";
+import { Button } from "../../ui/Button";
+import { toast } from "../../ui/Toast";
+import { AnswerCard } from "./AnswerCard";
+
+/** Begin a session of one's own with the state that the lecturer's has now. */
+async function fork(room: Classroom): Promise<void> {
+  const answer = await fetch(`/api/classes/${room.code}/sessions`, { method: "POST" });
+  const body = (await answer.json()) as { id?: string; message?: string };
+  if (!answer.ok || !body.id) throw new Error(body.message ?? `The server answered ${answer.status}.`);
+  room.own.value = body.id;
+}
+
+/** What a follower sees of the class on every page: where one is, the question, and the way into a world of one's own. */
+export function FollowerBar({ room }: { readonly room: Classroom }) {
+  const isForking = useSignal(false);
+  const hasHand = useSignal(false);
+  const state = room.state.value;
+  if (room.isOver.value)
+    return (
+      <aside class="class-bar-box" aria-label="Class">
+        <p role="status">The class has ended.</p>
+        <Button href="/join">Join another class</Button>
+      </aside>
+    );
+  const isOwn = room.own.value !== null;
+  const canFork = (room.shown.value?.stage ?? 0) > 0;
+  const tryOut = async (): Promise<void> => {
+    isForking.value = true;
+    try {
+      await fork(room);
+    } catch (error) {
+      toast((error as Error).message, "error");
+    }
+    isForking.value = false;
+  };
+  const raise = (value: boolean): void => {
+    hasHand.value = value;
+    room.send({ type: "raise", value });
+  };
+  return (
+    <aside class={`class-bar-box ${isOwn ? "is-own" : ""}`} aria-label="Class">
+      {questionOnPage.value !== state?.question?.text && <AnswerCard room={room} />}
+      <div class="class-line">
+        <p role="status">
+          <span class={`class-dot ${room.isConnected.value ? "is-live" : ""}`} aria-hidden="true" />
+          {described(room, isOwn)}
+          {state && (
+            <span class="quiet">
+              {" "}
+              {state.present} here · you are number {room.welcome.value?.number ?? "…"}
+            </span>
+          )}
+        </p>
+        <div class="actions">
+          {isOwn ? (
+            <Button
+              kind="primary"
+              icon="back"
+              onClick={() => {
+                room.own.value = null;
+              }}
+            >
+              Back to the class
+            </Button>
+          ) : (
+            canFork && (
+              <>
+                <Button kind="primary" disabled={isForking.value} onClick={() => void tryOut()}>
+                  {isForking.value ? "Copying the world …" : "Try it yourself"}
+                </Button>
+                {!room.drives.value && (
+                  <Button pressed={hasHand.value} icon="robot" onClick={() => raise(!hasHand.value)}>
+                    {hasHand.value ? "Asked for the robot" : "Ask for the robot"}
+                  </Button>
+                )}
+              </>
+            )
+          )}
+        </div>
+      </div>
+    </aside>
+  );
+}
+
+function described(room: Classroom, isOwn: boolean): string {
+  if (!room.isConnected.value) return "Connecting to the class …";
+  if (isOwn) return "Your own world.";
+  if (room.drives.value) return "You drive the robot: click into a map, drag the robot, or use the arrow keys.";
+  return "Following the lecturer.";
+}

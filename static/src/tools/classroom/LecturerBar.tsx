@@ -1,0 +1,155 @@
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { type Classroom, endClass, openClass, questionOnPage } from "../../store/classroom";
+import { Button } from "../../ui/Button";
+import { toast } from "../../ui/Toast";
+import type { ClassQuestion } from "../../wire/protocol";
+import { CodeDialog } from "./CodeDialog";
+import { Histogram } from "./Histogram";
+import { codeIsShown } from "./opening";
+import { PollForm } from "./PollForm";
+
+/** The lecturer's controls of the class, on every page. */
+export function LecturerBar({ room }: { readonly room: Classroom }) {
+  const isPolling = useSignal(false);
+  const isEnding = useSignal(false);
+  useSignalEffect(() => {
+    const refused = room.refused.value;
+    if (!refused) return;
+    toast(refused, "error");
+    room.refused.value = null;
+  });
+  const state = room.state.value;
+  const question = state?.question ?? null;
+  const end = async (): Promise<void> => {
+    isEnding.value = false;
+    try {
+      await endClass();
+    } catch (error) {
+      toast((error as Error).message, "error");
+    }
+  };
+  return (
+    <aside class="class-bar-box no-print" aria-label="Class">
+      {question && <Result room={room} question={question} />}
+      <div class="class-line">
+        <p role="status">
+          <span class={`class-dot ${room.isConnected.value ? "is-live" : ""}`} aria-hidden="true" />
+          Class <b class="class-code-small">{room.code}</b> · {state?.present ?? 0} here
+          {state?.is_locked && " · locked"}
+        </p>
+        <div class="actions">
+          <Button
+            onClick={() => {
+              codeIsShown.value = true;
+            }}
+          >
+            Show the code
+          </Button>
+          <Button
+            onClick={() => {
+              isPolling.value = true;
+            }}
+          >
+            Ask
+          </Button>
+          <Robot room={room} />
+          <Button
+            pressed={state?.is_locked ?? false}
+            onClick={() => room.send({ type: "lock", value: !state?.is_locked })}
+          >
+            Lock
+          </Button>
+          {isEnding.value ? (
+            <>
+              {openClass.value && (
+                <Button icon="download" href={openClass.value.results} download>
+                  Results (CSV)
+                </Button>
+              )}
+              <Button kind="danger" onClick={() => void end()}>
+                End and forget
+              </Button>
+              <Button
+                kind="quiet"
+                onClick={() => {
+                  isEnding.value = false;
+                }}
+              >
+                Go on
+              </Button>
+            </>
+          ) : (
+            <Button
+              onClick={() => {
+                isEnding.value = true;
+              }}
+            >
+              End …
+            </Button>
+          )}
+        </div>
+      </div>
+      <CodeDialog isOpen={codeIsShown} />
+      <PollForm room={room} isOpen={isPolling} />
+    </aside>
+  );
+}
+
+/** Who drives the robot: the lecturer, or one follower. */
+function Robot({ room }: { readonly room: Classroom }) {
+  const state = room.state.value;
+  if (!state || (state.hands.length === 0 && state.driver === null)) return null;
+  return state.driver === null ? (
+    <label class="class-hands">
+      <span class="visually-hidden">Hand the robot to</span>
+      <select
+        class="select"
+        value=""
+        onChange={(event) => {
+          const number = Number(event.currentTarget.value);
+          event.currentTarget.value = "";
+          if (number) room.send({ type: "hand", number });
+        }}
+      >
+        <option value="">Robot: {state.hands.length} ask for it</option>
+        {state.hands.map((number) => (
+          <option key={number} value={number}>
+            Number {number}
+          </option>
+        ))}
+      </select>
+    </label>
+  ) : (
+    <Button icon="robot" onClick={() => room.send({ type: "hand" })}>
+      Take the robot back from number {state.driver}
+    </Button>
+  );
+}
+
+/** The question that is asked, with the answers as they come. */
+function Result({ room, question }: { readonly room: Classroom; readonly question: ClassQuestion }) {
+  const present = room.state.value?.present ?? 0;
+  return (
+    <section class="class-card" aria-label="Question to the class">
+      {questionOnPage.value !== question.text && (
+        <>
+          <h2>{question.text}</h2>
+          <Histogram question={question.is_revealed ? question : { ...question, right: null }} own={null} />
+        </>
+      )}
+      <div class="class-line">
+        <p role="status">
+          {question.answered} of {Math.max(present, question.answered)} answered
+        </p>
+        <div class="actions">
+          {!question.is_revealed && (
+            <Button kind="primary" onClick={() => room.send({ type: "reveal" })}>
+              Reveal
+            </Button>
+          )}
+          <Button onClick={() => room.send({ type: "close" })}>Close the question</Button>
+        </div>
+      </div>
+    </section>
+  );
+}

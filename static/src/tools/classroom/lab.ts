@@ -1,0 +1,94 @@
+/** The lab in a class: what the lecturer's page shows is sent, and the pages of the followers show the same. */
+
+import { effect, type Signal } from "@preact/signals";
+import { framed, type SharedView } from "../../render/view";
+import type { Classroom } from "../../store/classroom";
+import type { Store } from "../../store/store";
+import type { ClassView } from "../../wire/protocol";
+
+/** Least time between two messages of what is shown, and of the explanation of a cell. */
+const SHOW_EVERY_MS = 60;
+const EXPLAIN_EVERY_MS = 500;
+
+/** Call `task` at most once in `ms`: at once, and the newest again when the time is over. */
+export function throttled<T>(task: (value: T) => void, ms: number): (value: T) => void {
+  let last = Number.NEGATIVE_INFINITY;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  return (value) => {
+    clearTimeout(timer);
+    const run = (): void => {
+      last = performance.now();
+      task(value);
+    };
+    const wait = last + ms - performance.now();
+    if (wait <= 0) run();
+    else timer = setTimeout(run, wait);
+  };
+}
+
+const sizeOf = (store: Store): { readonly width: number; readonly height: number } | null => {
+  const sizes = [...store.pictures.values()].filter((size) => size.width > 0 && size.height > 0);
+  return sizes[0] ?? null;
+};
+
+/** Send what the lecturer's lab shows, until the returned function is called. */
+export function showLab(room: Classroom, store: Store, session: string, group: Signal<string>): () => void {
+  const show = throttled((view: ClassView) => room.send({ type: "show", view, session }), SHOW_EVERY_MS);
+  const explain = throttled<typeof store.why.value>((why) => room.send({ type: "explain", why }), EXPLAIN_EVERY_MS);
+  const stops = [
+    effect(() => {
+      const view = store.view.value;
+      const size = sizeOf(store);
+      show({
+        page: "lab",
+        hash: "",
+        blank: false,
+        look: store.viewHeld.value && view && size ? { ...view, ...size } : null,
+        pointer: store.pointer.value,
+        pinned: store.pinned.value,
+        explained: store.explainedPoint.value,
+        update: store.selectedUpdate.value,
+        group: group.value,
+      });
+    }),
+    effect(() => explain(store.explainedPoint.value ? store.why.value : null)),
+  ];
+  return () => {
+    for (const stop of stops) stop();
+  };
+}
+
+/** Let a follower's lab show what the lecturer's does, until the returned function is called. */
+export function followLab(room: Classroom, store: Store, group: Signal<string>): () => void {
+  const look = (shared: SharedView | null): void => {
+    const size = sizeOf(store);
+    if (shared && size) store.setView(framed(shared, size));
+    else {
+      store.viewHeld.value = false;
+      store.fitView();
+    }
+  };
+  let lookBefore = "";
+  const stops = [
+    effect(() => {
+      const view = room.shown.value?.view;
+      if (!view || !store.isReady.value) return;
+      store.pointer.value = view.pointer ?? null;
+      store.pinned.value = view.pinned ?? null;
+      store.explainedPoint.value = view.explained ?? null;
+      store.selectedUpdate.value = view.update ?? null;
+      if (view.group) group.value = view.group;
+      const now = JSON.stringify(view.look ?? null);
+      if (now !== lookBefore) {
+        lookBefore = now;
+        look(view.look ?? null);
+      }
+    }),
+    effect(() => {
+      store.why.value = room.shown.value?.view.explained ? room.explained.value : null;
+    }),
+  ];
+  return () => {
+    for (const stop of stops) stop();
+  };
+}

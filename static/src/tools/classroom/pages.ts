@@ -1,0 +1,27 @@
+/** Which page a follower's browser shows, and that of a lecturer who shows a page that cannot be followed. */
+
+import { effect } from "@preact/signals";
+import { classroom, followedCode } from "../../store/classroom";
+import type { ClassView } from "../../wire/protocol";
+
+type Page = ClassView["page"];
+
+const OTHER: ClassView = { page: "other", hash: "", blank: false };
+
+/** Keep a follower on the page that the lecturer shows; `page` is this one. */
+export function followPages(page: Page): void {
+  if (followedCode === null) return;
+  effect(() => {
+    const room = classroom.value;
+    const wanted = room?.shown.value?.view.page;
+    if (room?.isFollowing.value && wanted && wanted !== page) location.replace(`/class/${room.code}/${wanted}.html`);
+  });
+}
+
+/** On a page that cannot be followed: tell the followers so. */
+export function showOther(): void {
+  effect(() => {
+    const room = classroom.value;
+    if (room && !room.isFollowed) room.send({ type: "show", view: OTHER });
+  });
+}

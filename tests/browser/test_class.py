@@ -1,0 +1,136 @@
+"""A class in Chromium: a lecturer, ten followers, a question and its reveal, a copy, a broken connection, the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from functools import partial
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from tests.browser.conftest import WatchedPage, standing_world, visiting
+from tests.browser.cutting_proxy import cutting_proxy
+from tests.browser.looking import await_map, open_group, until
+
+FOLLOWERS = 10
+CELL = [3.5, 2.5]
+
+
+@pytest.fixture
+def phones(browser: Browser, server: str) -> Iterator[list[Page]]:
+    """Return the pages of ten followers, each in a browser of its own."""
+    with ExitStack() as stack:
+        watched = [
+            WatchedPage(stack.enter_context(visiting(browser, server, viewport={"width": 390, "height": 844})), server)
+            for _ in range(FOLLOWERS)
+        ]
+        yield [one.page for one in watched]
+        assert [one.problems for one in watched] == [[]] * FOLLOWERS
+
+
+def opened(page: Page, server: str, path: str) -> str:
+    """Open a class on a page; return its code."""
+    page.goto(f"{server}{path}")
+    page.get_by_role("button", name="Class", exact=True).click()
+    code = page.locator(".class-code-small").text_content() or ""
+    expect(page.get_by_role("img", name="QR code of")).to_have_js_property("complete", value=True)
+    page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    return code
+
+
+def shows_cell(page: Page) -> bool:
+    """Whether the selected cell of a page is the lecturer's."""
+    return bool(page.evaluate("() => gridbloom.connection.store.pinned.peek()") == CELL)
+
+
+def ended(page: Page) -> None:
+    page.get_by_role("button", name="End …").click()
+    page.get_by_role("button", name="End and forget").click()
+    expect(page.get_by_role("complementary", name="Class")).to_have_count(0)
+
+
+def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
+    page: Page, context: BrowserContext, phones: list[Page], server: str
+) -> None:
+    code = opened(page, server, "/logs.html")
+    for i, phone in enumerate(phones):
+        if i:
+            phone.goto(f"{server}/class/{code}")  # as by the QR code
+        else:
+            phone.goto(f"{server}/join")
+            phone.get_by_label("Code").fill(f"{code[:3]} {code[3:]}".lower())
+            phone.get_by_role("button", name="Join").click()
+        expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
+    lecturers = page.get_by_role("complementary", name="Class")
+    expect(lecturers).to_contain_text(f"{FOLLOWERS} here")
+
+    # a poll that is made on the spot
+    page.get_by_role("button", name="Ask", exact=True).click()
+    form = page.get_by_role("dialog", name="Ask the class")
+    form.get_by_role("textbox", name="Question").fill("Is the door open?")
+    form.get_by_role("button", name="Ask", exact=True).click()
+    for i, phone in enumerate(phones):
+        phone.get_by_role("button", name="A Yes" if i < 7 else "B No").click()
+    expect(lecturers).to_contain_text(f"{FOLLOWERS} of {FOLLOWERS} answered")
+    expect(lecturers.get_by_role("list", name="10 answered. Yes: 7; No: 3")).to_be_visible()
+    expect(phones[0].get_by_role("list", name="10 answered")).to_have_count(0)  # not before the reveal
+    page.get_by_role("button", name="Reveal").click()
+    for phone in phones:
+        expect(phone.get_by_role("list", name="10 answered. Yes: 7; No: 3")).to_be_visible()
+    page.get_by_role("button", name="Close the question").click()
+
+    # two follow into the lab, one of them late
+    for phone in phones[2:]:
+        phone.close()
+    page.goto(f"{server}/lab.html?session={standing_world(context, server)}")
+    await_map(page)
+    first, late = phones[0], phones[1]
+    first.wait_for_url("**/lab.html")
+    page.evaluate("() => { gridbloom.connection.store.pinned.value = [3.5, 2.5]; }")
+    open_group(page, "Sensor")
+    late.goto(f"{server}/class/{code}")
+    for phone in (first, late):
+        await_map(phone)
+        until("the selected cell", partial(shows_cell, phone))
+        expect(phone.get_by_role("tabpanel", name="Sensor", include_hidden=True)).to_be_visible()
+    # a follower's page sends nothing, and a copy is the follower's own
+    scans = page.evaluate("() => gridbloom.connection.store.frame.peek().count")
+    first.get_by_role("button", name="Try it yourself").click()
+    expect(first.get_by_role("button", name="Back to the class")).to_be_visible()
+    await_map(first)
+    first.get_by_role("button", name="Play", exact=True).click()
+    first.wait_for_function("scans => gridbloom.connection.store.frame.peek()?.count > scans", arg=scans)
+    assert page.evaluate("() => gridbloom.connection.store.frame.peek().count") == scans
+    first.get_by_role("button", name="Back to the class").click()
+    until("the lecturer's world again", partial(shows_cell, first))
+    ended(page)
+    expect(first.get_by_role("complementary", name="Class")).to_contain_text("The class has ended.")
+
+
+def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is_where_the_class_is(
+    page: Page, visitor: BrowserContext, server: str
+) -> None:
+    code = opened(page, server, "/lecture.html")
+    port = urlsplit(server).port or 0
+    with cutting_proxy(port) as proxy:
+        phone = visitor.new_page()  # not a watched one: a broken connection is an error in the console
+        phone.goto(f"http://127.0.0.1:{proxy.port}/class/{code}")
+        phone.wait_for_url("**/lecture.html*")
+        page.get_by_role("button", name="Presentation mode").click()
+        page.keyboard.press("Home")
+        page.goto(f"{server}/lecture.html?present#cell/2")
+        phone.get_by_role("button", name="As many misses as hits").wait_for()
+        page.get_by_role("button", name="Ask the class").click()
+        phone.get_by_role("button", name="Misses that sum to what the hits added").click()
+        expect(page.get_by_role("button", name="Misses that sum")).to_contain_text("1 answers")
+        proxy.cut()
+        expect(phone.get_by_role("complementary", name="Class")).to_contain_text("Connecting to the class")
+        page.keyboard.press("ArrowRight")
+        page.keyboard.press("ArrowRight")  # the answer of the slide reveals the result
+        proxy.mend()
+        expect(phone.get_by_role("list", name="1 answered.")).to_contain_text("right")
+        assert urlsplit(phone.url).fragment == "cell/4"
+        expect(phone.get_by_role("heading", name="A cell was hit four times.").first).to_be_visible()
+    ended(page)

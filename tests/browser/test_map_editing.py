@@ -1,0 +1,120 @@
+"""A map in the editor, in Chromium: painted, marked, undone, cropped, saved; its files by another reader."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import yaml
+from PIL import Image
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import open_group, until
+from tests.browser.test_log_path import drag, place
+
+_STORE = "gridbloom.connection.store"
+_EDITS = f"{_STORE}.mapEditing.edits.peek()"
+RESOLUTION, ROWS, COLS = 0.1, 60, 90
+
+
+def written(folder: Path) -> list[Path]:
+    """Write a map of free cells with a wall around it and a speck, as map_saver does."""
+    pixels = np.full((ROWS, COLS), 254, np.uint8)
+    pixels[[0, -1]] = pixels[:, [0, -1]] = 0
+    pixels[20, 70] = 0
+    Image.fromarray(pixels).save(folder / "room.pgm")
+    about = (
+        "image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    (folder / "room.yaml").write_text(about)
+    return [folder / "room.pgm", folder / "room.yaml"]
+
+
+def edited(page: Page, n: int) -> None:
+    """Wait until the page has ``n`` edits, and the map after them."""
+    page.wait_for_function(f"(n) => {_EDITS}?.n === n && {_STORE}.mapEditing.sketch.peek() === null", arg=n)
+
+
+def state(page: Page, x: float, y: float) -> str:
+    """Return what the page says of a cell."""
+    page.evaluate(f"(point) => {{ {_STORE}.pinned.value = point; }}", [x, y])
+    return str(page.locator("[data-state]").get_attribute("data-state"))
+
+
+def taken(page: Page, button: str, folder: Path) -> Path:
+    """Take a file away."""
+    with page.expect_download() as download:
+        page.get_by_role("link", name=button, exact=True).click()
+    path = folder / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
+
+
+def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> None:
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", written(tmp_path))
+    page.wait_for_function(f"() => window.gridbloom && {_EDITS} && {_STORE}.map.peek()")
+
+    def use(tool: str, *places: tuple[float, float]) -> None:
+        page.get_by_role("radio", name=tool, exact=True).check(force=True)
+        drag(page, *(place(page, *one) for one in places))
+
+    assert state(page, 4.05, 3.05) == "free"
+    use("Brush", (2.0, 3.05), (4.0, 3.05), (6.0, 3.05))
+    edited(page, 1)
+    until("the wall", lambda: state(page, 4.05, 3.05) == "occupied")
+    use("Keepout", (1.0, 1.0), (3.0, 2.0))
+    edited(page, 2)
+    until("the zone", lambda: state(page, 2.05, 1.55) == "free, keepout")
+    page.keyboard.press("Control+z")
+    edited(page, 1)
+    until("no zone", lambda: state(page, 2.05, 1.55) == "free")
+    page.get_by_role("button", name="Redo").click()
+    edited(page, 2)
+    # With the keyboard: a line between two cells.
+    page.get_by_role("radio", name="Line", exact=True).check(force=True)
+    page.get_by_role("radio", name="Unknown").check(force=True)
+    page.locator(".viewer .picture").focus()
+    for point in ([7.05, 1.05], [8.05, 1.05]):
+        page.evaluate(f"(point) => {{ {_STORE}.pinned.value = point; }}", point)
+        page.keyboard.press("Enter")
+    edited(page, 3)
+    until("unknown cells", lambda: state(page, 7.55, 1.05) == "unknown")
+    page.get_by_role("button", name="Remove specks").click()
+    edited(page, 4)
+    until("no speck", lambda: state(page, 7.05, 3.95) == "free")
+    use("Crop", (0.55, 0.55), (8.95, 4.45))
+    edited(page, 5)
+    page.wait_for_function(f"() => {_STORE}.map.peek().geometry.rows === 40")
+    use("Origin", (1.0, 1.0), (1.0, 2.0))
+    edited(page, 6)
+    open_group(page, "Save")
+    files = [taken(page, name, tmp_path) for name in ("pgm", "yaml", "Keepout pgm", "Keepout yaml", "Edits")]
+    about = yaml.safe_load(files[1].read_text())
+    assert about["image"] == files[0].name
+    # The corner of the cropped map, (0.5, 0.5), is half a metre left of and behind the new origin, which looks up.
+    np.testing.assert_allclose(about["origin"], [-0.5, 0.5, -np.pi / 2], atol=0.02)
+    pixels = np.asarray(Image.open(files[0]))[::-1]
+    assert pixels.shape == (40, 85)
+    assert (pixels[25, 20], pixels[10, 10], pixels[5, 70]) == (0, 254, 205)
+    mask = np.asarray(Image.open(files[2]))[::-1]
+    assert mask[10, 15] > 0 == mask[20, 15]
+    edits = json.loads(files[4].read_text())["edits"]
+    assert [one["op"] for one in edits] == ["paint", "keepout", "paint", "despeckle", "crop", "origin"]
+
+    page.get_by_role("textbox", name="Name").fill("A better room")
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_role("link", name="Open it").click()
+    page.wait_for_function(f"() => window.gridbloom && {_EDITS}?.n === 0 && {_STORE}.map.peek()?.geometry.rows === 40")
+    assert page.title().startswith("A better room")
+    expect(page.get_by_text("Made by 6 edits of 'room.yaml'.")).to_be_visible()
+    page.get_by_role("button", name="All logs").click()
+    card = page.locator(".log-card", has_text="A better room")
+    expect(card.get_by_text("8.5 m × 4.0 m")).to_be_visible()
+    # A log can be localized in it.
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_group(page, "Localize")
+    page.get_by_text("Another log or map").click()
+    page.get_by_label("The other log").select_option(label="A better room (map)")
+    expect(page.locator(".heal").get_by_text("8.5 × 4.0 m")).to_be_visible()

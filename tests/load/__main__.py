@@ -1,0 +1,23 @@
+"""``python -m tests.load NAME``: what sessions cost under load, over real sockets, beside an echo server."""
+
+from __future__ import annotations
+
+import sys
+
+from tests.load.followers import followers
+from tests.load.sessions import sessions
+from tests.load.ticks import ticks
+
+RUNS = {"ticks": ticks, "sessions": sessions, "followers": followers}
+
+
+def main() -> None:
+    """Run what the first argument names; further arguments are numbers of sessions or followers."""
+    name, numbers = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
+    if name not in RUNS or not all(number.isdigit() for number in numbers):
+        sys.exit(f"python -m tests.load {'|'.join(RUNS)} [NUMBER...]")
+    RUNS[name](*map(int, numbers))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,121 @@
+"""The service and the echo server as processes of their own, for the runs of this folder."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.load.viewer import Seen, cpu_seconds, watch
+
+SECONDS = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """A running server."""
+
+    pid: int
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """What viewers saw of a server, and what it cost: frames a second of the slowest and of the middle viewer, ages of
+    the newest frame at a look beyond the viewer's own period, milliseconds, cores, and µs of processor time per frame.
+    """
+
+    slowest: float
+    middle: float
+    p99_ms: float
+    cores: float
+    us_per_frame: float
+    text_bytes: int
+    tile_bytes: int
+
+
+@contextmanager
+def _process(command: Sequence[str], **environment: str) -> Iterator[Process]:
+    running = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=os.environ | environment
+    )
+    try:
+        assert running.stdout is not None
+        line = running.stdout.readline()
+        found = re.search(r"(\d+)/?\s*$", line)
+        if found is None:
+            raise RuntimeError(f"the server did not start: {line!r}")
+        yield Process(running.pid, int(found[1]))
+    finally:
+        running.terminate()
+        running.wait(30)
+
+
+@contextmanager
+def service(sessions: int, clients: int) -> Iterator[Process]:
+    """Run the service with room for so many sessions, and clients of each."""
+    with tempfile.TemporaryDirectory() as folder:
+        limits = {
+            "GRIDBLOOM_MAX_SESSIONS": str(sessions),
+            "GRIDBLOOM_MAX_SESSIONS_PER_VISITOR": str(sessions),
+            "GRIDBLOOM_MAX_CLIENTS_PER_SESSION": str(clients),
+            "GRIDBLOOM_MAX_TOTAL_CELLS": str(1 << 30),
+            "GRIDBLOOM_LOG_LEVEL": "error",
+        }
+        command = [
+            sys.executable,
+            "-c",
+            "from server.cli import main; main()",
+            "serve",
+            "--port",
+            "0",
+            "--data-dir",
+            folder,
+        ]
+        with _process(command, **limits) as process:
+            yield process
+
+
+@contextmanager
+def echo(text_bytes: int, tile_bytes: int) -> Iterator[Process]:
+    """Run the echo server."""
+    with _process([sys.executable, "-m", "tests.load.echo", str(text_bytes), str(tile_bytes)]) as process:
+        yield process
+
+
+def figures(process: Process, paths: Sequence[str], stalled: int, period_s: float) -> Figures:
+    """Watch the streams at ``paths``, and return what was seen."""
+    warm_up_s = 3.0
+    cpu = 0.0
+
+    async def run() -> tuple[list[Seen], float]:
+        nonlocal cpu
+        watching = asyncio.create_task(watch(paths, process.port, SECONDS, stalled=stalled, warm_up_s=warm_up_s))
+        # The processor time is that of the same seconds, up to the connecting of the viewers.
+        seen, lasted = await watching
+        return seen, lasted
+
+    before = cpu_seconds(process.pid)
+    seen, lasted = asyncio.run(run())
+    cpu = cpu_seconds(process.pid) - before
+    rates = np.array([len(one.ages) / lasted for one in seen])
+    ages = np.concatenate([one.ages for one in seen])
+    frames = sum(len(one.ages) for one in seen) * (lasted + warm_up_s) / lasted
+    lengths = [length for one in seen for length in one.messages]
+    return Figures(
+        float(rates.min()),
+        float(np.median(rates)),
+        1e3 * (float(np.percentile(ages, 99)) - period_s),
+        cpu / (lasted + warm_up_s),
+        1e6 * cpu / frames,
+        int(np.mean(lengths[0::2])),
+        int(np.mean(lengths[1::2])),
+    )

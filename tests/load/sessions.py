@@ -1,0 +1,48 @@
+"""Many lab sessions with a viewer each, a tenth of the viewers stalled, beside an echo server on the same sockets."""
+
+from __future__ import annotations
+
+import os
+
+import httpx
+
+from tests.load.served import Figures, Process, echo, figures, service
+from tests.load.viewer import PERIOD_S
+
+COUNTS = (16, 32, 64, 100, 200)
+
+
+def begun(process: Process, count: int) -> list[str]:
+    """Begin so many sessions of the lab; return the paths of their streams."""
+    with httpx.Client(base_url=f"http://127.0.0.1:{process.port}", timeout=120.0) as http:
+        answers = [
+            http.post("/api/sessions", json={"kind": "simulation", "world": "office", "seed": seed})
+            for seed in range(count)
+        ]
+        return [str(answer.raise_for_status().json()["stream"]) for answer in answers]
+
+
+def row(name: str, one: Figures) -> str:
+    """Return a line of the table."""
+    numbers = (one.slowest, one.middle, one.p99_ms, one.cores, one.us_per_frame)
+    return f"{name:<20}" + "".join(
+        f"{value:>11.{digits}f}" for value, digits in zip(numbers, (1, 1, 0, 2, 0), strict=True)
+    )
+
+
+HEAD = f"{'':<20}" + "".join(f"{name:>11}" for name in ("slowest/s", "median/s", "p99 +ms", "cores", "µs/frame"))
+
+
+def sessions(*counts: int) -> None:
+    """Print what the viewers saw and what it cost, for these numbers of sessions."""
+    print(f"load {os.getloadavg()[0]:.1f} before the run; 10 looks a second, 1 of 10 viewers stalled")
+    print(HEAD)
+    for count in counts or COUNTS:
+        stalled = count // 10
+        with service(count, 4) as process:
+            ours = figures(process, begun(process, count), stalled, PERIOD_S)
+        with echo(ours.text_bytes, ours.tile_bytes) as process:
+            theirs = figures(process, ["/"] * count, stalled, PERIOD_S)
+        print(row(f"{count} sessions", ours))
+        print(row(f"{count} echoes", theirs))
+        print(f"{'ratio':<20}{'':>44}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)

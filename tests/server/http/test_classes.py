@@ -1,0 +1,242 @@
+"""A class over real sockets: what the lecturer shows, what followers may do, questions, a copy, the end."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import io
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+from websockets.asyncio.client import ClientConnection
+from websockets.exceptions import ConnectionClosed
+
+from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at
+
+TOKEN = "long enough"
+
+
+class Person:
+    """A browser with cookies of its own."""
+
+    def __init__(self, service: Service, *, knows_token: bool) -> None:
+        headers = {"Authorization": f"Bearer {TOKEN}"} if knows_token else {}
+        self.http = httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S, headers=headers)
+        self.service = service
+        self.headers = headers
+
+    def stream(self, path: str) -> Any:
+        self.http.get("/join")  # the service gives a cookie
+        cookies = "; ".join(f"{name}={value}" for name, value in self.http.cookies.items())
+        address = f"ws://127.0.0.1:{self.service.port}{path}"
+        return stream_at(address, additional_headers={"Cookie": cookies} | self.headers)
+
+
+class Seat:
+    """One connection to a class: the newest message of each type."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+        self.newest: dict[str, dict[str, Any]] = {}
+
+    async def send(self, kind: str, **more: Any) -> None:
+        await self.socket.send(json.dumps({"type": kind} | more))
+
+    async def until(self, kind: str, holds: Callable[[dict[str, Any]], Any] = lambda _: True) -> dict[str, Any]:
+        async with asyncio.timeout(PATIENCE_S):
+            while kind not in self.newest or not holds(self.newest[kind]):
+                message = json.loads(await self.socket.recv())
+                self.newest[message["type"]] = message
+        return self.newest[kind]
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    settings = settings_for(tmp_path_factory.mktemp("class"), token=TOKEN, max_sessions=4)
+    with running(settings) as service:
+        yield service
+
+
+@pytest.fixture
+def lecturer(service: Service) -> Iterator[Person]:
+    person = Person(service, knows_token=True)
+    yield person
+    open_one = person.http.get("/api/classes")
+    if open_one.status_code == 200:
+        person.http.delete(f"/api/classes/{open_one.json()['code']}")
+    for session in person.http.get("/api/sessions").json()["sessions"]:
+        person.http.delete(f"/api/sessions/{session['id']}")
+    person.http.close()
+
+
+@pytest.fixture
+def guest(service: Service) -> Iterator[Person]:
+    person = Person(service, knows_token=False)
+    yield person
+    person.http.close()
+
+
+def lab_of(person: Person) -> str:
+    wanted = {"kind": "simulation", "world": "room", "seed": 3}
+    return str(person.http.post("/api/sessions", json=wanted).json()["id"])
+
+
+async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, guest: Person) -> None:
+    session = lab_of(lecturer)
+    opened = lecturer.http.post("/api/classes").json()
+    code = opened["code"]
+    assert opened["address"].endswith(f"/class/{code}")
+    assert lecturer.http.get(opened["qr"]).text.startswith("<svg")
+    class_path = f"/api/classes/{code}"
+    async with lecturer.stream(f"{class_path}/stream") as front, guest.stream(f"{class_path}/stream") as back:
+        teacher, pupil = Seat(front), Seat(back)
+        assert (await teacher.until("welcome"))["role"] == "lecturer"
+        assert (await pupil.until("welcome"))["number"] == 1
+        await teacher.until("class", lambda state: state["present"] == 1)
+
+        view = {"page": "lab", "pinned": [1.0, 2.0], "group": "why", "hash": ""}
+        await teacher.send("show", view=view, session=session)
+        seen = await pupil.until("view", lambda message: message["stage"] == 1)
+        assert seen["view"]["pinned"] == [1.0, 2.0]
+        assert session not in json.dumps(seen)  # who knows the id can steer the robot
+        page = guest.http.get(f"/class/{code}")
+        assert page.headers["location"] == f"/class/{code}/lab.html"
+
+        # the session is seen, and obeys only whom the robot was handed to
+        async with guest.stream(f"{class_path}/session") as socket:
+            watcher = Watcher(socket)
+            await watcher.until(lambda: watcher.complete)
+            assert watcher.newest["hello"]["session"] == ""
+            for command in ({"type": "pause"}, {"type": "teleport", "x": 1.0, "y": 1.0}, {"type": "restart"}):
+                await socket.send(json.dumps(command))
+                assert (await watcher.answer("error"))["code"] == "class.read_only"
+            await pupil.send("raise", value=True)
+            await teacher.until("class", lambda state: state["hands"] == [1])
+            await teacher.send("hand", number=1)
+            await pupil.until("class", lambda state: state["driver"] == 1)
+            await watcher.send("auto", value=False)
+            await watcher.until(lambda: watcher.newest["frame"]["auto"] is False)
+            await watcher.send("pause")
+            assert (await watcher.answer("error"))["code"] == "class.read_only"
+            await teacher.send("hand")
+            await pupil.until("class", lambda state: state["driver"] is None)
+
+        # a copy of one's own obeys, and the lecturer's is left alone
+        own = guest.http.post(f"{class_path}/sessions")
+        assert own.status_code == 201, own.text
+        async with guest.stream(own.json()["stream"]) as socket:
+            watcher = Watcher(socket)
+            await watcher.send("pause")
+            await watcher.until(lambda: watcher.newest.get("frame", {}).get("playing") is False)
+        assert lecturer.http.get(f"/api/sessions/{session}").json()["playing"] is True
+        again = guest.http.post(f"{class_path}/sessions").json()["id"]
+        assert guest.http.get(f"/api/sessions/{own.json()['id']}").status_code == 401  # one for each follower
+
+        # a question: nothing is shown to the followers before the reveal
+        await teacher.send("ask", text="Which?", options=["a", "b"], right=1)
+        asked = (await pupil.until("class", lambda state: state["question"]))["question"]
+        assert asked["counts"] is None
+        assert asked["right"] is None
+        await pupil.send("answer", question=asked["id"], value=0)
+        await pupil.send("answer", question=asked["id"], value=1)
+        state = await teacher.until("class", lambda state: state["question"] and state["question"]["answered"] == 1)
+        assert state["question"]["counts"] == [0, 1]
+        await teacher.send("reveal")
+        shown = await pupil.until("class", lambda state: state["question"] and state["question"]["is_revealed"])
+        assert shown["question"]["counts"] == [0, 1]
+        assert shown["question"]["right"] == 1
+        await pupil.send("answer", question=asked["id"], value=0)
+        assert (await pupil.until("refused"))["code"] == "class.revealed"
+        rows = list(csv.DictReader(io.StringIO(lecturer.http.get(opened["results"]).text)))
+        assert [(row["option"], row["answers"], row["right"]) for row in rows] == [("a", "0", "no"), ("b", "1", "yes")]
+
+        # the end
+        assert lecturer.http.delete(class_path).status_code == 204
+        assert (await pupil.until("class", lambda state: state["has_ended"]))["code"] == code
+        with pytest.raises(ConnectionClosed):
+            await back.recv()
+    assert guest.http.get(class_path).status_code == 404
+    assert lecturer.http.get(f"/api/sessions/{again}").status_code == 404  # it has ended with the class
+    assert guest.http.get(f"/class/{code}").headers["location"] == "/join?refused=class.unknown"
+
+
+async def test_a_follower_who_comes_back_is_the_same_and_a_locked_class_takes_nobody_else(
+    service: Service, lecturer: Person, guest: Person
+) -> None:
+    code = lecturer.http.post("/api/classes").json()["code"]
+    assert lecturer.http.post("/api/classes").json()["code"] == code  # one for each lecturer
+    path = f"/api/classes/{code}/stream"
+    late = Person(service, knows_token=False)
+    async with lecturer.stream(path) as front:
+        teacher = Seat(front)
+        async with guest.stream(path) as socket:
+            await Seat(socket).until("welcome")
+            await teacher.send("ask", text="How far?", axis={"low": 0, "high": 40, "unit": "m"})
+            await teacher.send("show", view={"page": "lecture", "hash": "?present#cell/2"})
+            pupil = Seat(socket)
+            asked = (await pupil.until("class", lambda state: state["question"]))["question"]
+            await pupil.send("answer", question=asked["id"], value=40.0)
+            await teacher.until("class", lambda state: state["question"] and state["question"]["answered"] == 1)
+        await teacher.send("lock", value=True)
+        await teacher.until("class", lambda state: state["is_locked"] and state["present"] == 0)
+        async with guest.stream(path) as socket:
+            back = Seat(socket)
+            assert await back.until("welcome") == {"type": "welcome", "role": "follower", "number": 1, "answer": 40.0}
+            assert (await back.until("view"))["view"]["hash"] == "?present#cell/2"
+        async with late.stream(path) as socket:
+            with pytest.raises(ConnectionClosed, match=r"class\.locked"):
+                await socket.recv()
+        counts = (await teacher.until("class", lambda state: state["question"]))["question"]["counts"]
+        assert counts == [0] * 19 + [1]
+    late.http.close()
+
+
+async def test_commands_that_are_not_a_followers_are_refused(lecturer: Person, guest: Person) -> None:
+    code = lecturer.http.post("/api/classes").json()["code"]
+    session = lab_of(lecturer)
+    path = f"/api/classes/{code}/stream"
+    async with lecturer.stream(path) as front, guest.stream(path) as back:
+        pupil = Seat(back)
+        await pupil.until("welcome")
+        for command in (
+            {"type": "ask", "text": "?", "options": ["a", "b"]},
+            {"type": "show", "view": {"page": "lab"}, "session": session},
+            {"type": "hand", "number": 1},
+            {"type": "lock", "value": True},
+        ):
+            pupil.newest.pop("refused", None)
+            await back.send(json.dumps(command))
+            assert (await pupil.until("refused"))["code"] == "class.lecturer"
+        pupil.newest.pop("refused", None)
+        await back.send("{")
+        assert (await pupil.until("refused"))["code"] == "class.command"
+        teacher = Seat(front)
+        for wrong, error in (
+            ({"text": "?", "options": ["a"]}, "class.options"),
+            ({"text": " ", "options": ["a", "b"]}, "class.question"),
+            ({"text": "?", "axis": {"low": 2, "high": 2}}, "class.axis"),
+            ({"text": "?", "options": ["a", "b"], "right": 2}, "class.right"),
+        ):
+            teacher.newest.pop("refused", None)
+            await teacher.send("ask", **wrong)
+            assert (await teacher.until("refused"))["code"] == error
+    for method, place in (
+        ("GET", f"/api/classes/{code}/results.csv"),
+        ("DELETE", f"/api/classes/{code}"),
+        ("POST", "/api/classes"),
+        ("GET", f"/api/sessions/{session}"),
+    ):
+        assert guest.http.request(method, place).status_code == 401, place
+    # a visitor with the token is no lecturer of another one's class
+    other = Person(lecturer.service, knows_token=True)
+    assert other.http.delete(f"/api/classes/{code}").status_code == 403
+    other.http.close()
+
+
+def test_guesses_of_codes_are_braked(guest: Person) -> None:
+    """The last test of this file: the service takes no code from here for a minute."""
+    answers = [guest.http.get("/api/classes/BBBBBB").status_code for _ in range(61)]
+    assert answers == [404] * 60 + [429]

@@ -1,0 +1,170 @@
+"""The map of a session kept as a map of one's own, edited by commands, and its files over HTTP; costs as files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError, LimitError
+from mapper.core.limits import Limits
+from mapper.editing import EditedMap, parse_operation
+from mapper.grid import GridGeometry
+from mapper.io.costmaps import open_costmaps
+from mapper.io.maps import load_map
+from server.library.given_map import GivenMap
+from server.sessions.models.map_editing import MapModel, operation_of
+from server.sessions.tick import TickResult
+from server.stream.protocol import ProtocolError
+from tests.server.service import Service, once_read, running, settings_for, until
+
+
+class Host:
+    """What a map needs of its host."""
+
+    def __init__(self, most: int = 1 << 24) -> None:
+        self.most = most
+
+    def limits(self) -> Limits:
+        return Limits(max_cells=self.most)
+
+
+def model(rows: int = 20, most: int = 1 << 24) -> MapModel:
+    given = GivenMap("room", GridGeometry(0.1, rows, 30), np.zeros((rows, 30), np.int8), ("A note.",))
+    return MapModel(Host(most), given, log_id="room")  # type: ignore[arg-type]
+
+
+COMMANDS: tuple[dict[str, Any], ...] = (
+    {"op": "paint", "state": "occupied", "width": 0.2, "points": [[0.5, 0.5], [1.5, 0.5]]},
+    {"op": "fill", "state": "unknown", "points": [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]},
+    {"op": "keepout", "value": 100, "points": [[0.0, 1.0], [1.0, 1.0], [1.0, 2.0]]},
+    {"op": "despeckle", "value": 2},
+    {"op": "rotate", "angle": 0.5},
+    {"op": "crop", "points": [[0.0, 0.0], [1.5, 1.5]]},
+    {"op": "origin", "points": [[0.5, 0.5]], "angle": 1.0},
+)
+OPERATIONS: tuple[dict[str, Any], ...] = (
+    COMMANDS[0],
+    {"op": "fill", "state": "unknown", "polygon": COMMANDS[1]["points"]},
+    {"op": "keepout", "value": 100, "polygon": COMMANDS[2]["points"]},
+    {"op": "despeckle", "cells": 2},
+    COMMANDS[4],
+    {"op": "crop", "corners": COMMANDS[5]["points"]},
+    {"op": "origin", "x": 0.5, "y": 0.5, "yaw": 1.0},
+)
+
+
+def test_commands_are_the_operations_of_the_editor() -> None:
+    """Also undone and made again; what the layers show is what the editor has."""
+    shown, edited = model(), EditedMap(GridGeometry(0.1, 20, 30), np.zeros((20, 30), np.int8))
+    for command, operation in zip(COMMANDS, OPERATIONS, strict=True):
+        result = TickResult()
+        shown.obey({"type": "map_edit"} | command, result)
+        shown.draw(result)
+        edited.apply(parse_operation(operation))
+        assert result.slots["map_edits"]["last"][-1] == edited.operations[-1].phrase
+    map_layer, zones = shown.layers
+    for layer in shown.layers:
+        layer.publish()
+    cells = map_layer.picture.cells  # type: ignore[attr-defined]
+    np.testing.assert_array_equal(cells == -128, edited.values == -1)
+    np.testing.assert_array_equal(cells > 0, edited.values == 100)
+    np.testing.assert_array_equal(zones.picture.cells != -128, edited.keepout > 0)  # type: ignore[attr-defined]
+    assert map_layer.picture.geometry == edited.geometry  # type: ignore[attr-defined]
+    result = TickResult()
+    shown.obey({"type": "map_history", "steps": -9}, result)
+    assert (shown.messages()[0]["n"], shown.messages()[0]["undone"]) == (0, 7)
+    shown.obey({"type": "map_history", "steps": 3}, result)
+    assert (shown.messages()[0]["n"], shown.messages()[0]["notes"]) == (3, ["A note."])
+
+
+def test_what_a_map_refuses() -> None:
+    shown = model()
+    for command, said in (
+        ({"op": "explode"}, "'op' must be one of"),
+        ({"op": "paint", "state": "free"}, "lacks width, points"),
+        ({"op": "origin", "angle": 1.0}, "lacks x, y"),
+        ({"op": "rotate"}, "lacks angle"),
+    ):
+        with pytest.raises(ConfigError, match=said):
+            operation_of(command)
+    with pytest.raises(ProtocolError, match="A map has no command 'seek'"):
+        shown.obey({"type": "seek", "index": 0}, TickResult())
+    with pytest.raises(LimitError, match="30 × 20 cells; here one of at most 500 cells"):
+        model(most=4000)
+    tight = model(most=8 * 700)
+    with pytest.raises(LimitError, match="larger than the limit of 700 cells"):
+        tight.obey({"type": "map_edit", "op": "rotate", "angle": 0.785}, TickResult())
+    assert tight.messages()[0]["n"] == 0
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
+        yield service
+
+
+def test_the_map_of_a_world_is_kept_edited_and_kept_again(service: Service) -> None:
+    http = service.http
+    world = service.begin(kind="simulation", story={"steps": 40}, playing=False)
+    assert http.get(f"/api/sessions/{world}/edited-map/map.pgm").json()["code"] == "session.not_a_map"
+    record = http.post(f"/api/sessions/{world}/kept-map", json={"name": "Office"}).json()
+    assert once_read(http, record["id"])["map"]["resolution"] == 0.05
+    opened = http.post("/api/sessions", json={"kind": "log", "log": record["id"]}).json()
+    assert (opened["kind"], opened["title"]) == ("map", "Office")
+    address = f"/api/sessions/{opened['id']}/edited-map"
+    # The trinary image is that of the world's own map.
+    assert http.get(f"{address}/map.pgm").content == http.get(f"/api/sessions/{world}/map.pgm").content
+    assert "image: Office_edited.pgm" in http.get(f"{address}/map.yaml").text
+    assert http.get(f"{address}/keepout.pgm").json()["message"] == "The map has no keepout zones."
+    assert http.get(f"{address}/else").json()["code"] == "map.no_file"
+
+    edit = {"type": "map_edit", "op": "paint", "state": "occupied", "width": 1.0, "points": [[2.0, 2.0]]}
+    service.state.sessions.get(opened["id"]).post(edit)
+    until(lambda: http.get(f"{address}/edits.json").status_code == 200)
+    edits = http.get(f"{address}/edits.json").json()
+    assert (edits["source"]["map"], edits["edits"][0]["width"]) == ("Office", 1.0)
+    kept = http.post(address, json={"name": "Better"})
+    assert kept.status_code == 201
+    read = once_read(http, kept.json()["id"])
+    assert (read["name"], read["notes"]) == ("Better", ["Made by 1 edit of 'Office'."])
+    assert http.post(address, json={"name": ""}).status_code == 422
+
+
+def test_costs_and_painted_zones_are_files(service: Service, tmp_path: Path) -> None:
+    """Of the lab's costmap, and read again by the readers of map files and of recordings."""
+    http = service.http
+    world = service.begin(kind="simulation", story={"steps": 40}, playing=False)
+    address = f"/api/sessions/{world}/costmap"
+    assert http.get(f"{address}/costmap.pgm").json()["code"] == "costmap.off"
+    assert http.get(f"{address}/else.pgm").json()["code"] == "costmap.no_file"
+    session = service.state.sessions.get(world)
+    session.post({"type": "costmap"})
+    until(lambda: http.get(f"{address}/costmap.yaml").status_code == 200)
+    assert http.get(f"{address}/keepout.pgm").json()["code"] == "costmap.no_zones"
+    session.post({"type": "costmap", "keepout": [{"width": 0.5, "erases": False, "points": [[2.0, 2.0]]}]})
+    until(lambda: http.get(f"{address}/keepout.yaml").status_code == 200)
+    for name in ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml"):
+        answer = http.get(f"{address}/{name}")
+        named = re.search('filename="([^"]+)"', answer.headers["content-disposition"])
+        assert named is not None
+        (tmp_path / (named[1] if name != "costmap.mcap" else name)).write_bytes(answer.content)
+    costed = session.model.costed
+    assert costed is not None
+    expected = costed.present_costs()
+    assert expected is not None
+    (stream,) = open_costmaps(tmp_path / "costmap.mcap").values()
+    np.testing.assert_array_equal(stream[0].costs, expected.costs)
+    assert stream[0].geometry == expected.geometry
+    image = next(tmp_path.glob("*_costmap.pgm")).read_bytes()
+    assert image.endswith(np.ascontiguousarray(expected.costs[::-1]).tobytes())
+    mask = load_map(next(tmp_path.glob("*_keepout.yaml")))
+    assert mask.grid.geometry == expected.geometry
+    assert set(np.unique(mask.values)) == {0, 100}
+    at = expected.geometry.world_to_cell((2.0, 2.0))
+    assert mask.values[at[0], at[1]] == 100
+    assert (expected.costs[mask.values == 100] >= 253).all()

@@ -1,0 +1,93 @@
+"""Uploads of map files: what is one, what is in it, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ReadError
+from mapper.editing import EditedMap, parse_operation
+from mapper.editing.files import map_files
+from mapper.grid import GridGeometry
+from server.library.given_map import read_given_map
+from server.library.map_files import archived, is_map, read_map
+from server.library.map_pack import map_codes, summarise_map
+
+GEOMETRY = GridGeometry(0.1, 4, 6, (1.0, -2.0, 0.5))
+VALUES = np.array([[0, 100, -1, 0, 0, 40]] * 4, np.int8)
+ZONE = {"op": "keepout", "polygon": [[-9, -9], [9, -9], [9, 9], [-9, 9]], "value": 60}
+
+
+def files_of(name: str = "room") -> dict[str, bytes]:
+    edited = EditedMap(GEOMETRY, VALUES)
+    edited.apply(parse_operation(ZONE))
+    return dict(map_files(edited, name, "old.yaml"))
+
+
+def upload(folder: Path, files: dict[str, bytes]) -> Path:
+    path = folder / "upload"
+    path.write_bytes(archived(files.items()))
+    return path
+
+
+def test_a_map_is_read_with_its_mask_and_what_made_it(tmp_path: Path) -> None:
+    source = upload(tmp_path, files_of())
+    assert is_map(source)
+    found = read_map(source, "map", tmp_path)
+    np.testing.assert_array_equal(found.values, VALUES)
+    assert found.keepout is not None
+    assert (found.keepout == 60).all()
+    assert found.notes[-1] == "Made by 1 edit of 'old.yaml'."
+    found.write(tmp_path / "pack")
+    again = read_given_map(tmp_path / "pack")
+    np.testing.assert_array_equal(again.keepout, found.keepout)
+    assert (again.geometry, again.notes) == (found.geometry, found.notes)
+    said = summarise_map(found)
+    assert said.map is not None
+    assert (said.format, said.map.rows, said.map.cols, said.scans) == ("map", 4, 6, 0)
+    assert map_codes(found).tolist() == [[1, 2, 0, 1, 1, 0]] * 4
+
+
+def test_a_picture_of_a_large_map_keeps_its_walls() -> None:
+    from server.library.given_map import GivenMap
+
+    values = np.full((1000, 700), -1, np.int8)
+    values[10, 20], values[999, 699] = 100, 0
+    codes = map_codes(GivenMap("large", GridGeometry(0.05, 1000, 700), values))
+    assert codes.shape == (250, 175)
+    assert (codes[-1 - 10 // 4, 20 // 4], codes[0, -1], (codes > 0).sum()) == (2, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("files", "is_one"),
+    [
+        ({"a.yaml": b"", "a.pgm": b""}, True),
+        ({"a.yaml": b""}, False),
+        ({"a.pgm": b""}, False),
+        ({"metadata.yaml": b"", "run_0.db3": b""}, False),
+        ({"a.yaml": b"", "a.pgm": b"", "notes.txt": b""}, False),
+        ({f"{k}.pgm": b"" for k in range(20)} | {"a.yaml": b""}, False),
+    ],
+)
+def test_what_is_a_map(tmp_path: Path, files: dict[str, bytes], is_one: bool) -> None:
+    assert is_map(upload(tmp_path, files)) is is_one
+
+
+def test_what_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "upload").write_bytes(b"no archive")
+    assert not is_map(tmp_path / "upload")
+    room, other = files_of(), {"other.yaml": files_of("other")["other.yaml"]}
+    small = dict(map_files(EditedMap(GridGeometry(0.1, 2, 2), np.zeros((2, 2), np.int8)), "small"))
+    mask = {
+        "room_keepout.yaml": small["small.yaml"].replace(b"small", b"room_keepout"),
+        "room_keepout.pgm": small["small.pgm"],
+    }
+    for files, said in (
+        (room | other, "there are 3 yamls here"),
+        (room | mask, "'room_keepout.yaml' has other cells than the map 'room.yaml'"),
+        ({"room.yaml": room["room.yaml"], "else.pgm": room["room.pgm"]}, "room.pgm"),
+    ):
+        with pytest.raises(ReadError, match=said):
+            read_map(upload(tmp_path, files), "map", tmp_path)

@@ -1,0 +1,49 @@
+"""A session computes nothing for a client that acknowledges nothing, and goes on when it does."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from concurrent.futures import ThreadPoolExecutor
+
+from mapper.core.limits import Limits
+from mapper.simulation.live_map import LiveMap, world_named
+from server.sessions.host import SessionHost
+from server.sessions.models.simulation import SimulationModel
+from server.stream.hub import STALLED_S
+from server.work.scheduler import JobOwner, Scheduler
+from tests.server.service import eventually
+
+
+class Clock:
+    """A clock that goes on by itself only as far as the event loop's, and can be set forward."""
+
+    def __init__(self) -> None:
+        self.ahead = 0.0
+
+    def __call__(self) -> float:
+        return asyncio.get_running_loop().time() + self.ahead
+
+
+async def test_nothing_is_computed_for_a_client_that_is_stalled() -> None:
+    clock = Clock()
+    with ThreadPoolExecutor(2) as pool:
+        host = SessionHost(
+            job_owner=JobOwner("v"), pool=pool, limits=lambda _: Limits(), scheduler=Scheduler(2), clock=clock
+        )
+        host.start(SimulationModel(host, LiveMap(world_named("room"), 3)))
+        client = host.join()
+        sent = [one for one in client.take() if isinstance(one, bytes)]
+        await eventually(lambda: host.hub.frame_number > 3)
+        seen = [host.is_seen]
+        clock.ahead += STALLED_S + 1.0
+        seen.append(host.is_seen)
+        assert seen == [True, False]
+        await eventually(lambda: not host.is_busy)
+        before = host.hub.frame_number
+        host.enqueue({"type": "auto", "value": False}, client)  # commands are carried out all the same
+        await eventually(lambda: host.hub.frame_number > before)
+        assert host.hub.frame_number == before + 1
+        host.acknowledge(client, struct.unpack_from("<BBHIII", sent[-1])[4])
+        await eventually(lambda: host.hub.frame_number > before + 3)
+        await host.close()
