@@ -117,6 +117,13 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
     ] = False
 
 
+class Map3dCommand(Struct, tag_field="type", tag="map3d"):
+    """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
+
+    value: Annotated[bool, Meta(description="whether there is one")] = True
+    values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
+
+
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
     """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
 
@@ -271,6 +278,7 @@ Command = (
     | CompareCommand
     | TeleportCommand
     | LocalizeCommand
+    | Map3dCommand
     | CostmapCommand
     | GoalCommand
     | CostCommand

@@ -34,6 +34,7 @@ import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
 import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { Map3d } from "./map3d";
 import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
@@ -165,6 +166,8 @@ export class SessionState implements Receiver {
   readonly look = new Optimistic();
   /** The voxel that is asked about. */
   readonly voxel = signal<VoxelMessage | null>(null);
+  /** The 3D map of the simulated robot. */
+  readonly map3d = new Map3d();
   /** What the user does with a map that is edited. */
   readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
@@ -363,6 +366,9 @@ export class SessionState implements Receiver {
       case "costmap":
         this.navigation.take(message);
         return;
+      case "map3d":
+        this.map3d.take(message);
+        return;
       case "path":
         this.navigation.path.value = message;
         return;
@@ -406,7 +412,14 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot, this.look, this.navigation.values])
+        for (const values of [
+          this.mapping,
+          this.sensor,
+          this.robot,
+          this.look,
+          this.navigation.values,
+          this.map3d.values,
+        ])
           values.refuse();
         this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };

@@ -75,6 +75,17 @@ export class Store extends SessionState {
     );
   }
 
+  /** Set a parameter of the 3D sensor or of its map; begins the map if there is none. */
+  setMap3d(values: Values): void {
+    const now = this.map3d.values.values.peek();
+    const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
+    this.#change(
+      `map3d ${Object.keys(values).join(" ")}`,
+      [{ type: "map3d", values: old }],
+      [{ type: "map3d", values }],
+    );
+  }
+
   /** Set the outline of the robot: corners in its frame, m. */
   setFootprint(footprint: readonly Point[]): void {
     const old = this.navigation.costmap.peek()?.footprint ?? footprint;
@@ -191,6 +202,9 @@ export class Store extends SessionState {
       this.sendSoon(command);
     } else if (command.type === "localize") {
       this.filter.note(command);
+      this.sendSoon(command);
+    } else if (command.type === "map3d") {
+      for (const [name, value] of Object.entries(command.values ?? {})) this.map3d.values.set(name, value);
       this.sendSoon(command);
     } else if (command.type === "teleport") this.sendSoon(command);
     else {

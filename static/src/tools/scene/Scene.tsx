@@ -11,12 +11,14 @@ import "./scene.css";
 
 interface SceneProps {
   readonly session: string;
+  /** Whether the map is drawn as columns, whose height can be set. */
+  readonly hasColumns?: boolean;
 }
 
 /** Interval at which the layers are asked for until the scene has some. */
 const AGAIN_MS = 700;
 
-export function Scene({ session }: SceneProps) {
+export function Scene({ session, hasColumns = true }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
@@ -42,7 +44,7 @@ export function Scene({ session }: SceneProps) {
     <div class="scene-place" ref={place}>
       <div class="scene-group" ref={group}>
         <iframe class="scene" title="3D view" src={sceneAddress(session, `plain/${query}`)} />
-        <SceneControls session={session} onFullScreen={enlarge} />
+        <SceneControls session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
       </div>
     </div>
   );
@@ -54,7 +56,7 @@ function fullScreen(element: Element): void {
   (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
-function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
+function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = useSignal<SceneSettings | null>(null);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -89,17 +91,19 @@ function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFull
           </Button>
         ))}
       </fieldset>
-      <Slider
-        label="Height of the columns"
-        sentence="How many times as high as by default the columns of the map are drawn."
-        unit="×"
-        value={height}
-        initial={1}
-        low={0.2}
-        high={5}
-        step={0.1}
-        onInput={(value) => void change({ height: value })}
-      />
+      {hasColumns && (
+        <Slider
+          label="Height of the columns"
+          sentence="How many times as high as by default the columns of the map are drawn."
+          unit="×"
+          value={height}
+          initial={1}
+          low={0.2}
+          high={5}
+          step={0.1}
+          onInput={(value) => void change({ height: value })}
+        />
+      )}
       <div class="actions">
         <Button icon="fit" onClick={onFullScreen}>
           Full screen
