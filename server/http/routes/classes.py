@@ -17,7 +17,6 @@ from mapper.core.errors import MapperError
 from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
-from server.http.class_connection import attend
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.routes.pages import page_file
@@ -111,6 +110,8 @@ async def stream(websocket: WebSocket, classes: OpenClasses, brake: CodeBrake, v
     """Exchange messages with a class."""
     _guessed(brake, classes, code, websocket)
     room, member = classes.join(code, visitor)
+    from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
+
     await attend(websocket, room, member)
 
 

@@ -1,4 +1,4 @@
-"""Cookies that prove the token, with a clock of the test's own: how long they are valid, and what outlasts a restart."""
+"""Cookies that prove the token, with a clock of the test's own: how long they are valid, what outlasts a restart."""
 
 from __future__ import annotations
 
