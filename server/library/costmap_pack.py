@@ -18,7 +18,6 @@ from mapper.core.errors import MapperError
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
 from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
-from mapper.replay.overview import cells_overview
 from mapper.sensors.scan import Topic
 from server.library.log_pack import StalePackError
 
@@ -80,6 +79,8 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
 def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
     """Return the codes of a picture of the last costmap of the topic with most of them, for its card."""
     costs = max(streams.values(), key=len)[-1].costs
+    from mapper.replay.overview import cells_overview  # noqa: PLC0415 - few recordings have costmaps
+
     return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))
 
 

@@ -7,7 +7,7 @@ shows, answer questions, and begin a session of their own that is a copy of the 
 from __future__ import annotations
 
 import io
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import segno
 from fastapi import APIRouter, Request, WebSocket
@@ -23,8 +23,11 @@ from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
-from server.sessions import Plan, SessionBudgetError, SessionHost, SessionRegistry
+from server.sessions import Plan, SessionBudgetError, SessionRegistry
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(tags=["classes"])
 
