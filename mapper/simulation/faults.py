@@ -85,8 +85,8 @@ check_table(Faults, FAULT_PARAMETERS)
 @lru_cache(maxsize=16)
 def polished_faces(world: World) -> Float64Array:
     """Return the faces (n, 4), ``(ax, ay, bx, by)`` in metres, that are polished: all straight ones that are long."""
-    length = np.hypot(*(world.segments[:, 2:] - world.segments[:, :2]).T)
-    faces: Float64Array = np.ascontiguousarray(world.segments[length >= POLISHED_LENGTH])
+    length = np.hypot(*(world.seen[:, 2:] - world.seen[:, :2]).T)
+    faces: Float64Array = np.ascontiguousarray(world.seen[length >= POLISHED_LENGTH])
     faces.setflags(write=False)
     return faces
 

@@ -1,33 +1,45 @@
-"""The worlds: an office floor, a cluttered room, a corridor loop, a pillared hall, a maze and two equal rooms.
+"""The worlds: an office floor, a cluttered room, a corridor loop, a hall, a maze, two equal rooms and one with steps.
 
 Metres, map frame.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 
-from mapper.simulation.shapes import Polygon, box, disc, legs, outer_walls, rect, star, wall
+from mapper.simulation.blocks import Block, lintels, ramp, slab, stairs, table_top
+from mapper.simulation.shapes import Point, Polygon, box, disc, legs, outer_walls, rect, star, wall
 from mapper.simulation.worlds import World
 
 OUTER, INNER = 0.2, 0.12  # thickness of walls
+TABLE, LOW_TABLE = 0.75, 0.25  # heights of tables
+
+
+def _walled(
+    solids: list[Polygon], blocks: list[Block], a: Point, b: Point, doors: Sequence[tuple[float, float]] = ()
+) -> None:
+    """Add an inner wall, with a lintel over each of its doors."""
+    solids += wall(a, b, INNER, doors)
+    blocks += lintels(a, b, INNER, doors)
 
 
 def _office() -> World:
     """Eight rooms on both sides of a corridor 2 m wide; doors of 0.95 m, two of them between rooms."""
     solids = outer_walls(0.0, 0.0, 20.0, 14.0, OUTER)
+    blocks: list[Block] = []
     # The corridor's two walls, and the partitions between the rooms.
-    solids += wall((0.2, 5.94), (19.8, 5.94), INNER, [(3.2, 4.15), (5.4, 6.35), (12.2, 13.15), (14.4, 15.35)])
-    solids += wall((0.2, 8.06), (19.8, 8.06), INNER, [(4.2, 5.15), (6.7, 7.65), (9.4, 10.35), (18.0, 18.95)])
-    solids += wall((5.0, 0.2), (5.0, 5.94), INNER, [(2.6, 3.55)])
-    solids += wall((10.0, 0.2), (10.0, 5.94), INNER)
-    solids += wall((14.0, 0.2), (14.0, 5.94), INNER)
-    solids += wall((6.0, 8.06), (6.0, 13.8), INNER)
-    solids += wall((9.0, 8.06), (9.0, 13.8), INNER)
-    solids += wall((15.0, 8.06), (15.0, 13.8), INNER, [(2.2, 3.15)])
+    south, north = [(3.2, 4.15), (5.4, 6.35), (12.2, 13.15), (14.4, 15.35)], [(4.2, 5.15), (6.7, 7.65), (9.4, 10.35)]
+    _walled(solids, blocks, (0.2, 5.94), (19.8, 5.94), south)
+    _walled(solids, blocks, (0.2, 8.06), (19.8, 8.06), [*north, (18.0, 18.95)])
+    _walled(solids, blocks, (5.0, 0.2), (5.0, 5.94), [(2.6, 3.55)])
+    _walled(solids, blocks, (10.0, 0.2), (10.0, 5.94))
+    _walled(solids, blocks, (14.0, 0.2), (14.0, 5.94))
+    _walled(solids, blocks, (6.0, 8.06), (6.0, 13.8))
+    _walled(solids, blocks, (9.0, 8.06), (9.0, 13.8))
+    _walled(solids, blocks, (15.0, 8.06), (15.0, 13.8), [(2.2, 3.15)])
     # Corridor: a cabinet, a column, a plant and an extinguisher.
     solids += [rect(8.1, 7.65, 9.3, 8.0), rect(1.0, 6.0, 2.4, 6.4), disc(11.4, 7.72, 0.28)]
     solids += [disc(19.5, 7.7, 0.22, 12), rect(16.9, 6.0, 17.1, 6.14)]
@@ -46,6 +58,7 @@ def _office() -> World:
     solids += [rect(10.06, 0.2, 10.96, 1.0)]
     # South 4: the meeting room; of the table only the legs are in the laser's plane.
     solids += legs(17.0, 2.9, 2.6, 1.4)
+    blocks.append(table_top(17.0, 2.9, 2.6, 1.4, 0.0, TABLE))
     solids += [disc(x, y, 0.22, 10) for x in (16.2, 17.0, 17.8) for y in (1.9, 3.9)]
     solids += [rect(18.4, 0.2, 19.8, 0.65)]
     # North 1: desks back to back, a shelf as a screen.
@@ -74,7 +87,7 @@ def _office() -> World:
         rect(15.06, 12.0, 15.4, 13.8),
         rect(15.8, 8.12, 17.6, 8.5),
     ]
-    return World("office", "Office floor", (0.0, 0.0, 20.0, 14.0), tuple(solids), (6.2, 7.0, 0.0))
+    return World("office", "Office floor", (0.0, 0.0, 20.0, 14.0), tuple(solids), (6.2, 7.0, 0.0), tuple(blocks))
 
 
 def _room() -> World:
@@ -96,7 +109,8 @@ def _room() -> World:
     solids += [box(1.9, 2.9, 0.55, 0.4, 0.7), box(2.6, 2.15, 0.35, 0.35, -0.3), box(4.5, 4.3, 0.45, 0.3, 1.1)]  # boxes
     solids += wall((0.2, 4.2), (1.6, 4.2), INNER)  # a screen
     solids += [disc(5.3, 5.9, 0.2)]  # a pole
-    return World("room", "Cluttered room", (0.0, 0.0, 10.0, 8.0), tuple(solids), (3.4, 3.6, 0.6))
+    boards = (table_top(6.9, 3.9, 1.9, 1.1, 0.5, TABLE),)
+    return World("room", "Cluttered room", (0.0, 0.0, 10.0, 8.0), tuple(solids), (3.4, 3.6, 0.6), boards)
 
 
 def _loop() -> World:
@@ -178,6 +192,30 @@ def _twins() -> World:
     return World("twins", "Two equal rooms", (0.0, 0.0, 16.0, 9.0), tuple(solids), (5.6, 4.4, 1.0))
 
 
+def _levels() -> World:
+    """Two rooms with what one plane of a lidar misses: a low table, a bench, a sill, a ramp, stairs, a shelf."""
+    solids = outer_walls(0.0, 0.0, 14.0, 10.0, OUTER)
+    blocks: list[Block] = []
+    _walled(solids, blocks, (0.2, 6.0), (13.8, 6.0), [(2.6, 3.6), (9.4, 10.4)])
+    # The low table: its board and its legs are below the plane of the lidar.
+    blocks += [slab(leg, 0.0, 0.2) for leg in legs(4.0, 3.0, 1.4, 0.8)]
+    blocks.append(table_top(4.0, 3.0, 1.4, 0.8, 0.0, LOW_TABLE))
+    # A table as high as others: of it the lidar sees the legs.
+    solids += legs(7.8, 3.4, 1.6, 0.9, 0.3)
+    blocks.append(table_top(7.8, 3.4, 1.6, 0.9, 0.3, TABLE))
+    blocks.append(slab(rect(0.2, 1.0, 0.6, 3.4), 1.1, 1.14))  # a shelf on the wall
+    # A platform with stairs and a ramp.
+    blocks.append(slab(rect(12.0, 0.2, 13.8, 3.2), 0.0, 0.64))
+    blocks += stairs(10.8, 0.2, 12.0, 1.6, 0.64, 4)
+    blocks.append(ramp(9.8, 1.6, 12.0, 3.2, 0.64))
+    # Across the wall: a bench whose seat is above the plane of the lidar, its supports are thin, and a sill below it.
+    solids += [box(6.1, 8.6, 0.06, 0.06), box(7.7, 8.6, 0.06, 0.06)]
+    blocks.append(slab(rect(5.9, 8.3, 7.9, 8.9), 0.42, 0.48))
+    blocks.append(slab(rect(10.2, 7.6, 11.8, 7.8), 0.0, 0.12))
+    solids += [disc(1.2, 8.4, 0.3), rect(12.6, 9.2, 13.8, 9.8)]
+    return World("levels", "Room with steps", (0.0, 0.0, 14.0, 10.0), tuple(solids), (6.0, 4.8, 0.0), tuple(blocks))
+
+
 def _runs(present: list[bool]) -> list[tuple[int, int]]:
     """Return the (first, last + 1) of each unbroken run of true values."""
     edges = np.flatnonzero(np.diff([False, *present, False]))
@@ -185,7 +223,7 @@ def _runs(present: list[bool]) -> list[tuple[int, int]]:
 
 
 WORLDS: Mapping[str, World] = MappingProxyType(
-    {world.name: world for world in (_office(), _room(), _loop(), _hall(), _maze(), _twins())}
+    {world.name: world for world in (_office(), _room(), _loop(), _hall(), _maze(), _twins(), _levels())}
 )
 
 

@@ -134,7 +134,7 @@ def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> F
         nearest: Float64Array = heard.min(axis=1)
         return nearest
     out = np.empty(sensor.n_readings)
-    cast_rays(world.segments, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
+    cast_rays(world.seen, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
     return out
 
 

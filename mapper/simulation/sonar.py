@@ -34,5 +34,5 @@ def ranges_in_cones(
     rays = rays_of_cone(beam_width)
     out = np.empty((len(bearings), len(rays)))
     for k, bearing in enumerate(bearings.tolist()):
-        cast_rays(world.segments, x, y, yaw, bearing + rays[0], rays[1] - rays[0], range_max, out[k])
+        cast_rays(world.seen, x, y, yaw, bearing + rays[0], rays[1] - rays[0], range_max, out[k])
     return out

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
+from mapper.simulation.blocks import Block
 from mapper.simulation.kernels.raycast import clearances
 
 Float64Array = NDArray[np.float64]
@@ -19,6 +20,9 @@ BLOCK = 8  # cells along the side of the blocks in which the lattice is computed
 CANDIDATES = 16  # places that nearest_free() tries to improve
 FINER = 60  # points of its finer lattice between the wanted place and the one found first
 TOUCH = 1e-3  # metres: a point nearer to a wall than this is not free
+LASER_HEIGHT = 0.3  #: metres: the plane of the lidar and the sonars
+ROBOT_HEIGHT = 0.5  #: metres: what is higher does not stop the robot,
+STEP_HEIGHT = 0.03  #: and neither does what is lower than this
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,9 +30,11 @@ class World:
     """Solid polygons inside a closed outer wall.
 
     ``bounds`` is (x_min, y_min, x_max, y_max) in metres, map frame, the outer face of the outer wall; ``solids`` are
-    polygons (n, 2), n ≥ 3, simple but not necessarily convex, which may overlap; they are stored counter-clockwise.
-    ``start`` is the pose (x, y, yaw) at which a robot begins. ``segments`` (n, 4) are all edges, ``(ax, ay, bx, by)``.
-    Raises :class:`ConfigError` for a polygon that is not one, or bounds that are empty.
+    polygons (n, 2), n ≥ 3, simple but not necessarily convex, which may overlap; they are stored counter-clockwise, and
+    stand in the way of the lidar and of the robot. ``blocks`` are solids with heights of their own, such as a low table
+    or a lintel. ``start`` is the pose (x, y, yaw) at which a robot begins. ``segments`` (n, 4) are the edges
+    ``(ax, ay, bx, by)`` of all that stops the robot, ``seen`` (n, 4) those in the plane of the lidar, at
+    :data:`LASER_HEIGHT`. Raises :class:`ConfigError` for a polygon that is not one, or bounds that are empty.
     """
 
     name: str
@@ -36,7 +42,9 @@ class World:
     bounds: tuple[float, float, float, float]
     solids: tuple[Float64Array, ...]
     start: tuple[float, float, float]
+    blocks: tuple[Block, ...] = ()
     segments: Float64Array = field(init=False, repr=False)
+    seen: Float64Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         x0, y0, x1, y1 = self.bounds
@@ -44,9 +52,25 @@ class World:
             raise ConfigError("world.bounds", f"The world's bounds must be a box, not {self.bounds!r}.")
         solids = tuple(_counter_clockwise(solid, i) for i, solid in enumerate(self.solids))
         object.__setattr__(self, "solids", solids)
-        segments = np.ascontiguousarray(np.vstack([_edges(solid) for solid in solids] or [np.empty((0, 4))]))
-        segments.setflags(write=False)
-        object.__setattr__(self, "segments", segments)
+        footprints = [
+            block.outline
+            for block in self.blocks
+            if block.bottom < ROBOT_HEIGHT and float(block.heights.max()) > STEP_HEIGHT
+        ]
+        for name, polygons in (("segments", footprints), ("seen", self.sections)):
+            edges = np.vstack([_edges(polygon) for polygon in (*solids, *polygons)] or [np.empty((0, 4))])
+            edges.setflags(write=False)
+            object.__setattr__(self, name, np.ascontiguousarray(edges))
+
+    @property
+    def sections(self) -> tuple[Float64Array, ...]:
+        """The outlines of the blocks in the plane of the lidar, polygons (n, 2)."""
+        found = [block.section(LASER_HEIGHT) for block in self.blocks]
+        return tuple(section for section in found if section is not None)
+
+    def in_laser_plane(self) -> World:
+        """Return the world as the lidar sees it: sections of the blocks as solids."""
+        return replace(self, solids=(*self.solids, *self.sections), blocks=()) if self.blocks else self
 
     def clearance(self, points_xy: ArrayLike) -> Float64Array:
         """Return how far each point (..., 2), metres, is from the nearest solid (...): negative inside one.

@@ -104,7 +104,7 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in a map, from anywhere, or end it."""
+    """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
@@ -112,6 +112,16 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
         str,
         Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
     ] = "plan"
+    keep: Annotated[
+        bool, Meta(description="keep the particles of the filter that runs on this map, if there is one")
+    ] = False
+
+
+class Map3dCommand(Struct, tag_field="type", tag="map3d"):
+    """Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it."""
+
+    value: Annotated[bool, Meta(description="whether there is one")] = True
+    values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
 
 
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
@@ -241,6 +251,7 @@ Command = (
     | CompareCommand
     | TeleportCommand
     | LocalizeCommand
+    | Map3dCommand
     | CostmapCommand
     | GoalCommand
     | CostCommand

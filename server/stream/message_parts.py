@@ -100,6 +100,14 @@ class Edits(Part):
     erased: Annotated[list[int], Meta(description="indices of the built solids that were erased")]
 
 
+class Block(Part):
+    """A solid of a world with heights of its own, such as a low table or a lintel."""
+
+    outline: Annotated[list[Point], Meta(description="its corners seen from above")]
+    low: Annotated[float, Meta(description="height of its bottom, m")]
+    high: Annotated[float, Meta(description="height of the highest point of its top, m")]
+
+
 class Compared(Part):
     """The parameters of the second map of a session that differ from those of the first."""
 

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import (
+    Block,
     CellState,
     Compared,
     Contribution,
@@ -59,6 +60,9 @@ class Hello(Struct, tag_field="type", tag="hello"):
     navigation: Annotated[list[Parameter] | UnsetType, Meta(description="parameters of the costmap and the path")] = (
         UNSET
     )
+    map3d: Annotated[
+        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the 3D sensor and its map")
+    ] = UNSET
 
 
 class LayersMessage(Struct, tag_field="type", tag="layers"):
@@ -179,6 +183,7 @@ class WorldMessage(Struct, tag_field="type", tag="world"):
     ]
     edits: Annotated[Edits, Meta(description="edits of the world")]
     polished: Annotated[list[Segment], Meta(description="faces that give no return while the fault `specular` is on")]
+    blocks: Annotated[list[Block], Meta(description="solids with heights of their own")] = []
 
 
 class Forgetting(Struct, tag_field="type", tag="forgetting"):
@@ -217,6 +222,23 @@ class LocalizationMessage(Struct, tag_field="type", tag="localization"):
     n_updates: Annotated[int, Meta(description="scans that were used")]
     error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
     error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
+
+
+class Map3dMessage(Struct, tag_field="type", tag="map3d"):
+    """The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`."""
+
+    is_on: Annotated[bool, Meta(description="whether there is one")]
+    values: Annotated[Values, Meta(description="parameters of the 3D sensor and the map")]
+    scans: Annotated[int, Meta(description="scans in the map")]
+    taken: Annotated[int, Meta(description="scans that are recorded; more than `scans` while the map is made anew")]
+    only_in_3d: Annotated[int, Meta(description="cells of its projection that are occupied, and are not in the 2D map")]
+    problem: Annotated[str | None, Meta(description="why it does not grow any more; null: it does")]
+    known: Annotated[int, Meta(description="free and occupied voxels")]
+    nodes: Annotated[int, Meta(description="nodes of its octree, whose equal leaves are joined")]
+    leaves: Annotated[int, Meta(description="those without children")]
+    octree_bytes: Annotated[int, Meta(description="the octree: log-odds and children of each node")]
+    block_bytes: Annotated[int, Meta(description="the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash")]
+    dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
 
 
 class CostmapMessage(Struct, tag_field="type", tag="costmap"):
@@ -347,6 +369,7 @@ ServerMessage = (
     | WorldMessage
     | Forgetting
     | LocalizationMessage
+    | Map3dMessage
     | CostmapMessage
     | PathMessage
     | CostMessage

@@ -221,8 +221,8 @@ class LabCostmap:
 
 
 def _plan_of(world: World | None, parameters: LabParameters) -> OccupancyGrid | None:
-    """Return the plan of the world if the static map is to be that; None for the robot's own map."""
-    return None if world is None or parameters.values["map"] == "belief" else plan_map(world)
+    """Return the plan of the world if the static map is to be that; None for a map of the robot's own."""
+    return plan_map(world) if world is not None and parameters.values["map"] == "plan" else None
 
 
 def _continues(before: Stroke, after: Stroke) -> bool:

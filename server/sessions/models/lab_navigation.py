@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -14,7 +14,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
-from mapper.grid import CellBox
+from mapper.grid import CellBox, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.mapping.integrate import Change
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
@@ -46,8 +46,11 @@ def believed_now(mapper: LiveMap) -> PoseTuple:
 class LabNavigation:
     """The costmap and the path of a simulation, from its command ``costmap`` on until the same command ends them."""
 
-    def __init__(self, mapper: LiveMap) -> None:
+    def __init__(self, mapper: LiveMap, projection: Callable[[], OccupancyGrid | None] = lambda: None) -> None:
+        """``projection`` returns the 3D map from above, another object when it has changed; None for no 3D map."""
         self._mapper = mapper
+        self._projection = projection
+        self._followed: OccupancyGrid | None = None  #: the projection that the static layer has
         self._costmap: LabCostmap | None = None
         self._path = LabPath()
         self._seen: RangeScan | None = None
@@ -148,10 +151,10 @@ class LabNavigation:
             parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
         strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
         if costmap is None:
-            self._costmap = costmap = LabCostmap(mapper.grid, mapper.simulation.world, parameters)
+            self._costmap = costmap = LabCostmap(self._map(parameters), mapper.simulation.world, parameters)
             self._seen = None
         elif parameters != costmap.parameters:
-            costmap.change(parameters, mapper.grid, mapper.simulation.world)
+            costmap.change(parameters, self._map(parameters), mapper.simulation.world)
         if strokes is not None:
             costmap.paint(strokes)
         self._is_new = self._is_stale = True
@@ -168,10 +171,15 @@ class LabNavigation:
         found = from_nav2(
             costmap.parameters, parse_nav2_costmap(data), parse_nav2_planner(data), parse_nav2_pursuit(data)
         )
-        costmap.change(found, self._mapper.grid, self._mapper.simulation.world)
+        costmap.change(found, self._map(found), self._mapper.simulation.world)
         self._is_new = self._is_stale = True
         result.slot(self.messages()[0])
         result.answer({"type": "nav2", "text": None})
+
+    def _map(self, parameters: LabParameters) -> OccupancyGrid:
+        """Return the map of the static layer: the belief, or the 3D map from above where that is chosen and there."""
+        projection = self._projection() if parameters.values["map"] == "map_3d" else None
+        return self._mapper.grid if projection is None else projection
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -181,7 +189,12 @@ class LabNavigation:
         if costmap is None:
             return
         mapper, pose = self._mapper, believed_now(self._mapper)
-        costmap.follow(mapper.grid, box, whole=whole)
+        grid = self._map(costmap.parameters)
+        if grid is not mapper.grid or self._followed is not None:
+            box, whole = None if grid is not mapper.grid else box, whole or grid is not self._followed
+            self._is_new |= whole
+            self._followed = None if grid is mapper.grid else grid
+        costmap.follow(grid, box, whole=whole)
         scan = mapper.newest
         is_scan = not mapper.hidden and scan is not None and scan is not self._seen
         if is_scan and scan is not None:

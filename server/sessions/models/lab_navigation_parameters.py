@@ -32,7 +32,7 @@ def _layer(name: str, label: str, sentence: str) -> Parameter:
 
 
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
-MAPS = ("belief", "plan")
+MAPS = ("belief", "plan", "map_3d")
 
 TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
@@ -42,7 +42,8 @@ TABLE: tuple[Parameter, ...] = (
     _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),
     Parameter(
         "map", "Static map", "static", "choice", "belief",
-        "Which map the static layer has: the belief as it changes, or the plan of the world as it was when chosen.",
+        "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
+        "3D map from above, in its band of heights, as long as there is one.",
         choices=MAPS,
     ),
     _row(COSTMAP_PARAMETERS, "track_unknown_space", initial=True, group="static"),

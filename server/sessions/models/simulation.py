@@ -26,14 +26,15 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.lab_localization import LabLocalization
 from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.lab_navigation_parameters import TABLE
-from server.sessions.models.localization_message import OFF
+from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
+from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import COMMANDS
-from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
+from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
+from server.sessions.models.volume_view import VolumeView
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
@@ -67,8 +68,9 @@ class SimulationModel(SessionModel):
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
-        self._localization: LabLocalization | None = None
-        self._navigation = self.costed = LabNavigation(mapper)
+        self._localization = LocalizationView()
+        self._volume = VolumeView(host, mapper, self.playback)
+        self._navigation = self.costed = LabNavigation(mapper, lambda: self._volume.projection)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
@@ -76,10 +78,10 @@ class SimulationModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map, the second map if there is one, and those of localization, navigation and SLAM while they are on."""
+        """The map, the second map if there is one, and those of what else is on."""
         second = () if self._second is None else (self._second,)
-        localization = () if self._localization is None else self._localization.layers
-        return (self._map, *second, *localization, *self._navigation.layers, *self._slam.layers)
+        more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers)
+        return (self._map, *second, *self._localization.layers, *more)
 
     @property
     def title(self) -> str:
@@ -103,9 +105,9 @@ class SimulationModel(SessionModel):
 
     @property
     def footprint(self) -> Footprint:
-        """The cells of the map, of what the robot is localized in, and of its costmap."""
-        more = self._navigation.cells + (0 if self._localization is None else self._localization.cells)
-        return Footprint(cells=int(self.grid.log_odds.size) + more)
+        """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
+        parts = (self._navigation, self._volume, self._localization)
+        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in parts))
 
     @property
     def world(self) -> World:
@@ -119,8 +121,13 @@ class SimulationModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the recomputation of the map that is done."""
-        return self._mapper.fraction
+        """The share of the recomputation of the map, or of the 3D map, that is done."""
+        return self._mapper.fraction if self._mapper.fraction is not None else self._volume.fraction
+
+    @property
+    def is_catching_up(self) -> bool:
+        """Whether the 3D map is made anew."""
+        return self._volume.is_behind
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -160,10 +167,11 @@ class SimulationModel(SessionModel):
         return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
 
     def drawings(self) -> list[Drawing]:
-        """Return the map, the robot and the true world."""
-        world = self.world
+        """Return the map, which the 3D map takes the place of, the robot and the true world."""
+        world, robot = self.world, self.robot_state()
+        flat = map_drawings(self.grid, robot, self.config)
         return [
-            *map_drawings(self.grid, self.robot_state(), self.config),
+            *(self._volume.drawings(flat) if self._volume.is_on else flat),
             Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
         ]
 
@@ -193,6 +201,7 @@ class SimulationModel(SessionModel):
             "world": self.world.name,
             "seed": self._mapper.seed,
             "navigation": [asdict(row) for row in TABLE],
+            "map3d": [asdict(row) for row in MAP_3D],
         }
 
     def messages(self) -> list[dict[str, Any]]:
@@ -201,7 +210,8 @@ class SimulationModel(SessionModel):
             self._parameters_message(),
             self._world_message(),
             *self._navigation.messages(),
-            OFF if self._localization is None else self._localization.message(),
+            self._volume.message(),
+            self._localization.message(),
         ]
 
     def _parameters_message(self) -> dict[str, Any]:
@@ -225,6 +235,10 @@ class SimulationModel(SessionModel):
             "ids": solid_ids(mapper.plan, mapper.edits),
             "edits": {"added": added, "erased": erased},
             "polished": np.round(polished_faces(world), 4).tolist(),
+            "blocks": [
+                {"outline": np.round(one.outline, 4).tolist(), "low": one.bottom, "high": float(one.heights.max())}
+                for one in world.blocks
+            ],
         }
 
     def frame(self) -> dict[str, Any]:
@@ -264,7 +278,8 @@ class SimulationModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
-        self._localize(result)
+        self._localization.look(self._mapper, result)
+        self._volume.draw(result)
         self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
@@ -279,32 +294,6 @@ class SimulationModel(SessionModel):
         whole, box = second.changed()
         result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
 
-    def _localize(self, result: TickResult) -> None:
-        """Let the filter see the newest scan."""
-        one, scan = self._localization, self._mapper.newest
-        if one is None or scan is None or self._mapper.hidden:
-            return
-        if one.look(scan, self._mapper.newest_pose):
-            result.changed = True
-            result.slot(one.message())
-
-    def _begin_localizing(self, command: dict[str, Any], result: TickResult) -> None:
-        """Begin to localize the robot in a plan of the present world, or end it."""
-        simulation = self._mapper.simulation
-        self._localization = (
-            LabLocalization(
-                simulation.world,
-                simulation.sensor,
-                simulation.mount,
-                self._mapper.newest_pose,
-                values({"values": {}} | command),
-                text({"map": "plan"} | command, "map"),
-            )
-            if flag(command, "value")
-            else None
-        )
-        result.slot(OFF if self._localization is None else self._localization.message())
-
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
@@ -313,9 +302,11 @@ class SimulationModel(SessionModel):
             case kind if kind in ACTIONS:
                 self._act(command, result)
             case "localize":
-                self._begin_localizing(command, result)
+                self._localization.obey(command, self._mapper, result)
             case kind if kind in COMMANDS:
                 self._navigation.obey(command, result)
+            case "map3d":
+                self._volume.obey(command, result)
             case "step":
                 self._step(command, result)
             case "faults":
@@ -364,10 +355,10 @@ class SimulationModel(SessionModel):
             self.playback.playing = True
         if command["type"] in ("drive", "auto"):
             self._navigation.stop_driving(result)
-        if command["type"] == "teleport" and self._localization is not None:
+        if command["type"] == "teleport":
             self._localization.carried(mapper.newest_pose)
         if command["type"] == "sensor":
-            self._stop_localizing(result)
+            self._localization.end(result)
         if command["type"] == "edit":
             result.slot(self._world_message())
         if command["type"] == "sensor" or mapper.second is not second:
@@ -388,14 +379,10 @@ class SimulationModel(SessionModel):
         if scans > now:
             result.unfinished = command | {"scans": scans - now}
 
-    def _stop_localizing(self, result: TickResult) -> None:
-        if self._localization is not None:
-            self._localization = None
-            result.slot(OFF)
-
     def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
-        self._stop_localizing(result)
+        self._localization.end(result)
         self._navigation.end(result)
         self._mapper.begin(world, self.sensor, edits_of(edits))
+        self._volume.restart(result)
         result.new_grid = True
         result.slot(self._world_message())

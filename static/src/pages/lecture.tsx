@@ -60,6 +60,7 @@ import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
 import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
+import { TerrainSection } from "./lecture/TerrainSection";
 import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
@@ -102,6 +103,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   path: PathSection,
   lifetime: LifetimeSection,
   stack: StackSection,
+  terrain: TerrainSection,
   next: NextSection,
   log: LogSection,
 };

@@ -30,7 +30,9 @@ import type {
 } from "../wire/protocol";
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
+import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
+import { Map3d } from "./map3d";
 import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
@@ -152,8 +154,12 @@ export class SessionState implements Receiver {
   readonly forgetting = signal<Forgetting | null>(null);
   /** How the robot is localized; null before the first message. */
   readonly localization = signal<LocalizationMessage | null>(null);
+  /** The particle filter that the user wants in the lab. */
+  readonly filter = new FilterSettings();
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
+  /** The 3D map of the simulated robot. */
+  readonly map3d = new Map3d();
   /** What the user does with a map that is edited. */
   readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
@@ -347,9 +353,13 @@ export class SessionState implements Receiver {
         return;
       case "localization":
         this.localization.value = message;
+        this.filter.take(message);
         return;
       case "costmap":
         this.navigation.take(message);
+        return;
+      case "map3d":
+        this.map3d.take(message);
         return;
       case "path":
         this.navigation.path.value = message;
@@ -387,7 +397,8 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.navigation.values, this.map3d.values])
+          values.refuse();
         this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;

@@ -52,6 +52,40 @@ export class Store extends SessionState {
     );
   }
 
+  /** Begin to localize the lab's robot, from anywhere. */
+  beginFilter(values: Values, map: string): void {
+    const command = { type: "localize", value: true, values, map } as const;
+    this.filter.note(command);
+    this.send(command);
+  }
+
+  /** Set parameters of the filter; one that runs goes on with them. */
+  setFilter(values: Values): void {
+    const [old, map] = [this.filter.values.peek(), this.filter.map.peek()];
+    const next = { ...old, ...values };
+    if (this.localization.peek()?.is_on !== true) {
+      this.filter.values.value = next;
+      return;
+    }
+    const command = { type: "localize", value: true, map, keep: true } as const;
+    this.#change(
+      `localize ${Object.keys(values).join(" ")}`,
+      [{ ...command, values: old }],
+      [{ ...command, values: next }],
+    );
+  }
+
+  /** Set a parameter of the 3D sensor or of its map; begins the map if there is none. */
+  setMap3d(values: Values): void {
+    const now = this.map3d.values.values.peek();
+    const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
+    this.#change(
+      `map3d ${Object.keys(values).join(" ")}`,
+      [{ type: "map3d", values: old }],
+      [{ type: "map3d", values }],
+    );
+  }
+
   /** Set the outline of the robot: corners in its frame, m. */
   setFootprint(footprint: readonly Point[]): void {
     const old = this.navigation.costmap.peek()?.footprint ?? footprint;
@@ -165,6 +199,12 @@ export class Store extends SessionState {
       }
     } else if (command.type === "costmap") {
       for (const [name, value] of Object.entries(command.values ?? {})) this.navigation.values.set(name, value);
+      this.sendSoon(command);
+    } else if (command.type === "localize") {
+      this.filter.note(command);
+      this.sendSoon(command);
+    } else if (command.type === "map3d") {
+      for (const [name, value] of Object.entries(command.values ?? {})) this.map3d.values.set(name, value);
       this.sendSoon(command);
     } else if (command.type === "teleport") this.sendSoon(command);
     else {

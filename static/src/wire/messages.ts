@@ -179,6 +179,16 @@ export interface Edits {
 /** [ax, ay, bx, by] in m */
 export type Segment = readonly [ax: number, ay: number, bx: number, by: number];
 
+/** A solid of a world with heights of its own, such as a low table or a lintel. */
+export interface Block {
+  /** its corners seen from above */
+  readonly outline: readonly Point[];
+  /** height of its bottom, m */
+  readonly low: number;
+  /** height of the highest point of its top, m */
+  readonly high: number;
+}
+
 /** A stroke of the brush that paints keepout zones. */
 export interface KeepoutStroke {
   /** width of the brush, m */
@@ -325,6 +335,8 @@ export interface Hello {
   readonly seed?: number;
   /** parameters of the costmap and the path */
   readonly navigation?: readonly Parameter[];
+  /** simulations: parameters of the 3D sensor and its map */
+  readonly map3d?: readonly Parameter[];
 }
 
 /** The layers of the session. Sent at the start and after a change. */
@@ -477,6 +489,8 @@ export interface WorldMessage {
   readonly edits: Edits;
   /** faces that give no return while the fault `specular` is on */
   readonly polished: readonly Segment[];
+  /** solids with heights of their own */
+  readonly blocks?: readonly Block[];
 }
 
 /** Simulations: how two maps, with and without clamping, forget what an `edit` with `watch` erased. */
@@ -527,6 +541,35 @@ export interface LocalizationMessage {
   readonly error_m: number | null;
   /** its error in heading, rad */
   readonly error_rad: number | null;
+}
+
+/** The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`. */
+export interface Map3dMessage {
+  readonly type: "map3d";
+  /** whether there is one */
+  readonly is_on: boolean;
+  /** parameters of the 3D sensor and the map */
+  readonly values: Values;
+  /** scans in the map */
+  readonly scans: number;
+  /** scans that are recorded; more than `scans` while the map is made anew */
+  readonly taken: number;
+  /** cells of its projection that are occupied, and are not in the 2D map */
+  readonly only_in_3d: number;
+  /** why it does not grow any more; null: it does */
+  readonly problem: string | null;
+  /** free and occupied voxels */
+  readonly known: number;
+  /** nodes of its octree, whose equal leaves are joined */
+  readonly nodes: number;
+  /** those without children */
+  readonly leaves: number;
+  /** the octree: log-odds and children of each node */
+  readonly octree_bytes: number;
+  /** the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash */
+  readonly block_bytes: number;
+  /** a dense grid of the world, 4 bytes for each voxel */
+  readonly dense_bytes: number;
 }
 
 /** The costmap over the map of a simulation or a log. */
@@ -805,7 +848,7 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** Simulations: begin to localize the robot in a map, from anywhere, or end it. */
+/** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
 export interface LocalizeCommand {
   readonly type: "localize";
   /** whether it is localized */
@@ -814,6 +857,17 @@ export interface LocalizeCommand {
   readonly values?: Values;
   /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
   readonly map?: string;
+  /** keep the particles of the filter that runs on this map, if there is one */
+  readonly keep?: boolean;
+}
+
+/** Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it. */
+export interface Map3dCommand {
+  readonly type: "map3d";
+  /** whether there is one */
+  readonly value?: boolean;
+  /** parameters of the sensor and the map to change; the others stay */
+  readonly values?: Values;
 }
 
 /** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
@@ -1099,6 +1153,7 @@ export type ServerMessage =
   | WorldMessage
   | Forgetting
   | LocalizationMessage
+  | Map3dMessage
   | CostmapMessage
   | PathMessage
   | CostMessage
@@ -1128,6 +1183,7 @@ export type Command =
   | CompareCommand
   | TeleportCommand
   | LocalizeCommand
+  | Map3dCommand
   | CostmapCommand
   | GoalCommand
   | CostCommand
@@ -1236,6 +1292,11 @@ const isEdits: Check = isObject({
   erased: isListOf(isInteger),
 });
 const isSegment: Check = isTuple(isNumber, isNumber, isNumber, isNumber);
+const isBlock: Check = isObject({
+  outline: isListOf(isPoint),
+  low: isNumber,
+  high: isNumber,
+});
 const isKeepoutStroke: Check = isObject({
   width: isPositive,
   erases: isFlag,
@@ -1328,6 +1389,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     world: optional(isText),
     seed: optional(isInteger),
     navigation: optional(isListOf(isParameter)),
+    map3d: optional(isListOf(isParameter)),
   },
   layers: {
     layers: isListOf(isLayerInfo),
@@ -1396,6 +1458,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     ids: isListOf(isInteger),
     edits: isEdits,
     polished: isListOf(isSegment),
+    blocks: optional(isListOf(isBlock)),
   },
   forgetting: {
     cells: isInteger,
@@ -1420,6 +1483,20 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     n_updates: isInteger,
     error_m: oneOf(isNumber, isNull),
     error_rad: oneOf(isNumber, isNull),
+  },
+  map3d: {
+    is_on: isFlag,
+    values: isValues,
+    scans: isInteger,
+    taken: isInteger,
+    only_in_3d: isInteger,
+    problem: oneOf(isText, isNull),
+    known: isInteger,
+    nodes: isInteger,
+    leaves: isInteger,
+    octree_bytes: isInteger,
+    block_bytes: isInteger,
+    dense_bytes: isInteger,
   },
   costmap: {
     is_on: isFlag,

@@ -83,7 +83,10 @@ describe("each message of the server", () => {
   test.each(messages)("%s is refused with any of its fields broken", (type, text) => {
     for (const key of Object.keys(JSON.parse(text)).filter((name) => name !== "type")) {
       const broken = { ...JSON.parse(text), [key]: { no: "such value" } };
-      if (["parameters", "localization", "costmap"].includes(type) && ["values", "sensor", "faults"].includes(key))
+      if (
+        ["parameters", "localization", "costmap", "map3d"].includes(type) &&
+        ["values", "sensor", "faults"].includes(key)
+      )
         broken[key] = [1];
       expect(() => decodeText(JSON.stringify(broken))).toThrow(expect.objectContaining({ code: `${type}.${key}` }));
     }

@@ -36,6 +36,7 @@ export type {
   LayerKind,
   LocalizationMessage,
   LogInfo,
+  Map3dMessage,
   MapEditCommand,
   MapEditsMessage,
   Numbers,

@@ -84,7 +84,7 @@ def test_no_beam_passes_a_wall_and_none_ends_in_the_air(name):
         angle = bearings(sensor, yaw)[:, None]
         points = place + along[None, :, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         solid = np.zeros(points.shape[:2], dtype=bool)
-        for polygon in world.solids:
+        for polygon in world.in_laser_plane().solids:
             solid |= inside(polygon, points)
         first = np.where(solid.any(axis=1), along[solid.argmax(axis=1)], np.inf)
         before = np.minimum(got, 12.0)

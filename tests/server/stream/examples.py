@@ -23,7 +23,8 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
-    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved"},
+    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved", "keep": True},
+    {"type": "map3d", "value": True, "values": {"voxel": 0.1, "sensor": "depth_camera"}},
     {
         "type": "costmap",
         "value": True,
@@ -181,6 +182,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ids=[-1],
         edits=parts.Edits([("wall", 0, 0, 100, 250)], [2]),
         polished=[(0.0, 0.0, 1.0, 0.0)],
+        blocks=[parts.Block([(1.0, 1.0), (2.0, 1.0), (2.0, 2.0)], 0.25, 0.5)],
     ),
     messages.Forgetting(40, 12, 9, None, 0.95, 0.25),
     messages.LocalizationMessage(
@@ -200,6 +202,10 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.01,
     ),
     messages.LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
+    messages.Map3dMessage(
+        True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
+    ),
+    messages.Map3dMessage(False, {}, 0, 0, 0, "Full.", 0, 0, 0, 0, 0, 0),
     messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},

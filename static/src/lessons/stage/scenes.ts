@@ -316,6 +316,13 @@ export const SCENES = {
   path: () => laterScene("path"),
   lifetime: () => laterScene("lifetime"),
   stack: () => laterScene("stack"),
+  terrain: () =>
+    scene({
+      scans: 77,
+      trinary: true,
+      caption:
+        "A floor is flat: free or occupied is all that this map says. Beside it the ground has slopes, and a patch has a plane.",
+    }),
   next: () =>
     scene({
       scans: 77,

@@ -20,6 +20,7 @@ const Localization = lazy(async () => (await import("../../tools/localization/Lo
 const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGroup")).PathGroup);
 const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
+const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
@@ -141,6 +142,13 @@ const GROUPS: readonly Group[] = [
     title: "3D",
     purpose: "Map, robot and world in three dimensions",
     content: ({ session }) => <Scene session={session} />,
+  },
+  {
+    id: "map3d",
+    title: "3D map",
+    purpose: "An octree, filled by a 3D sensor while the robot drives",
+    badge: ({ store }) => (store.map3d.message.value?.is_on ? "on" : null),
+    content: ({ store, session }) => <Map3dGroup store={store} session={session} />,
   },
   {
     id: "share",

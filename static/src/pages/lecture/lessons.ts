@@ -40,6 +40,7 @@ export const LESSONS = [
   { id: "path", title: "A path", reserve: [300, 300, 300, 400] },
   { id: "lifetime", title: "What the moving table teaches", reserve: [200, 200, 200, 300] },
   { id: "stack", title: "The whole stack", reserve: [400, 400, 400, 500] },
+  { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
   { id: "next", title: "Other maps", reserve: [336, 292, 292, 493] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];

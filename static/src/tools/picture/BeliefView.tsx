@@ -25,6 +25,7 @@ import type { Comparison } from "../compare/comparison";
 import { paintScanPair } from "../heal/paint";
 import { GIVEN_MAP } from "../localization/model";
 import { paintGivenPose, paintLocalization } from "../localization/paint";
+import { map3dOver, watchMap3d } from "../map3d/over";
 import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
 import { paintWhy } from "../why/paint";
@@ -69,7 +70,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
           invalidate,
           () => {
             const below = underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }];
-            return [...below, ...costsOver(store)];
+            return [...below, ...costsOver(store), ...map3dOver(store)];
           },
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
@@ -95,6 +96,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.scanPair.value;
             void store.localization.value;
             watchNavigation(store);
+            watchMap3d(store);
             void store.givenPose.value;
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;

@@ -55,6 +55,13 @@ function paintPlan(store: Store, canvas: HTMLCanvasElement, size: { width: numbe
   for (const polygon of world.polygons) tracePolygon(brush, polygon);
   ctx.fillStyle = colours.solid;
   ctx.fill("nonzero");
+  // What has a height of its own: beams may pass above or below it.
+  ctx.beginPath();
+  for (const block of world.blocks ?? []) tracePolygon(brush, block.outline);
+  ctx.setLineDash([5, 3]);
+  ctx.lineWidth = 1.5;
+  ctx.stroke();
+  ctx.setLineDash([]);
 }
 
 export function WorldView({ store }: { readonly store: Store }) {

@@ -17,6 +17,8 @@ interface Settings {
 
 interface SceneProps {
   readonly session: string;
+  /** Whether the map is drawn as columns, whose height can be set. */
+  readonly hasColumns?: boolean;
 }
 
 const addressOf = (session: string, part: string): string => `/scenes/${encodeURIComponent(session)}/${part}`;
@@ -24,7 +26,7 @@ const addressOf = (session: string, part: string): string => `/scenes/${encodeUR
 /** Interval at which the layers are asked for until the scene has some. */
 const AGAIN_MS = 700;
 
-export function Scene({ session }: SceneProps) {
+export function Scene({ session, hasColumns = true }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
   const group = useRef<HTMLDivElement>(null);
   const dark = useSignal(isDark.peek());
@@ -50,7 +52,7 @@ export function Scene({ session }: SceneProps) {
     <div class="scene-place" ref={place}>
       <div class="scene-group" ref={group}>
         <iframe class="scene" title="3D view" src={addressOf(session, `plain/${query}`)} />
-        <SceneControls session={session} onFullScreen={enlarge} />
+        <SceneControls session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
       </div>
     </div>
   );
@@ -62,7 +64,7 @@ function fullScreen(element: Element): void {
   (change ?? Promise.reject()).catch(() => toast("The browser does not allow the full screen here.", "error"));
 }
 
-function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
+function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = useSignal<Settings | null>(null);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -97,17 +99,19 @@ function SceneControls({ session, onFullScreen }: SceneProps & { readonly onFull
           </Button>
         ))}
       </fieldset>
-      <Slider
-        label="Height of the columns"
-        sentence="How many times as high as by default the columns of the map are drawn."
-        unit="×"
-        value={height}
-        initial={1}
-        low={0.2}
-        high={5}
-        step={0.1}
-        onInput={(value) => void change({ height: value })}
-      />
+      {hasColumns && (
+        <Slider
+          label="Height of the columns"
+          sentence="How many times as high as by default the columns of the map are drawn."
+          unit="×"
+          value={height}
+          initial={1}
+          low={0.2}
+          high={5}
+          step={0.1}
+          onInput={(value) => void change({ height: value })}
+        />
+      )}
       <div class="actions">
         <Button icon="fit" onClick={onFullScreen}>
           Full screen

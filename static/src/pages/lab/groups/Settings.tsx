@@ -1,6 +1,7 @@
 /** The parameters of the map and of the sensor, by group. */
 
 import type { Store } from "../../../store/store";
+import { Sensor3d } from "../../../tools/map3d/Sensor3d";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { Button } from "../../../ui/Button";
 
@@ -47,6 +48,7 @@ export function SensorSettings({ store }: SettingsProps) {
     <div class="lab-settings lab-sensor">
       <h3>The sensor in the world</h3>
       <ParameterRows rows={table} values={store.sensor.values} set={(name, value) => store.setSensor(name, value)} />
+      <Sensor3d store={store} />
       <h3>Its mount, as the map takes it to be</h3>
       <Rows store={store} groups={["mount"]} />
       <Defaults store={store} />

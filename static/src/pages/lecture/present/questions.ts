@@ -228,6 +228,14 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes:
       "Let it drive until the cloud has found the robot, then drag it away. Set both rates to 0 and repeat: it stays lost. Equal rates: the same.",
   },
+  terrain: {
+    question: "9 points of a patch leave a residual of 0.4 m². And 18 of the same ground?",
+    options: ["0.2 m²", "0.4 m²", "0.8 m²"],
+    right: 2,
+    answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
+    notes:
+      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without its root is a slip of the printed source.",
+  },
   layers: {
     question: "A crate stands in the way, and the saved map does not have it. Who knows?",
     options: ["The static layer", "The obstacle layer", "The inflation layer"],

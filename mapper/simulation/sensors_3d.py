@@ -1,0 +1,193 @@
+"""The simulated sensors that measure in three dimensions: lidars and a depth camera, and what they read in a world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.core.se3 import from_euler
+from mapper.simulation.lidar import RANGE_MIN, TURN
+from mapper.simulation.space import cast
+from mapper.simulation.worlds import Float64Array, World
+
+SENSOR_3D_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter(
+        "sensor", "3D sensor", "sensor_3d", "choice", "spinning_lidar",
+        "A spinning lidar has rings of beams; a tilted one has one plane, swept by the robot; a depth camera "
+        "measures every pixel of an image.",
+        choices=("spinning_lidar", "tilted_lidar", "depth_camera"),
+    ),
+    Parameter(
+        "mount_height", "Height of its mount", "sensor_3d", "number", 0.6, "Height of the sensor above the ground.",
+        unit="m", low=0.1, high=1.8, step=0.05,
+    ),
+    Parameter(
+        "tilt", "Tilt", "sensor_3d", "number", 0.25, "How far its axis points below the horizon.",
+        unit="rad", low=-0.8, high=0.8, step=0.05, only_for=("tilted_lidar", "depth_camera"),
+    ),
+    Parameter(
+        "rings", "Rings", "sensor_3d", "number", 16, "Rings of beams, spread evenly over the vertical field of view.",
+        low=4, high=32, step=1, only_for=("spinning_lidar",),
+    ),
+    Parameter(
+        "vertical_view", "Vertical field of view", "sensor_3d", "number", math.radians(30.0),
+        "The angle between the lowest and the highest ring, half of it below the horizon.",
+        unit="rad", low=0.1, high=1.6, step=0.02, only_for=("spinning_lidar",),
+    ),
+    Parameter(
+        "beams", "Beams", "sensor_3d", "number", 360, "Beams of a ring, or of the plane, in a turn.",
+        low=60, high=720, step=30, only_for=("spinning_lidar", "tilted_lidar"),
+    ),
+    Parameter(
+        "columns", "Columns", "sensor_3d", "number", 96, "Columns of the depth image, which has 4 : 3.",
+        low=16, high=160, step=16, only_for=("depth_camera",),
+    ),
+    Parameter(
+        "view", "Field of view", "sensor_3d", "number", 1.2, "Angle between the left and the right border of an image.",
+        unit="rad", low=0.4, high=2.0, step=0.05, only_for=("depth_camera",),
+    ),
+    Parameter(
+        "reach", "3D range", "sensor_3d", "number", 8.0,
+        "The farthest the sensor can measure; a beam that meets nothing nearer returns nothing.",
+        unit="m", low=1.0, high=20.0, step=0.5,
+    ),
+    Parameter(
+        "noise", "3D noise σ", "sensor_3d", "number", 0.01, "Standard deviation of a reading about the true distance.",
+        unit="m", low=0.0, high=0.3, step=0.005,
+    ),
+    Parameter(
+        "rate", "3D scan rate", "sensor_3d", "number", 4.0, "Scans or images in a second.",
+        unit="Hz", low=0.5, high=10.0, step=0.5,
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor3D:
+    """One value for each row of :data:`SENSOR_3D_PARAMETERS`; units and meanings are in the table.
+
+    Raises :class:`ConfigError` naming the field that is refused.
+    """
+
+    sensor: str = "spinning_lidar"
+    mount_height: float = 0.6
+    tilt: float = 0.25
+    rings: int = 16
+    vertical_view: float = math.radians(30.0)
+    beams: int = 360
+    columns: int = 96
+    view: float = 1.2
+    reach: float = 8.0
+    noise: float = 0.01
+    rate: float = 4.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, SENSOR_3D_PARAMETERS)
+        for name in ("rings", "beams", "columns"):
+            value = getattr(self, name)
+            if value != int(value):
+                raise ConfigError(f"parameter.{name}", f"The number of {name} must be whole, not {value!r}.")
+            object.__setattr__(self, name, int(value))
+
+    def with_values(self, values: Mapping[str, Any]) -> Sensor3D:
+        """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
+        check_names(values, SENSOR_3D_PARAMETERS, "parameter of the 3D sensor")
+        return Sensor3D(**(asdict(self) | dict(values)))
+
+    @property
+    def directions(self) -> Float64Array:
+        """Directions (n, 3) of the beams in the sensor's frame, x forward, y left, z up, of length 1."""
+        return _DIRECTIONS[self.sensor](self)
+
+    @property
+    def mount(self) -> Float64Array:
+        """``T_base_sensor`` (4, 4): above the robot's centre, the axis of a tilted sensor below the horizon."""
+        pitch = 0.0 if self.sensor == "spinning_lidar" else self.tilt
+        return from_euler((0.0, 0.0, self.mount_height), 0.0, pitch, 0.0)
+
+
+check_table(Sensor3D, SENSOR_3D_PARAMETERS)
+
+
+def _ring(sensor: Sensor3D, elevations: Float64Array) -> Float64Array:
+    azimuth = -0.5 * TURN + TURN / sensor.beams * np.arange(sensor.beams)
+    level = np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+    rings = [
+        np.column_stack([math.cos(angle) * level, np.full(sensor.beams, math.sin(angle))])
+        for angle in elevations.tolist()
+    ]
+    return np.ascontiguousarray(np.concatenate(rings))
+
+
+def _spinning(sensor: Sensor3D) -> Float64Array:
+    return _ring(sensor, np.linspace(-0.5 * sensor.vertical_view, 0.5 * sensor.vertical_view, sensor.rings))
+
+
+def _tilted(sensor: Sensor3D) -> Float64Array:
+    return _ring(sensor, np.zeros(1))
+
+
+def _pixels(sensor: Sensor3D) -> Float64Array:
+    """Rays of the pixels of a pinhole camera with square pixels, whose axis passes the middle of the image."""
+    columns, rows = sensor.columns, sensor.columns * 3 // 4
+    focal = 0.5 * columns / math.tan(0.5 * sensor.view)
+    left = -(np.arange(columns) + 0.5 - 0.5 * columns) / focal
+    up = -(np.arange(rows) + 0.5 - 0.5 * rows) / focal
+    y, z = (axis.ravel() for axis in np.meshgrid(left, up))
+    rays = np.column_stack([np.ones(len(y)), y, z])
+    return np.ascontiguousarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
+
+
+_DIRECTIONS: Mapping[str, Callable[[Sensor3D], Float64Array]] = MappingProxyType(
+    {"spinning_lidar": _spinning, "tilted_lidar": _tilted, "depth_camera": _pixels}
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan3D:
+    """What a 3D sensor reported: ``ranges`` (n,) metres along its beams, +inf for no return, and when.
+
+    ``pose`` (x, y, yaw) is the base's ``T_map_base`` at it, as the map takes it to be.
+    """
+
+    sensor: Sensor3D
+    ranges: NDArray[np.float32]
+    pose: tuple[float, float, float]
+    stamp_s: float
+
+    def ends(self) -> tuple[Float64Array, Float64Array]:
+        """Return the ends (n, 3) of the beams in the map frame and where the sensor was (3,), metres.
+
+        A beam without a return ends a tenth beyond the sensor's range.
+        """
+        pose = sensor_pose(self.sensor, self.pose)
+        reached = np.where(np.isfinite(self.ranges), self.ranges, 1.1 * self.sensor.reach)
+        return self.sensor.directions * reached[:, None] @ pose[:3, :3].T + pose[:3, 3], pose[:3, 3]
+
+
+def sensor_pose(sensor: Sensor3D, base_pose: ArrayLike) -> Float64Array:
+    """Return ``T_map_sensor`` (4, 4) of a robot at ``base_pose`` (x, y, yaw) on the ground."""
+    x, y, yaw = (float(v) for v in np.asarray(base_pose, dtype=np.float64))
+    return np.asarray(from_euler((x, y, 0.0), 0.0, 0.0, yaw) @ sensor.mount)
+
+
+def measure_3d(world: World, sensor: Sensor3D, base_pose: ArrayLike, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return the ranges (n,) that the sensor of a robot at ``base_pose`` (3,), ``T_map_base``, reports at one instant.
+
+    Noise is that of :func:`mapper.simulation.lidar.measure`: Gaussian with σ = ``noise`` along the beam, no reading
+    below :data:`RANGE_MIN`, +inf beyond ``reach``. A depth camera reports the distance along the ray of a pixel here.
+    """
+    pose = sensor_pose(sensor, base_pose)
+    directions = sensor.directions
+    true = cast(world, pose[:3, 3], directions @ pose[:3, :3].T, sensor.reach)
+    noisy = np.maximum(true + sensor.noise * rng.standard_normal(len(true)), RANGE_MIN).astype(np.float32)
+    noisy[noisy > sensor.reach] = np.inf
+    return noisy

@@ -1,0 +1,154 @@
+"""The 3D map of the lab's robot: made of what its 3D sensor measures while it drives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mapper.core.errors import ConfigError, LimitError
+from mapper.core.limits import Limits
+from mapper.grid import GridGeometry, OccupancyGrid
+from mapper.grid.occupancy_grid import OCCUPIED
+from mapper.simulation.robot import PoseTuple
+from mapper.simulation.sensors_3d import Scan3D, measure_3d
+from mapper.simulation.worlds import World
+from mapper.volume import OccupancyVolume, Octree, project
+from mapper.volume.blocks import BLOCK
+from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
+
+MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds
+MOST_READINGS = 4_000_000  #: of all recorded scans: 16 MB
+AT_ONCE = 4  #: recorded scans that are put into a map that is made anew, in one tick
+BYTES_OF_NODE = 5  #: log-odds and the bits of its children, as in the file .ot
+
+
+class LabVolume:
+    """Scans of a 3D sensor and the map of them. Not for several threads at once.
+
+    With other voxels the map is made anew of what was recorded, a few scans with each :meth:`catch_up`. Of a recording
+    that becomes too long every second scan is given up.
+    """
+
+    def __init__(self, world: World, seed: int, parameters: VolumeParameters) -> None:
+        self.parameters = parameters
+        self.world = world
+        self._noise = np.random.default_rng([seed, 3])
+        self._due = -np.inf  #: when the next scan is taken, simulated seconds
+        self.scans: list[Scan3D] = []
+        self.problem: LimitError | None = None  #: why scans are not in the map
+        self.begin_map()
+
+    def begin_map(self) -> None:
+        """Empty the map; the scans stay."""
+        self.volume = OccupancyVolume(self.parameters.config)
+        self.used = 0  #: how many of the scans are in the map
+        self.problem = None
+
+    def change(self, parameters: VolumeParameters) -> bool:
+        """Use other parameters; return whether the map is made anew."""
+        before, self.parameters = self.parameters, parameters
+        if parameters.sensor != before.sensor:
+            self._due = -np.inf
+        if parameters.config == before.config:
+            return False
+        self.begin_map()
+        return True
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether recorded scans are not in the map yet."""
+        return self.used < len(self.scans) and self.problem is None
+
+    def look(self, world: World, pose: PoseTuple, believed: PoseTuple, now: float) -> bool:
+        """Take a scan of the robot at ``pose`` that takes itself to be at ``believed``, if one is due at ``now``, s.
+
+        At most one, however much time has passed. Return whether there is one.
+        """
+        sensor = self.parameters.sensor
+        if self.problem is not None or now < self._due - 1e-9:
+            return False
+        self._due = max(self._due + 1.0 / sensor.rate, now)
+        self.world = world
+        self.scans.append(Scan3D(sensor, measure_3d(world, sensor, pose, self._noise), believed, now))
+        if sum(len(scan.ranges) for scan in self.scans) > MOST_READINGS:
+            kept = range(len(self.scans) - 1, -1, -2)[::-1]
+            self.used = sum(i < self.used for i in kept)
+            self.scans = [self.scans[i] for i in kept]
+        return True
+
+    def catch_up(self, limits: Limits) -> list[np.ndarray]:
+        """Put the next scans into the map; return the slots of the blocks that each touched."""
+        self.volume.blocks.limits = replace(limits, max_blocks=min(MOST_BLOCKS, limits.max_cells // BLOCK**3))
+        touched = []
+        for scan in self.scans[self.used : self.used + AT_ONCE]:
+            try:
+                touched.append(self._insert(scan))
+            except LimitError as error:
+                self.problem = error
+                break
+            self.used += 1
+        return touched
+
+    def _insert(self, scan: Scan3D) -> np.ndarray:
+        return self.volume.insert_scan(*scan.ends()).slots
+
+    def projection(self) -> OccupancyGrid:
+        """Return the map from above of the heights of the band, on a lattice that holds the world."""
+        size = self.parameters.config.resolution
+        x0, y0, x1, y1 = self.world.bounds
+        col0, row0 = int(np.floor(x0 / size)) - 1, int(np.floor(y0 / size)) - 1
+        cols, rows = int(np.ceil(x1 / size)) + 1 - col0, int(np.ceil(y1 / size)) + 1 - row0
+        grid = OccupancyGrid(GridGeometry(size, rows, cols, (col0 * size, row0 * size, 0.0)))
+        try:
+            found = project(self.volume, *self.parameters.band)
+        except ConfigError:
+            return grid  # nothing is known at these heights yet
+        down = round(found.geometry.origin[1] / size) - row0
+        right = round(found.geometry.origin[0] / size) - col0
+        r0, c0 = max(down, 0), max(right, 0)
+        r1, c1 = min(down + found.geometry.rows, rows), min(right + found.geometry.cols, cols)
+        if r0 < r1 and c0 < c1:
+            part = slice(r0 - down, r1 - down), slice(c0 - right, c1 - right)
+            grid.log_odds[r0:r1, c0:c1] = found.log_odds[part]
+            grid.observed[r0:r1, c0:c1] = found.observed[part]
+        return grid
+
+    def memory(self) -> dict[str, int]:
+        """Return how much memory the map takes in three forms, bytes, and the numbers of nodes and known voxels.
+
+        A dense grid has a float32 for each voxel of the box of the world, :data:`HIGHEST` high.
+        """
+        volume, size = self.volume, self.parameters.config.resolution
+        x0, y0, x1, y1 = self.world.bounds
+        dense = np.prod(np.ceil(np.array([x1 - x0, y1 - y0, HIGHEST]) / size - 1e-9))
+        tree = Octree.of(volume) if volume.blocks.count else None
+        nodes = 0 if tree is None else tree.n_nodes
+        return {
+            "known": volume.n_known,
+            "nodes": nodes,
+            "leaves": 0 if tree is None else tree.n_leaves,
+            "octree_bytes": BYTES_OF_NODE * nodes,
+            "block_bytes": volume.n_bytes,
+            "dense_bytes": 4 * int(dense),
+        }
+
+
+def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarray, int]:
+    """Return what the projection has, uint8 (rows, cols), and how many of its occupied cells a flat map lacks.
+
+    255 is unknown, 0 free, 1 occupied in both maps, 2 occupied in the projection and in no cell of the flat map that is
+    within a cell of it.
+    """
+    occupied = projection.classify() == OCCUPIED
+    rows, cols = np.nonzero(flat.classify() == OCCUPIED)
+    near = np.zeros((projection.geometry.rows + 2, projection.geometry.cols + 2), dtype=np.bool_)
+    places = projection.geometry.world_to_cell(flat.geometry.cell_to_world(np.stack([rows, cols], axis=1)))
+    inside = ((places >= 0) & (places < projection.geometry.shape)).all(axis=1)
+    for down in range(3):
+        for right in range(3):
+            near[places[inside, 0] + down, places[inside, 1] + right] = True
+    out = np.where(projection.observed, 0, 255).astype(np.uint8)
+    out[occupied] = 1
+    out[occupied & ~near[1:-1, 1:-1]] = 2
+    return out, int((out == 2).sum())

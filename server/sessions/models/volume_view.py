@@ -1,0 +1,206 @@
+"""What a simulation shows of its 3D map: grids over the belief, the message with its numbers, and the 3D view."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mapper.grid import OccupancyGrid
+from mapper.simulation.live_map import LiveMap
+from mapper.volume.faces import CENTRE, ChunkKey, VoxelFaces, chunks_of, face_rule
+from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
+from server.sessions.hosting import ModelHost
+from server.sessions.models.lab_navigation import believed_now
+from server.sessions.models.lab_volume import LabVolume, only_in_3d
+from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
+from server.sessions.models.simulation_commands import flag
+from server.sessions.playback import Playback
+from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import values
+
+MOST_POINTS = 2000  #: of the newest scan that are drawn
+SCANS_OF_PROJECTION = 2  #: scans between two projections,
+SCANS_OF_MEMORY = 8  #: and between two counts of the nodes of the octree
+BANDS = 12  #: colours of heights
+POINT = (200, 60, 120)
+#: From dark blue at the floor to yellow, even steps of lightness.
+PALETTE = np.array(
+    [
+        (48, 60, 120), (46, 82, 140), (42, 104, 152), (40, 124, 156), (44, 144, 154), (58, 162, 146),
+        (84, 178, 134), (116, 192, 118), (150, 204, 102), (184, 212, 92), (216, 216, 92), (240, 218, 104),
+    ],
+    dtype=np.uint8,
+)  # fmt: skip
+
+
+class VolumeView:
+    """The 3D map of a simulation, from its command ``map3d`` on until the same command ends it.
+
+    Faces of voxels are made only while a 3D view asks for them.
+    """
+
+    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback) -> None:
+        self._host, self._mapper, self._playback = host, mapper, playback
+        self._map: LabVolume | None = None
+        self._only = GridLayer("only_in_3d", "Only in the 3D map", "only_in_3d")
+        self._faces = VoxelFaces()
+        self._dirty: set[ChunkKey] = set()
+        self._is_drawn = False  #: whether a 3D view has asked for drawings since the last tick
+        self._voxels: dict[ChunkKey, np.ndarray] = {}
+        self._since = 0  #: scans since the last projection
+        self._memory: dict[str, int] = {}
+        self._memory_at = -1  #: scans in the map when memory was counted last
+        self._missing = 0
+        self.projection: OccupancyGrid | None = None  #: the map from above, replaced when it changes; None: no 3D map
+
+    @property
+    def is_on(self) -> bool:
+        """Whether there is a 3D map."""
+        return self._map is not None
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether recorded scans are not in the map yet."""
+        return self._map is not None and self._map.is_behind
+
+    @property
+    def fraction(self) -> float | None:
+        """The share of the recorded scans that is in the map; None while all are."""
+        return self._map.used / len(self._map.scans) if self._map is not None and self._map.is_behind else None
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """What only the 3D map has; none while it is off."""
+        return () if self._map is None else (self._only,)
+
+    @property
+    def cells(self) -> int:
+        """Voxels that it holds."""
+        return 0 if self._map is None else 512 * self._map.volume.blocks.count
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+        """Begin the 3D map, change it, or end it. Raises :class:`ConfigError`; nothing has changed then."""
+        if not flag({"value": True} | command, "value"):
+            self.end(result)
+            return
+        before = VolumeParameters() if self._map is None else self._map.parameters
+        parameters = before.with_values(values({"values": {}} | command))
+        if self._map is None:
+            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters)
+            self._start_again()
+        elif self._map.change(parameters):
+            self._start_again()
+        elif any(parameters.values[name] != before.values[name] for name in ("cut_low", "cut_high", "colour")):
+            self._dirty.update(chunks_of(self._map.volume), self._faces.chunks)
+        self._since = SCANS_OF_PROJECTION
+        result.slot(self.message())
+
+    def end(self, result: TickResult) -> None:
+        """Keep no 3D map any more."""
+        if self._map is not None:
+            self._map = self.projection = None
+            self._start_again()
+            result.slot(self.message())
+
+    def restart(self, result: TickResult) -> None:
+        """Begin an empty map where there is one: the world is another one."""
+        if self._map is not None:
+            self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, self._map.parameters)
+            self._start_again()
+            self._since = SCANS_OF_PROJECTION
+            result.slot(self.message())
+
+    def _start_again(self) -> None:
+        self._faces.clear()
+        self._voxels = {}
+        self._dirty.clear()
+        self._memory, self._memory_at, self._missing = {}, -1, 0
+
+    # -- computing ------------------------------------------------------------------------------------------------
+
+    def draw(self, result: TickResult) -> None:
+        """Take a scan if one is due, put scans into the map, and update what is shown."""
+        made = self._map
+        if made is None:
+            return
+        mapper, problem = self._mapper, made.problem
+        simulation = mapper.simulation
+        if not mapper.hidden:
+            made.look(simulation.world, simulation.robot.pose, believed_now(mapper), simulation.time)
+        for slots in made.catch_up(self._host.limits()):
+            self._dirty.update(chunks_of(made.volume, slots))
+            self._since += 1
+        if made.problem is not None and problem is None:
+            result.notice(made.problem.code, made.problem.message)
+        if self._since >= SCANS_OF_PROJECTION and not made.is_behind:
+            self._since = 0
+            self._project(made)
+            result.changed = True
+            result.slot(self.message())
+        if self._is_drawn and self._dirty:
+            self._make_faces(made)
+        self._is_drawn = False
+
+    def _project(self, made: LabVolume) -> None:
+        self.projection = made.projection()
+        states, self._missing = only_in_3d(self.projection, self._mapper.grid)
+        self._only.set_bytes(self.projection.geometry, states)
+        if made.used < self._memory_at or made.used - self._memory_at >= SCANS_OF_MEMORY or self._memory_at < 0:
+            self._memory, self._memory_at = made.memory(), made.used
+
+    def _make_faces(self, made: LabVolume) -> None:
+        shown = made.parameters.values
+        rule = face_rule(
+            made.volume,
+            shown["cut_low"],
+            max(shown["cut_high"], shown["cut_low"]),
+            base=0.0,
+            band=HIGHEST / BANDS,
+            colours=BANDS,
+            by_belief=shown["colour"] == "belief",
+        )
+        dirty, self._dirty = self._dirty, set()
+        if self._faces.update(made.volume, rule, dirty):
+            self._voxels = dict(self._faces.chunks)
+
+    # -- what is shown --------------------------------------------------------------------------------------------
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``map3d``."""
+        made = self._map
+        nothing = {"known": 0, "nodes": 0, "leaves": 0, "octree_bytes": 0, "block_bytes": 0, "dense_bytes": 0}
+        return {
+            "type": "map3d",
+            "is_on": made is not None,
+            "values": dict((VolumeParameters() if made is None else made.parameters).values),
+            "scans": 0 if made is None else made.used,
+            "taken": 0 if made is None else len(made.scans),
+            "only_in_3d": self._missing,
+            "problem": None if made is None or made.problem is None else made.problem.message,
+            **(self._memory or nothing),
+        }
+
+    def drawings(self, flat: Sequence[Drawing]) -> list[Drawing]:
+        """Return the voxels, the newest scan, and of ``flat`` the robot (event loop, between two ticks)."""
+        made = self._map
+        if made is None:
+            return [*flat]
+        self._is_drawn = True
+        if self._dirty and not self._playback.playing:
+            self._host.enqueue({"type": "map3d"})  # no tick would make the faces otherwise
+        size = made.parameters.config.resolution
+        found = [one for one in flat if not isinstance(one, GridColumns)]
+        found.append(
+            Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=PALETTE, size=size, corner=CENTRE)
+        )
+        if made.scans:
+            scan = made.scans[-1]
+            points = scan.ends()[0][np.isfinite(scan.ranges)]
+            some = points[:: 1 + len(points) // MOST_POINTS].astype(np.float32)
+            found.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
+        return found

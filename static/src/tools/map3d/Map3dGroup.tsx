@@ -1,0 +1,130 @@
+/** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what it has that the 2D map lacks. */
+
+import { useEffect, useMemo } from "preact/hooks";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { SwitchChip } from "../../ui/SwitchChip";
+import type { Value } from "../../wire/protocol";
+import { ParameterRows } from "../parameters/ParameterRows";
+import { Scene } from "../scene/Scene";
+import { Memory } from "./Memory";
+import { ONLY_IN_3D } from "./over";
+import { useMap3dRows } from "./Sensor3d";
+import "./map3d.css";
+
+/** The world with a low table, a ramp and stairs. */
+const LEVELS = "levels";
+
+interface GroupProps {
+  readonly store: Store;
+  readonly session: string;
+}
+
+export function Map3dGroup({ store, session }: GroupProps) {
+  const { map3d, layers } = store;
+  const message = map3d.message.value;
+  const isOn = message?.is_on === true;
+  const isEnded = map3d.isEnded.value;
+  const map = useMap3dRows(store, "map_3d");
+  const view = useMap3dRows(store, "view_3d");
+  const band = useMap3dRows(store, "band_3d");
+  const set = useMemo(() => (name: string, value: Value) => store.setMap3d({ [name]: value }), [store]);
+  useEffect(() => {
+    if (!isOn && !isEnded && map3d.message.peek()) store.send({ type: "map3d" });
+  }, [store, isOn, isEnded, message === null]);
+  useEffect(() => {
+    if (!isOn) return undefined;
+    map3d.isOver.value = true;
+    const end = layers.subscribe(ONLY_IN_3D);
+    return () => {
+      map3d.isOver.value = false;
+      end();
+    };
+  }, [store, isOn]);
+  if (!isOn || !message) return <Begin store={store} />;
+  const { values } = map3d.values;
+  return (
+    <div class="map3d">
+      <div class="map3d-view">
+        <Scene session={session} hasColumns={false} />
+      </div>
+      <Difference store={store} />
+      <div class="map3d-settings">
+        <ParameterRows rows={map} values={values} set={set} />
+      </div>
+      <Memory message={message} />
+      <h3>What is drawn</h3>
+      <div class="map3d-settings">
+        <ParameterRows rows={view} values={values} set={set} />
+      </div>
+      <h3>The map from above</h3>
+      <div class="map3d-settings">
+        <ParameterRows rows={band} values={values} set={set} />
+      </div>
+      <CostmapChoice store={store} />
+      <Button
+        kind="quiet"
+        onClick={() => {
+          map3d.isEnded.value = true;
+          store.send({ type: "map3d", value: false });
+        }}
+      >
+        End the 3D map
+      </Button>
+    </div>
+  );
+}
+
+function Begin({ store }: { readonly store: Store }) {
+  if (!store.map3d.isEnded.value) return <p class="map3d-note">The 3D map begins …</p>;
+  return (
+    <Button
+      kind="primary"
+      onClick={() => {
+        store.map3d.isEnded.value = false;
+      }}
+    >
+      Begin a 3D map
+    </Button>
+  );
+}
+
+/** What the 3D map has that the 2D map lacks, and where to see it. */
+function Difference({ store }: { readonly store: Store }) {
+  const message = store.map3d.message.value;
+  if (!message) return null;
+  const { only_in_3d: cells, problem } = message;
+  const isElsewhere = store.world.value?.name !== LEVELS;
+  return (
+    <div class="map3d-difference">
+      {problem !== null && <p role="alert">{problem}</p>}
+      <p role="status">
+        <span class="map3d-key" aria-hidden="true" />
+        <b>{cells.toLocaleString("en")}</b> cells are obstacles of the 3D map that the 2D map lacks; they are laid over
+        the belief.
+      </p>
+      {isElsewhere && (
+        <Button kind="quiet" onClick={() => store.chooseWorld(LEVELS)}>
+          Try the room with a low table
+        </Button>
+      )}
+    </div>
+  );
+}
+
+/** Whether the costmap stands on the 3D map from above. */
+function CostmapChoice({ store }: { readonly store: Store }) {
+  const { navigation } = store;
+  const isOn = navigation.costmap.value?.is_on === true && navigation.values.values.value.map === "map_3d";
+  return (
+    <SwitchChip
+      label="Costmap over the 3D map"
+      title="The static layer of the costmap is the 3D map from above; the group Costmap shows it, Path plans on it."
+      checked={isOn}
+      onChange={(wanted) => {
+        if (wanted) navigation.isEnded.value = false;
+        store.setNavigation({ map: wanted ? "map_3d" : "belief" });
+      }}
+    />
+  );
+}

@@ -1,0 +1,55 @@
+"""The lab's 3D map in Chromium: an octree fills while the robot drives, with the low table that the 2D map lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import open_group, until
+
+_STORE = "gridbloom.connection.store"
+_MESSAGE = f"() => {_STORE}.map3d.message.peek()"
+LOW_TABLE = [4.0, 3.0]  # the middle of its board, below the plane of the flat lidar
+
+#: The byte of the layer of what only the 3D map has, at a place: 0 unknown, 1 free, 2 in both maps, 3 only in 3D.
+_BYTE = f"""([x, y]) => {{
+  const map = {_STORE}.layers.grid('only_in_3d').map.peek();
+  if (!map) return 0;
+  const {{ resolution, origin }} = map.geometry;
+  return map.cells.at(Math.floor((y - origin[1]) / resolution), Math.floor((x - origin[0]) / resolution));
+}}"""
+
+
+def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable[..., Page]) -> None:
+    page = open_lab("levels")
+    panel = open_group(page, "3D map")
+    page.evaluate(f"() => {_STORE}.send({{ type: 'play' }})")
+    for x, y in ((2.6, 3.0), (4.0, 1.6), (5.6, 3.0), (4.0, 4.6)):
+        before = page.evaluate(_MESSAGE)["scans"]
+        page.evaluate(f"([x, y]) => {_STORE}.teleport([x, y])", [x, y])
+        page.wait_for_function(f"(n) => ({_MESSAGE})().scans >= n + 2", arg=before)
+    until("the low table to be missing in 2D", lambda: page.evaluate(_BYTE, LOW_TABLE) == 3)
+    assert page.evaluate("(xy) => gridbloom.readState(xy).state", LOW_TABLE) == "free"
+    expect(panel.get_by_role("status")).to_contain_text("the 2D map lacks")
+    # The 3D view shows it: its layers are those of the scene, and there is a canvas.
+    expect(panel.get_by_role("button", name="3D map", exact=True)).to_be_visible()
+    expect(panel.frame_locator("iframe").locator("canvas").first).to_be_visible()
+    # Coarser voxels need less memory, live.
+    page.evaluate(f"() => {_STORE}.send({{ type: 'pause' }})")
+    fine = page.evaluate(_MESSAGE)
+    voxel = panel.get_by_role("slider", name="Voxel")
+    voxel.focus()
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function(
+        f"() => {{ const m = ({_MESSAGE})(); return m.values.voxel > 0.25 && m.scans === m.taken; }}"
+    )
+    until("the octree to be counted", lambda: 0 < page.evaluate(_MESSAGE)["nodes"] < fine["nodes"] / 4)
+    expect(panel.get_by_label("Memory of the 3D map")).to_contain_text("Dense grid")
+    # The costmap stands on it: the table is lethal there.
+    panel.get_by_role("switch", name="Costmap over the 3D map").click()
+    page.wait_for_function(f"() => {_STORE}.navigation.costmap.peek()?.values.map === 'map_3d'")
+    panel.get_by_role("button", name="End the 3D map").click()
+    page.wait_for_function(f"() => !({_MESSAGE})().is_on")
+    expect(panel.get_by_role("button", name="Begin a 3D map")).to_be_visible()

@@ -1,0 +1,221 @@
+"""The lab's 3D map: filled while the robot drives, with what the flat map lacks, and within its limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import AsyncIterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError
+from mapper.core.limits import Limits
+from mapper.simulation.space import cast
+from server.sessions import SessionRegistry
+from server.sessions.drawings import GridColumns, Voxels
+from server.sessions.models import lab_volume
+from server.sessions.models.simulation import SimulationModel
+from server.sessions.tick import TickResult
+from tests.server.begin import new_simulation
+
+LOW_TABLE = (4.0, 3.0)
+AROUND = ((2.6, 3.0, 0.0), (4.0, 1.6, 1.57), (5.6, 3.0, 3.14), (4.0, 4.6, -1.57))
+
+
+class Lab:
+    """A simulation's model without its host's clock."""
+
+    def __init__(self, model: SimulationModel) -> None:
+        self.model = model
+        self.notices: list[str] = []
+
+    def do(self, **command: Any) -> TickResult:
+        result = TickResult()
+        self.model.obey(command, result)
+        return self._end(result)
+
+    def pass_time(self, seconds: float) -> None:
+        for _ in range(round(10 * seconds)):
+            result = TickResult()
+            self.model.advance(0.1, result)
+            self._end(result)
+
+    def catch_up(self) -> None:
+        while self.model.is_catching_up:
+            self._end(TickResult())
+
+    def _end(self, result: TickResult) -> TickResult:
+        self.model.draw(result)
+        self.notices += [notice["message"] for notice in result.notices]
+        return result
+
+    def look_around(self) -> None:
+        """Stand at four places around the low table."""
+        self.do(type="auto", value=False)
+        for x, y, yaw in AROUND:
+            self.do(type="teleport", x=x, y=y, yaw=yaw)
+            self.pass_time(0.5)
+
+    @property
+    def message(self) -> dict[str, Any]:
+        return next(one for one in self.model.messages() if one["type"] == "map3d")
+
+    @property
+    def map(self) -> lab_volume.LabVolume:
+        made = self.model._volume._map
+        assert made is not None
+        return made
+
+    def states(self) -> np.ndarray[Any, np.dtype[np.uint8]]:
+        assert self.model._volume.projection is not None
+        return lab_volume.only_in_3d(self.model._volume.projection, self.model.grid)[0]
+
+    def state_at(self, x: float, y: float) -> int:
+        projection = self.model._volume.projection
+        assert projection is not None
+        row, col = projection.geometry.world_to_cell((x, y))
+        return int(self.states()[row, col])
+
+
+@pytest.fixture
+async def lab(registry: SessionRegistry) -> AsyncIterator[Lab]:
+    session = await new_simulation(registry, "me", "levels", 3, playing=False)
+    async with session.locked():
+        yield Lab(session.model)
+
+
+async def test_the_low_table_is_in_the_3d_map_and_not_in_the_flat_one(lab: Lab) -> None:
+    assert not lab.message["is_on"]
+    assert [layer.name for layer in lab.model.layers] == ["map"]
+    before = lab.model.footprint.cells
+    lab.do(type="map3d")
+    lab.look_around()
+    message = lab.message
+    assert message["is_on"]
+    assert message["scans"] == len(lab.map.scans) >= 8
+    x, y = LOW_TABLE
+    row, col = lab.model.grid.geometry.world_to_cell(LOW_TABLE)
+    assert lab.model.grid.log_odds[row, col] < 0.0  # free in the belief
+    assert lab.map.volume.log_odds_at([(x, y, 0.24)])[0] > 0.0  # occupied in space
+    assert lab.state_at(x, y) == 2
+    assert lab.state_at(x, 0.15) == 1  # a wall is in both
+    assert lab.state_at(x, y + 1.2) == 0  # the floor, which the band leaves out
+    assert message["only_in_3d"] == (lab.states() == 2).sum() >= 60
+    assert {layer.name for layer in lab.model.layers} == {"map", "only_in_3d"}
+    assert lab.model.footprint.cells == before + 512 * lab.map.volume.blocks.count
+    # Above the band the table is left out, and the shelf on the wall comes in.
+    lab.do(type="map3d", values={"band_low": 1.0, "band_high": 1.3})
+    assert lab.state_at(x, y) != 2
+    lab.do(type="map3d", value=False)
+    assert not lab.message["is_on"]
+    assert lab.model.footprint.cells == before
+
+
+async def test_occupied_voxels_lie_on_surfaces_of_the_world(lab: Lab) -> None:
+    lab.do(type="map3d", values={"noise": 0.0})
+    lab.look_around()
+    keys, _ = lab.map.volume.voxels(0.0)
+    centres = (keys[keys[:, 2] >= 32768] - 32768 + 0.5) * 0.1  # the ground is met from above
+    some = centres[np.random.default_rng(0).choice(len(centres), 200, replace=False)]
+    rays = np.random.default_rng(1).normal(size=(400, 3))
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    near = [cast(lab.model.world, centre + np.array([0.0, 0.0, 1e-6]), rays, 1.0).min() for centre in some]
+    assert max(near) <= 0.5 * math.sqrt(3.0) * 0.1 + 0.02
+
+
+async def test_other_voxels_remake_the_map_and_change_its_memory(lab: Lab) -> None:
+    lab.do(type="map3d")
+    lab.look_around()
+    fine, scans = lab.message, len(lab.map.scans)
+    lab.do(type="map3d", values={"voxel": 0.4})
+    assert lab.model.is_catching_up
+    assert lab.model.fraction == pytest.approx(lab.message["scans"] / scans)
+    lab.catch_up()
+    coarse = lab.message
+    assert coarse["scans"] == scans
+    assert coarse["dense_bytes"] < fine["dense_bytes"] / 50
+    assert 0 < coarse["nodes"] < fine["nodes"] / 8
+    assert fine["octree_bytes"] == 5 * fine["nodes"] < fine["dense_bytes"]
+    # As if it had been mapped so from the start.
+    again = lab_volume.LabVolume(lab.model.world, 3, lab.map.parameters)
+    again.scans = lab.map.scans
+    while again.is_behind:
+        again.catch_up(Limits())
+    np.testing.assert_array_equal(again.volume.values, lab.map.volume.values)
+
+
+async def test_the_costmap_can_stand_on_the_map_from_above(lab: Lab) -> None:
+    lab.do(type="map3d")
+    lab.look_around()
+    lab.do(type="costmap", values={"map": "belief"})
+    costmap = lab.model._navigation._costmap
+    assert costmap is not None
+
+    def cost() -> int:
+        row, col = costmap.geometry.world_to_cell(LOW_TABLE)
+        return int(costmap.costs[row, col])
+
+    assert cost() == 0
+    lab.do(type="costmap", values={"map": "map_3d"})
+    assert costmap.geometry.resolution == pytest.approx(0.1)
+    assert cost() == 254
+    lab.do(type="map3d", values={"voxel": 0.2})
+    lab.catch_up()
+    assert costmap.geometry.resolution == pytest.approx(0.2)
+    assert cost() == 254
+    lab.do(type="map3d", value=False)  # without a 3D map it stands on the belief again
+    assert costmap.geometry == lab.model.grid.geometry
+    assert cost() == 0
+
+
+async def test_faces_are_made_only_for_a_3d_view(lab: Lab) -> None:
+    lab.do(type="map3d")
+    lab.look_around()
+    assert not lab.model._volume._faces.chunks
+
+    def voxels() -> Voxels:
+        drawings = lab.model.drawings()
+        assert not any(isinstance(one, GridColumns) for one in drawings)
+        return next(one for one in drawings if isinstance(one, Voxels))
+
+    assert not voxels().chunks
+    lab.pass_time(0.1)
+    first = voxels().chunks
+    assert len(first) > 4
+    lab.do(type="map3d", values={"cut_high": 0.35})
+    low = voxels().chunks
+    tops = [int((key[2] * 32 - 32768 + quads[:, 3].max()) * 0.1 * 1000) for key, quads in low.items()]
+    assert max(tops) <= 350
+    lab.do(type="map3d", values={"cut_high": 1.5})
+    lab.do(type="restart")
+    assert not voxels().chunks  # of the old map nothing is left
+
+
+async def test_it_stays_within_its_limits_and_says_so(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lab_volume, "MOST_BLOCKS", 40)
+    lab.do(type="map3d")
+    lab.look_around()
+    assert lab.map.volume.blocks.count <= 40
+    assert "choose a coarser resolution" in lab.message["problem"]
+    assert lab.notices == [lab.message["problem"]]
+    taken = lab.message["taken"]
+    lab.pass_time(1.0)
+    assert lab.message["taken"] == taken  # it measures no more
+    monkeypatch.setattr(lab_volume, "MOST_BLOCKS", 30_000)
+    lab.do(type="map3d", values={"voxel": 0.3})
+    lab.catch_up()
+    assert lab.message["problem"] is None
+    # A recording that becomes too long loses every second scan, and keeps the newest.
+    monkeypatch.setattr(lab_volume, "MOST_READINGS", 8 * 16 * 360)
+    lab.pass_time(3.0)
+    newest = lab.map.scans[-1].stamp_s
+    assert len(lab.map.scans) <= 8
+    assert newest == pytest.approx(lab.model._mapper.simulation.time, abs=0.3)
+    assert not lab.model.is_catching_up
+    for values in ({"voxel": 0.01}, {"lens": 1.0}, {"band_low": 1.0, "band_high": 0.5}, {"rings": 7.5}):
+        with pytest.raises(ConfigError):
+            lab.do(type="map3d", values=values)
+    small = replace(Limits(), max_cells=512 * 3)
+    assert lab.map.catch_up(small) == []
