@@ -18,7 +18,6 @@ from mapper.core.errors import MapperError
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
 from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
-from mapper.replay.overview import cells_overview
 from mapper.sensors.scan import Topic
 from server.library.log_pack import StalePackError
 
@@ -86,6 +85,8 @@ def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
     stream = max(streams.values(), key=len)
     at = np.unique(np.linspace(0, len(stream) - 1, min(len(stream), MOST_LOOKED_AT)).round().astype(int))
     costs = max((stream[int(k)].costs for k in at), key=lambda one: np.count_nonzero(one == LETHAL))
+    from mapper.replay.overview import cells_overview  # noqa: PLC0415 - few recordings have costmaps
+
     return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))
 
 
