@@ -58,7 +58,7 @@ def depth_span(depth: Float32Array, far: np.float32) -> tuple[int, np.float32]:
         count += 1 if valid else 0
         here = d if valid else zero
         greatest = max(greatest, here)
-    return count, float(greatest)
+    return count, greatest
 
 
 @jit
