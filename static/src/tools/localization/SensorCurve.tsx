@@ -195,7 +195,7 @@ function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale
       tone: "tone-hit",
       unit: "metres",
       of: (pixel) => (pixel - toPixel(expected, xs)) / perMetre,
-      text: [12, 4, "start"],
+      text: [12, -6, "start"],
     },
     {
       name: "z_short",
