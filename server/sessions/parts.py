@@ -102,6 +102,13 @@ class Localized(Protocol):
         """Return how certain the poses are along the log, None where they come from no localization."""
 
 
+class Volumetric(Protocol):
+    """The map in 3D of a session."""
+
+    def octree_bytes(self, kind: str) -> bytes:
+        """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
+
+
 class EditedFiles(Protocol):
     """A map that is edited."""
 
@@ -111,6 +118,9 @@ class EditedFiles(Protocol):
 
 class Costed(Protocol):
     """The costs of a session: a costmap over its map, or a recorded one. To be read while the session is locked."""
+
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap and goal; none without a costmap."""
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs, in an array of their own; None where there are none."""

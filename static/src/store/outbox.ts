@@ -6,6 +6,15 @@ import type { Command, Value, Values } from "../wire/protocol";
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
+/** A change of the costmap, or of what is shown in 3D, has several parts, of which the newest is sent each. */
+function joined(before: Command | undefined, command: Command): Command {
+  if (command.type === "costmap" && before?.type === "costmap")
+    return { ...before, ...command, values: { ...before.values, ...command.values } };
+  if (command.type === "volume_look" && before?.type === "volume_look")
+    return { ...command, values: { ...before.values, ...command.values } };
+  return command;
+}
+
 /** Waiting commands: of each kind only the newest is sent, once per animation frame. */
 export class Outbox {
   readonly #waiting = new Map<string, Command>();
@@ -23,12 +32,7 @@ export class Outbox {
     const about = "layer" in command ? ` ${command.layer}` : "";
     const key = command.type + about;
     const before = this.#waiting.get(key);
-    // A change of the costmap has several parts, of which the newest is sent each.
-    const isPart = command.type === "costmap" && before?.type === "costmap";
-    this.#waiting.set(
-      key,
-      isPart ? { ...before, ...command, values: { ...before.values, ...command.values } } : command,
-    );
+    this.#waiting.set(key, joined(before, command));
     if (isFirst) this.#schedule(() => this.flush());
   }
 

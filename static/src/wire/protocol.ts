@@ -50,6 +50,8 @@ export type {
   Trajectory,
   Value,
   Values,
+  VolumeMessage,
+  VoxelMessage,
   WhyMessage,
   WorkingMessage,
   WorldMessage,
