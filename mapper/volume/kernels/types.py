@@ -93,7 +93,7 @@ class Fusion(NamedTuple):
 class DepthView(NamedTuple):
     """A depth image (height × width,), metres, row after row, and its camera among the voxels.
 
-    ``rays`` (3, 3) float64 takes (u, v, 1) to the direction of that pixel whose depth is 1, in voxels of the lattice;
+    ``rays`` (3, 3) float64 takes (u, v, 1) to the direction of that pixel at a depth of 1 m, in voxels of the lattice;
     ``origin`` (3,) is the camera's place in keys, so that the centre of the voxel of key k is at k.
     """
 
