@@ -47,7 +47,9 @@ async def test_the_map_of_a_recording_is_that_of_the_library(service: Service, r
         page = Watcher(socket)
         await page.until(lambda: {"volume", "frame"} <= page.newest.keys())
         hello = page.newest["hello"]
-        resolution = hello["parameters"]["values"]["resolution"]
+        resolution = 0.2
+        await page.send("parameters", values={"resolution": resolution})
+        await page.until(lambda: page.newest.get("parameters", hello["parameters"])["values"]["resolution"] == 0.2)
         assert (hello["kind"], page.newest["frame"]["count"]) == ("volume", 4)
         for index in (3, 1, 4):  # forward, back, forward
             await page.send("seek", index=index)
