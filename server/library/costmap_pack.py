@@ -18,7 +18,6 @@ from mapper.core.errors import MapperError
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
 from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
-from mapper.replay.overview import cells_overview
 from mapper.sensors.scan import Topic
 from server.library.log_pack import StalePackError
 
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
 
 VERSION = 1
+MOST_LOOKED_AT = 50
 _KIND = "costmaps"
 
 
@@ -78,8 +78,15 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
 
 
 def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
-    """Return the codes of a picture of the last costmap of the topic with most of them, for its card."""
-    costs = max(streams.values(), key=len)[-1].costs
+    """Return the codes of a picture for the card: of the topic with most costmaps the one with most obstacles.
+
+    Of a long recording :data:`MOST_LOOKED_AT` costmaps, spread evenly over it, are looked at.
+    """
+    stream = max(streams.values(), key=len)
+    at = np.unique(np.linspace(0, len(stream) - 1, min(len(stream), MOST_LOOKED_AT)).round().astype(int))
+    costs = max((stream[int(k)].costs for k in at), key=lambda one: np.count_nonzero(one == LETHAL))
+    from mapper.replay.overview import cells_overview  # noqa: PLC0415 - few recordings have costmaps
+
     return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))
 
 

@@ -31,6 +31,7 @@ from server.library.relation_scores import RelationScores
 from server.library.sample import SAMPLE_ID, Sample
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
+from server.library.standing import Standing
 from server.library.storage import private_folder
 from server.library.upload_receiver import Part, UploadReceiver
 from server.library.upload_slots import UploadSlots
@@ -110,6 +111,7 @@ class Library:
         )
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
+        self._standing = Standing([root, scratch, *([root / "library.db"] if settings.database_url is None else [])])
         self.links = Links(self._database)
         self.notes = Notes(self._database)
         self.tags = Tags(self._database)
@@ -260,8 +262,15 @@ class Library:
         return await self._received(Sender(owner, address), Declared(name, part.total, sha256, part), chunks)
 
     async def _received(self, sender: Sender, declared: Declared, chunks: AsyncIterator[bytes]) -> Record | None:
+        self.check_stores()
         await self._expire()
-        return await self._uploads.receive(sender, declared, chunks)
+        record = await self._uploads.receive(sender, declared, chunks)
+        self.check_stores()  # no upload is confirmed whose record is in files that nobody finds
+        return record
+
+    def check_stores(self) -> None:
+        """Raise :class:`StorageError` if the data folder or the database was moved, removed or made read-only."""
+        self._standing.check()
 
     async def delete(self, owner: str, log_id: str) -> None:
         """Remove an upload of ``owner``: its bytes, its record and its pack. Sessions that have it open go on.

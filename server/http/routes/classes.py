@@ -7,7 +7,7 @@ shows, answer questions, and begin a session of their own that is a copy of the 
 from __future__ import annotations
 
 import io
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import segno
 from fastapi import APIRouter, Request, WebSocket
@@ -17,15 +17,17 @@ from mapper.core.errors import MapperError
 from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
-from server.http.class_connection import attend
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
-from server.sessions import Plan, SessionBudgetError, SessionHost, SessionRegistry
+from server.sessions import Plan, SessionBudgetError, SessionRegistry
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(tags=["classes"])
 
@@ -111,6 +113,8 @@ async def stream(websocket: WebSocket, classes: OpenClasses, brake: CodeBrake, v
     """Exchange messages with a class."""
     _guessed(brake, classes, code, websocket)
     room, member = classes.join(code, visitor)
+    from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
+
     await attend(websocket, room, member)
 
 

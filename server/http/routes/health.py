@@ -7,7 +7,7 @@ from fastapi.responses import Response
 
 from server.http.guests import GuestRight, guests_may
 from server.http.metrics import CONTENT_TYPE
-from server.http.services import ServiceMetrics
+from server.http.services import Logs, ServiceMetrics
 
 router = APIRouter(tags=["health"])
 
@@ -20,8 +20,12 @@ async def livez() -> dict[str, str]:
 
 
 @router.get("/readyz")
-async def readyz() -> dict[str, str]:
-    """Return 200 once requests can be served: the stores are open. Kernels are compiled when they are first used."""
+async def readyz(library: Logs) -> dict[str, str]:
+    """Return 200 once requests can be served: the stores are open, and still there; 503 if they are not any more.
+
+    Kernels are compiled when they are first used.
+    """
+    library.check_stores()
     return {"status": "ready"}
 
 

@@ -213,6 +213,14 @@ export async function endClass(): Promise<void> {
 /** The text of a question that the page itself shows with its answers: the class's line does not show it as well. */
 export const questionOnPage = signal<string | null>(null);
 
+/** Say that the page shows the answers to a question, until the returned function is called. */
+export function showsAnswers(text: string): () => void {
+  questionOnPage.value = text;
+  return () => {
+    if (questionOnPage.peek() === text) questionOnPage.value = null;
+  };
+}
+
 /** The question with this text, if it is the one that is asked. */
 export function askedAs(text: string): ClassQuestion | null {
   const asked = classroom.value?.state.value?.question ?? null;

@@ -2,7 +2,7 @@ import { computed, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
-import { askedAs, lecturersClass } from "../../store/classroom";
+import { askedAs, lecturersClass, showsAnswers } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
@@ -57,9 +57,10 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
     since.value = next;
     if (next >= end) playing.value = false;
   };
+  const isInSight = useSeen(root);
   useSteps(
     playing,
-    useSeen(root),
+    isInSight,
     () => MS_PER_SCAN,
     () => step(1),
   );
@@ -70,6 +71,12 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
   useEffect(() => {
     if (room && asked && !asked.is_revealed && right !== null) room.send({ type: "reveal", right });
   }, [room, asked?.id, right]);
+  // The chart shows the answers where the lecturer sees it.
+  const shows = room !== null && asked !== null && isInSight.value;
+  useEffect(() => {
+    if (shows) return showsAnswers(QUESTION);
+    return;
+  }, [shows]);
   return (
     <figure class="forgetting" ref={root} aria-label="A table is removed: the map with the clamp and without it">
       <div class="side-by-side">

@@ -24,8 +24,8 @@ export function ClassButton({ iconOnly = false }: { readonly iconOnly?: boolean 
       />
     );
   return (
-    <Button kind="quiet" icon="people" onClick={() => void openClassHere()}>
-      Class
+    <Button kind="quiet" icon="people" label="Class" onClick={() => void openClassHere()}>
+      <span class="class-button-text">Class</span>
     </Button>
   );
 }

@@ -1,5 +1,5 @@
 import { useEffect } from "preact/hooks";
-import { askedAs, classroom, questionOnPage } from "../../../store/classroom";
+import { askedAs, classroom, showsAnswers } from "../../../store/classroom";
 import { barsOf, letterOf } from "../../../tools/classroom/histogram";
 import { Icon } from "../../../ui/Icon";
 import type { LessonId } from "../lessons";
@@ -17,11 +17,8 @@ export function SlideQuestion({ id }: { id: string }) {
   const hasOptions = isShown && stage.value === "predict" && found.options !== undefined;
   const text = found?.question ?? "";
   useEffect(() => {
-    if (!hasOptions || presenting.value === false) return;
-    questionOnPage.value = text;
-    return () => {
-      questionOnPage.value = null;
-    };
+    if (hasOptions && presenting.value) return showsAnswers(text);
+    return;
   }, [hasOptions, text]);
   if (!isShown) return null;
   return (
