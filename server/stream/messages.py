@@ -27,6 +27,7 @@ from server.stream.message_parts import (
     Pose,
     Segment,
     Table,
+    TerrainPatch,
     TrajectoryInfo,
     Values,
 )
@@ -241,6 +242,23 @@ class Map3dMessage(Struct, tag_field="type", tag="map3d"):
     dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
 
 
+class TerrainMessage(Struct, tag_field="type", tag="terrain"):
+    """The terrain of a simulation, in the layers `terrain_costs` and `terrain_values`."""
+
+    is_on: Annotated[bool, Meta(description="whether it is assessed")]
+    values: Annotated[Values, Meta(description="its parameters")]
+    points: Annotated[int, Meta(description="points that it is made of")]
+    ground: Annotated[int, Meta(description="those that the filter takes for ground")]
+    kappa: Annotated[float, Meta(description="Cohen's kappa of ground and objects against the true world, %")]
+    total_error: Annotated[float, Meta(description="points that are classified wrongly, %")]
+    safe: Annotated[int, Meta(description="patches that are safe")]
+    unsafe: Annotated[int, Meta(description="patches that are unsafe")]
+    unknown: Annotated[int, Meta(description="patches with too few points")]
+    size: Annotated[float, Meta(description="side of a patch, m")]
+    patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
+    problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
+
+
 class CostmapMessage(Struct, tag_field="type", tag="costmap"):
     """The costmap over the map of a simulation or a log."""
 
@@ -370,6 +388,7 @@ ServerMessage = (
     | Forgetting
     | LocalizationMessage
     | Map3dMessage
+    | TerrainMessage
     | CostmapMessage
     | PathMessage
     | CostMessage

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -46,11 +46,14 @@ def believed_now(mapper: LiveMap) -> PoseTuple:
 class LabNavigation:
     """The costmap and the path of a simulation, from its command ``costmap`` on until the same command ends them."""
 
-    def __init__(self, mapper: LiveMap, projection: Callable[[], OccupancyGrid | None] = lambda: None) -> None:
-        """``projection`` returns the 3D map from above, another object when it has changed; None for no 3D map."""
+    def __init__(self, mapper: LiveMap, others: Mapping[str, Callable[[], OccupancyGrid | None]] | None = None) -> None:
+        """``others`` return maps that the static layer may have by name, another object when one has changed.
+
+        None is returned where there is no such map.
+        """
         self._mapper = mapper
-        self._projection = projection
-        self._followed: OccupancyGrid | None = None  #: the projection that the static layer has
+        self._others = others or {}
+        self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
         self._costmap: LabCostmap | None = None
         self._path = LabPath()
         self._seen: RangeScan | None = None
@@ -177,9 +180,9 @@ class LabNavigation:
         result.answer({"type": "nav2", "text": None})
 
     def _map(self, parameters: LabParameters) -> OccupancyGrid:
-        """Return the map of the static layer: the belief, or the 3D map from above where that is chosen and there."""
-        projection = self._projection() if parameters.values["map"] == "map_3d" else None
-        return self._mapper.grid if projection is None else projection
+        """Return the map of the static layer: the belief, or another one where that is chosen and there."""
+        other = self._others.get(parameters.values["map"], lambda: None)()
+        return self._mapper.grid if other is None else other
 
     # -- what is shown --------------------------------------------------------------------------------------------
 

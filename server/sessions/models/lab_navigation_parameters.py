@@ -32,7 +32,7 @@ def _layer(name: str, label: str, sentence: str) -> Parameter:
 
 
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
-MAPS = ("belief", "plan", "map_3d")
+MAPS = ("belief", "plan", "map_3d", "terrain")
 
 TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
@@ -43,7 +43,7 @@ TABLE: tuple[Parameter, ...] = (
     Parameter(
         "map", "Static map", "static", "choice", "belief",
         "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
-        "3D map from above, in its band of heights, as long as there is one.",
+        "3D map from above or the classes of the terrain, as long as there are such.",
         choices=MAPS,
     ),
     _row(COSTMAP_PARAMETERS, "track_unknown_space", initial=True, group="static"),

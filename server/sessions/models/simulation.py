@@ -29,12 +29,14 @@ from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.lab_localization import LabLocalization
 from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.lab_navigation_parameters import TABLE
+from server.sessions.models.lab_terrain import TABLE as TERRAIN
 from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.localization_message import OFF
 from server.sessions.models.navigation_messages import COMMANDS
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
+from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_view import VolumeView
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
@@ -71,7 +73,10 @@ class SimulationModel(SessionModel):
         self._second: GridLayer | None = None
         self._localization: LabLocalization | None = None
         self._volume = VolumeView(host, mapper, self.playback)
-        self._navigation = self.costed = LabNavigation(mapper, lambda: self._volume.projection)
+        self._navigation = self.costed = LabNavigation(
+            mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
+        )
+        self._terrain = TerrainView(self._volume)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
@@ -82,7 +87,7 @@ class SimulationModel(SessionModel):
         """The map, the second map if there is one, and those of what else is on."""
         second = () if self._second is None else (self._second,)
         localization = () if self._localization is None else self._localization.layers
-        more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers)
+        more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers, *self._terrain.layers)
         return (self._map, *second, *localization, *more)
 
     @property
@@ -108,7 +113,7 @@ class SimulationModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
-        parts = (self._navigation, self._volume, self._localization)
+        parts = (self._navigation, self._volume, self._terrain, self._localization)
         return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in parts if part is not None))
 
     @property
@@ -203,7 +208,7 @@ class SimulationModel(SessionModel):
             "world": self.world.name,
             "seed": self._mapper.seed,
             "navigation": [asdict(row) for row in TABLE],
-            "map3d": [asdict(row) for row in MAP_3D],
+            "map3d": [asdict(row) for row in (*MAP_3D, *TERRAIN)],
         }
 
     def messages(self) -> list[dict[str, Any]]:
@@ -213,6 +218,7 @@ class SimulationModel(SessionModel):
             self._world_message(),
             *self._navigation.messages(),
             self._volume.message(),
+            self._terrain.message(),
             OFF if self._localization is None else self._localization.message(),
         ]
 
@@ -282,6 +288,7 @@ class SimulationModel(SessionModel):
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self._localize(result)
         self._volume.draw(result)
+        self._terrain.draw(self.world, result)
         self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
@@ -335,6 +342,8 @@ class SimulationModel(SessionModel):
                 self._navigation.obey(command, result)
             case "map3d":
                 self._volume.obey(command, result)
+            case "terrain":
+                self._terrain.obey(command, result)
             case "step":
                 self._step(command, result)
             case "faults":

@@ -9,6 +9,7 @@ import numpy as np
 
 from mapper.grid import OccupancyGrid
 from mapper.simulation.live_map import LiveMap
+from mapper.simulation.sensors_3d import Scan3D
 from mapper.volume.faces import CENTRE, ChunkKey, VoxelFaces, chunks_of, face_rule
 from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
@@ -60,6 +61,11 @@ class VolumeView:
     def is_on(self) -> bool:
         """Whether there is a 3D map."""
         return self._map is not None
+
+    @property
+    def scans(self) -> Sequence[Scan3D]:
+        """The recorded scans; none while it is off."""
+        return () if self._map is None else self._map.scans
 
     @property
     def is_behind(self) -> bool:

@@ -6,6 +6,14 @@ import type { Command, Value, Values } from "../wire/protocol";
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
+/** A command that takes the place of one before it: of those whose changes have several parts, each part stays. */
+function joined(before: Command, command: Command): Command {
+  for (const type of ["costmap", "map3d", "terrain"] as const)
+    if (command.type === type && before.type === type)
+      return { ...before, ...command, values: { ...before.values, ...command.values } };
+  return command;
+}
+
 /** Waiting commands: of each kind only the newest is sent, once per animation frame. */
 export class Outbox {
   readonly #waiting = new Map<string, Command>();
@@ -23,12 +31,7 @@ export class Outbox {
     const about = "layer" in command ? ` ${command.layer}` : "";
     const key = command.type + about;
     const before = this.#waiting.get(key);
-    // A change of the costmap has several parts, of which the newest is sent each.
-    const isPart = command.type === "costmap" && before?.type === "costmap";
-    this.#waiting.set(
-      key,
-      isPart ? { ...before, ...command, values: { ...before.values, ...command.values } } : command,
-    );
+    this.#waiting.set(key, before ? joined(before, command) : command);
     if (isFirst) this.#schedule(() => this.flush());
   }
 
