@@ -35,6 +35,7 @@ from server.http.routes import (
     sensor,
     session_trajectories,
     sessions,
+    sign_out,
     slam,
     stream,
     trajectories,
@@ -44,6 +45,7 @@ from server.http.routes import compare as comparing
 from server.http.routes import downloads as download_files
 from server.http.security import Security
 from server.http.services import Services, install
+from server.http.sign_ins import SignIns
 from server.library import Library
 from server.scenes import Scenes
 from server.sessions import KINDS, Kind, SessionRegistry
@@ -56,7 +58,9 @@ _log = structlog.get_logger(__name__)
 
 
 @asynccontextmanager
-async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI) -> AsyncIterator[None]:
+async def _lifespan(
+    settings: Settings, kinds: Mapping[str, Kind], sign_ins: SignIns, app: FastAPI
+) -> AsyncIterator[None]:
     metrics = Metrics()
     async with AsyncExitStack() as stack:
         registry = SessionRegistry(settings, remake_seconds=metrics.remake_seconds.observe, traffic=metrics.traffic)
@@ -79,6 +83,7 @@ async def _lifespan(settings: Settings, kinds: Mapping[str, Kind], app: FastAPI)
                 library=library,
                 downloads=downloads,
                 scenes=open_scenes,
+                sign_ins=sign_ins,
                 classes=Classes(settings.max_class_followers, settings.class_code),
             ),
         )
@@ -97,6 +102,8 @@ async def _within(seconds: float, end: Callable[[], Awaitable[None]]) -> None:
 def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KINDS) -> FastAPI:
     """Return the service for these settings (None: those of the environment), with sessions of these kinds."""
     settings = (Settings() if settings is None else settings).with_token()
+    token = None if settings.token is None else settings.token.get_secret_value()
+    sign_ins = SignIns(token, settings.data_dir / "sign-ins.json")
     app = FastAPI(
         title="Gridbloom",
         description="Occupancy grid maps that fill in: live worlds and robot logs.",
@@ -104,7 +111,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,
-        lifespan=partial(_lifespan, settings, kinds),
+        lifespan=partial(_lifespan, settings, kinds, sign_ins),
     )
     install_error_handlers(app)
     routers = (
@@ -133,6 +140,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         scenes.router,
         classes.router,
         docs.router,
+        sign_out.router,
         pages.router,  # last: it has a route for any other name
     )
     for router in routers:
@@ -141,6 +149,6 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
-    app.add_middleware(Security, settings=settings, routes=routes)
+    app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins)
     app.add_middleware(Ending)
     return app

@@ -107,7 +107,7 @@ def localize_log(
     for i in range(n):
         if wanted is not None and not wanted():
             raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
-        x, y, yaw = log.mounts_at(i).tolist()
+        x, y, yaw = log.mount_of(i).tolist()
         found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config))
         poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
         numbers[i] = found.share, found.fit, found.entropy

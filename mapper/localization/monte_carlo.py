@@ -36,7 +36,8 @@ _STAGE = 16  #: between the purposes of two stages of one scan
 class MonteCarloLocalizer:
     """A particle filter on one map.
 
-    ``particles`` (n, 3) are ``T_map_base`` and ``weights`` (n,) sum to 1; :meth:`set_particles` replaces them. The same
+    ``particles`` (n, 3) are ``T_map_base`` and ``weights`` (n,) sum to 1; :meth:`set_particles` replaces them.
+    ``weighed`` are those that the estimate is of: after the newest scan, before particles were drawn anew. The same
     seed and calls give the same particles, whatever the number of threads.
     """
 
@@ -101,6 +102,7 @@ class MonteCarloLocalizer:
     def _begin(self, particles: Float64Array, weights: Float64Array | None = None) -> None:
         self.particles = particles
         self.weights = np.full(len(particles), 1.0 / len(particles)) if weights is None else weights
+        self.weighed = self.particles.copy(), self.weights
         self._odometry = None
         self._recovery = Recovery(self.config)
         clusters = find_clusters(self.particles, self.weights)
@@ -159,12 +161,28 @@ class MonteCarloLocalizer:
         clusters = find_clusters(self.particles, self.weights)
         self.estimate = estimate_of(clusters, fit, was_converged=was_converged, is_updated=True)
         self._base = tuple(self.estimate.pose.tolist())
+        self.weighed = self.particles, self.weights
         if self._is_time():
             self._resample()
+        else:
+            self.particles = self.particles.copy()  # they move in place
         if random_share > 0.0:
             self._scatter(random_share)
-        if len(scan.points) and self._recovery.wants_comparison(is_converged=self.estimate.is_converged):
+        if len(scan.points) and self._recovery.wants_comparison():
             self._compare(scan, fit)
+
+    def reconfigure(self, config: LocalizationConfig, model: MapModel) -> None:
+        """Go on with other parameters, and with the map for those of the sensor. The particles stay."""
+        self.config, self.model = config, model
+        self._recovery = Recovery(config)
+
+    def weights_by(self, scan: ScanBeams) -> Float64Array:
+        """Return the weights (n,), Σ = 1, that a scan alone gives the particles of ``weighed``; nothing changes."""
+        poses = self.weighed[0]
+        logs = log_likelihoods(self.model, scan, poses, scan_sums(self.model, scan, poses), self.config)
+        flat = np.full(len(poses), 1.0 / len(poses))
+        least = self.config.least_effective
+        return normalised((tempering(flat, logs, least) if least > 0.0 else 1.0) * logs)
 
     def _weigh(self, scan: ScanBeams) -> tuple[NDArray[np.int64], Float64Array]:
         """Weigh the particles by a scan, in stages where its likelihood is scaled down.
@@ -223,22 +241,25 @@ class MonteCarloLocalizer:
             self.particles[places] = anywhere(self.model, count, self._key(_REPLACE))
 
     def _compare(self, scan: ScanBeams, fit: float) -> None:
-        """Compare how a scan fits with how it fits all over the map; where it is much worse, reset.
+        """Compare how a scan fits with how it fits all over the map, and add particles drawn from its likelihood.
 
-        Particles drawn from the likelihood of the scan are added then, as many as a start without a hint has. They have
-        half of the weight: whether the filter has lost the robot is as likely as not.
+        Where it fits much worse, the filter has lost the robot as likely as not: they get half of the weight. Before it
+        has converged they get a little, as in mixture MCL (Thrun, Fox, Burgard and Dellaert 2001).
         """
         count = int(self.config.global_particles)
         places = anywhere(self.model, count, self._key(_RESET))
         sums = scan_sums(self.model, scan, places)
-        if not self._recovery.is_lost(fit, float(self.model.field.fit(sums.max(keepdims=True), len(scan.points))[0])):
+        best = float(self.model.field.fit(sums.max(keepdims=True), len(scan.points))[0])
+        share = self._recovery.added_weight(fit, best, is_converged=self.estimate.is_converged)
+        if share == 0.0:
             return
         logs = log_likelihoods(self.model, scan, places, sums, self.config)
         flat = np.full(count, 1.0 / count)
         weights = normalised(tempering(flat, logs, max(self.config.least_effective, 0.01)) * logs)
-        added = places[drawn(weights, count, self._uniform(_REPLACE))]
+        n_added = max(1, round(2.0 * share * count))
+        added = places[drawn(weights, n_added, self._uniform(_REPLACE))]
         self.particles = np.concatenate([self.particles, added])
-        self.weights = 0.5 * np.concatenate([self.weights, flat])
+        self.weights = np.concatenate([(1.0 - share) * self.weights, np.full(n_added, share / n_added)])
 
     def _key(self, purpose: int) -> int:
         return key_of(self.seed, self._steps, purpose)

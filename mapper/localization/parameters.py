@@ -37,6 +37,12 @@ PARAMETERS: tuple[Parameter, ...] = (
         "", 2, 2000, 1,
     ),
     Parameter(
+        "independent_beams", "Independent beams", "sensor", "number", 10,
+        "Beams beside one another see the same things, and people hide many at once: the product over the beams counts "
+        "as that of at most so many independent ones; 0: as that of all beams. likelihood_field does not use it.",
+        "", 0, 2000, 1,
+    ),
+    Parameter(
         "laser_min_range", "Shortest range", "sensor", "number", -1.0,
         "Shorter readings are not used; -1: the sensor's own limit.", "m", -1.0, 1000.0, 0.1,
     ),
@@ -134,14 +140,15 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "reset_below", "Reset below", "recovery", "number", 0.85,
         "Where scans fit worse than this share of how well they fit at the best of many poses all over the map, "
-        "particles are added that are drawn from the likelihood of a scan (sensor resetting); 0: never.",
+        "particles are added that are drawn from the likelihood of a scan (sensor resetting), as are a few until the "
+        "filter has converged; 0: never.",
         "", 0.0, 1.0, 0.01,
     ),
 )  # fmt: skip
 BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 _WHOLE = (
     "laser_max_beams", "min_particles", "max_particles", "resample_interval", "global_particles",
-    "annealing_stages",
+    "annealing_stages", "independent_beams",
 )  # fmt: skip
 
 
@@ -154,6 +161,7 @@ class LocalizationConfig:
 
     laser_model_type: str = "likelihood_field_prob"
     laser_max_beams: float = 60
+    independent_beams: float = 10
     laser_min_range: float = -1.0
     laser_max_range: float = 100.0
     z_hit: float = 0.5

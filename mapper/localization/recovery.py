@@ -16,6 +16,7 @@ MOST_PATIENCE = (
     64  #: and before a later one, at most: each reset doubles their number, each scan that fits takes one off
 )
 INTERVAL = 2  #: updates from one comparison to the next
+LOST, SEARCHING = 0.5, 0.05  #: weight of the particles that are added: once the robot is lost, and before convergence
 
 
 class Recovery:
@@ -29,13 +30,22 @@ class Recovery:
         self._slow = self._fast = 0.0
         self._updates = 0
 
-    def wants_comparison(self, *, is_converged: bool) -> bool:
+    def wants_comparison(self) -> bool:
         """Return whether the next scan is to be compared with poses all over the map."""
         self._updates += 1
-        return self._config.reset_below > 0.0 and is_converged and self._updates % INTERVAL == 0
+        return self._config.reset_below > 0.0 and self._updates % INTERVAL == 0
 
-    def is_lost(self, fit: float, best: float) -> bool:
-        """Take how a scan fits, and how it fits at the best of many poses; return whether the robot seems lost."""
+    def added_weight(self, fit: float, best: float, *, is_converged: bool) -> float:
+        """Return the weight of particles to add that are drawn from the likelihood of a scan; 0 for none.
+
+        ``fit`` is how it fits the particles, ``best`` how it fits at the best of many poses. A filter that has not
+        converged may have no particle near the robot, however well some fit: it gets a few in any case.
+        """
+        if not is_converged:
+            return SEARCHING
+        return LOST if self._is_lost(fit, best) else 0.0
+
+    def _is_lost(self, fit: float, best: float) -> bool:
         self._compared += 1
         self._ratio += RATE * (fit / max(fit, best, 1e-9) - self._ratio)
         is_poor = self._ratio < self._config.reset_below

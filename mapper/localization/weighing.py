@@ -41,7 +41,9 @@ def log_likelihoods(
 ) -> Float64Array:
     """Return log p(z | x, m) (n,) for ``particles`` (n, 3), up to a constant, by the model that ``config`` names."""
     if config.laser_model_type != "beam":
-        return model.field.log_weights(sums, len(scan.points))
+        n = len(scan.points)
+        logs = model.field.log_weights(sums, n)
+        return logs * independence(n, config) if model.field.is_product else logs
     out = np.empty(len(particles))
     mixture = Mixture(
         config.z_hit, config.z_short, config.z_max, config.z_rand, config.sigma_hit, config.lambda_short,
@@ -53,7 +55,16 @@ def log_likelihoods(
             for a, b in parts(len(particles))
         ]
     )
-    return out
+    return out * independence(len(scan.beams), config)
+
+
+def independence(n_beams: int, config: LocalizationConfig) -> float:
+    """Return the power of the product over ``n_beams`` beams that makes it that of fewer independent ones.
+
+    Source: Probabilistic Robotics, section 6.3.4.
+    """
+    count = config.independent_beams
+    return 1.0 if count == 0.0 else min(1.0, count / max(n_beams, 1))
 
 
 def normalised(log_weights: Float64Array) -> Float64Array:

@@ -39,6 +39,7 @@ from mapper.matching.prepare import prepare_scans
 from mapper.matching.target import Target, scan_target
 from mapper.planning import PlannerConfig, plan_path
 from mapper.replay import Replay
+from mapper.sensors.camera import Intrinsics
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.kernels.raycast import arc_clearance
@@ -47,7 +48,18 @@ from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
 from mapper.terrain import Patches, assess, find_ground
-from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, distance_to_obstacle, octree_file, project
+from mapper.volume import (
+    OccupancyVolume,
+    Octree,
+    TsdfConfig,
+    TsdfVolume,
+    VolumeConfig,
+    cast,
+    distance_to_obstacle,
+    octree_file,
+    project,
+    surface_mesh,
+)
 from mapper.volume.faces import VoxelFaces, chunks_of, face_rule
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.octree_files import octree_of_bytes
@@ -97,6 +109,7 @@ def precompile() -> None:
     _match(replay.log)
     _close_a_loop(replay.log)
     _map_in_3d()
+    _fuse_surfaces()
     _assess_terrain()
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
@@ -180,6 +193,14 @@ def _map_in_3d() -> None:
     slot_of(volume.blocks.table, block_code(0, 0, 0))
     for kind in (".bt", ".ot"):
         octree_of_bytes(octree_file(Octree.of(volume), kind, volume.config).bytes(), kind).tree.volume(volume.config)
+
+
+def _fuse_surfaces() -> None:
+    """Fuse a depth image and a beam, and mesh the surface."""
+    surface = TsdfVolume(TsdfConfig(resolution=0.1))
+    surface.fuse_depth(np.ones((8, 8)), Intrinsics(8, 8, 8.0, 8.0, 3.5, 3.5), np.eye(4))
+    surface.fuse_points(np.ones((1, 3)), np.zeros(3))
+    surface_mesh(surface)
 
 
 def _assess_terrain() -> None:

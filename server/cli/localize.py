@@ -12,12 +12,13 @@ from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
-    TopicName,
+    TopicNames,
     TrajectoryName,
     fail,
     numbers,
     print_json,
     progress_bar,
+    read_joint,
     read_log,
     refusing,
 )
@@ -53,7 +54,7 @@ def localize(
         typer.Option("--set", metavar="NAME=VALUE", help="A localization parameter; given again, another one."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random numbers. [0]", show_default=False)] = 0,
-    topic: TopicName = None,
+    topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     as_json: AsJson = False,
 ) -> None:
@@ -71,7 +72,8 @@ def localize(
             from mapper.localization.map_model import check_pose  # noqa: PLC0415 - start-up
 
             check_pose(loaded.grid.geometry, begin)
-    scans = read_log(log, topic)
+    topics = list(dict.fromkeys(topic or ()))
+    scans = read_joint(log, topics) if len(topics) > 1 else read_log(log, topics[0] if topics else None)
     with progress_bar("Localizing") as bar:
         try:
             found = localize_log(

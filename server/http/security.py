@@ -6,7 +6,6 @@ Plain ASGI, so that WebSockets are checked as requests are and uploads are not b
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import hmac
 import ipaddress
 import re
@@ -14,6 +13,7 @@ import secrets
 import socket
 from collections.abc import Sequence
 from http.cookies import CookieError, SimpleCookie
+from math import ceil
 from urllib.parse import parse_qsl, urlencode
 
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -21,13 +21,14 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.routing import BaseRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from server.http.brake import Brake
 from server.http.errors import error_response
 from server.http.guests import GuestRight, right_of_request
 from server.http.services import services_of
+from server.http.sign_ins import TOKEN_COOKIE, VALID_S, SignIns
 from server.settings import Settings
 
 VISITOR_COOKIE = "gridbloom_visitor"
-TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
 YEAR_S = 365 * 24 * 3600
 MAX_BODY_BYTES = 64 * 1024  #: of a request that is not an upload
 BODY_S = 30.0  #: seconds within which it must arrive
@@ -66,7 +67,7 @@ _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 class Security:
     """The outermost middleware."""
 
-    def __init__(self, app: ASGIApp, settings: Settings, routes: Sequence[BaseRoute]) -> None:
+    def __init__(self, app: ASGIApp, settings: Settings, routes: Sequence[BaseRoute], sign_ins: SignIns) -> None:
         self._app = app
         self._routes = routes
         self._hosts = frozenset(name.lower() for name in settings.allowed_hosts)
@@ -75,8 +76,9 @@ class Security:
         self._host = settings.host.strip("[]").lower()
         token = None if settings.token is None else settings.token.get_secret_value()
         self._token = token
-        # The cookie proves the token without holding it.
-        self._proof = "" if token is None else hmac.digest(token.encode(), b"cookie", hashlib.sha256).hex()
+        self._sign_ins = sign_ins
+        #: Wrong tokens. Whoever has the cookie is not concerned.
+        self._brake = Brake(burst=50, per_minute=30.0)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check a request or a WebSocket, and forward it."""
@@ -142,13 +144,22 @@ class Security:
         return address.is_loopback or not self._loopback  # an address cannot be rebound
 
     def _token_refusal(self, scope: Scope, headers: Headers, cookies: dict[str, str]) -> Response | None:
+        if self._sign_ins.is_valid(cookies.get(TOKEN_COOKIE, "")):
+            return None
         kind, _, bearer = headers.get("authorization", "").partition(" ")
-        if kind.lower() == "bearer" and self._is_token(bearer.strip()):
-            return None
-        if hmac.compare_digest(cookies.get(TOKEN_COOKIE, "").encode(), self._proof.encode()):
-            return None
         query = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
         given = next((value for name, value in query if name == "token"), None)
+        is_bearer = kind.lower() == "bearer"
+        address = (scope.get("client") or ("",))[0]
+        if is_bearer or given is not None:
+            wait_s = self._brake.wait_s(address)
+            if wait_s > 0.0:
+                message = "Too many wrong tokens came from this network: try again later."
+                return error_response(429, "security.guesses", message, headers={"Retry-After": str(ceil(wait_s))})
+            if not (is_bearer and self._is_token(bearer.strip())) and not (given is not None and self._is_token(given)):
+                self._brake.count(address)
+        if is_bearer and self._is_token(bearer.strip()):
+            return None
         if given is not None and self._is_token(given):
             if scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD"):
                 return None
@@ -156,7 +167,7 @@ class Security:
             rest = urlencode([(name, value) for name, value in query if name != "token"])
             path = "/" + scope["path"].lstrip("/\\")
             response: Response = RedirectResponse(path + (f"?{rest}" if rest else ""), status_code=303)
-            response.headers.append("Set-Cookie", _cookie(TOKEN_COOKIE, self._proof, scope))
+            response.headers.append("Set-Cookie", _cookie(TOKEN_COOKIE, self._sign_ins.cookie(), scope, VALID_S))
             return response
         if "text/html" in headers.get("accept", ""):
             return HTMLResponse(ENTRANCE, status_code=401)
@@ -213,9 +224,9 @@ def _cookies(headers: Headers) -> dict[str, str]:
         return {}
 
 
-def _cookie(name: str, value: str, scope: Scope) -> str:
+def _cookie(name: str, value: str, scope: Scope, age_s: int = YEAR_S) -> str:
     secure = "; Secure" if scope["scheme"] in ("https", "wss") else ""
-    return f"{name}={value}; Path=/; Max-Age={YEAR_S}; HttpOnly; SameSite=Lax{secure}"
+    return f"{name}={value}; Path=/; Max-Age={age_s}; HttpOnly; SameSite=Lax{secure}"
 
 
 async def _refuse_socket(receive: Receive, send: Send) -> None:

@@ -13,6 +13,7 @@ from server.classes import Classes
 from server.downloads import Downloads
 from server.http.brake import Brake
 from server.http.metrics import Metrics
+from server.http.sign_ins import SignIns
 from server.library import Library
 from server.scenes import Scenes
 from server.sessions import SessionRegistry
@@ -31,6 +32,7 @@ class Services:
     downloads: Downloads
     scenes: Scenes
     classes: Classes
+    sign_ins: SignIns
     request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
     #: Wrong codes of classes. All of a lecture hall have one address, and some of them mistype.
     code_brake: Brake = field(default_factory=lambda: Brake(burst=60, per_minute=60.0))

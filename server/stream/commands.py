@@ -104,7 +104,7 @@ class TeleportCommand(Struct, tag_field="type", tag="teleport"):
 
 
 class LocalizeCommand(Struct, tag_field="type", tag="localize"):
-    """Simulations: begin to localize the robot in a map, from anywhere, or end it."""
+    """Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it."""
 
     value: Annotated[bool, Meta(description="whether it is localized")] = False
     values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")] = {}
@@ -112,6 +112,9 @@ class LocalizeCommand(Struct, tag_field="type", tag="localize"):
         str,
         Meta(description="plan: of the world; moved: with its furniture elsewhere; other: of another world"),
     ] = "plan"
+    keep: Annotated[
+        bool, Meta(description="keep the particles of the filter that runs on this map, if there is one")
+    ] = False
 
 
 class Map3dCommand(Struct, tag_field="type", tag="map3d"):

@@ -149,6 +149,17 @@ from tests.agreement.terrain import (
     patches_by_textbook,
     terrain_cases,
 )
+from tests.agreement.tsdf import (
+    beam_cases,
+    beams_in_tsdf_by_kernel,
+    beams_in_tsdf_by_textbook,
+    depth_cases,
+    depths_in_tsdf_by_kernel,
+    depths_in_tsdf_by_textbook,
+    field_cases,
+    mesh_by_kernel,
+    mesh_by_textbook,
+)
 from tests.agreement.volume import (
     asked_by_kernel,
     asked_by_textbook,
@@ -283,6 +294,9 @@ TABLE = (
     Row("obstacles and columns of a volume", asked_by_kernel, asked_by_textbook, volume_cases(), tolerance=1e-9),
     Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
+    Row("signed distances of depth images", depths_in_tsdf_by_kernel, depths_in_tsdf_by_textbook, depth_cases()),
+    Row("signed distances of beams", beams_in_tsdf_by_kernel, beams_in_tsdf_by_textbook, beam_cases()),
+    Row("mesh of signed distances", mesh_by_kernel, mesh_by_textbook, field_cases(), tolerance=1e-5),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),

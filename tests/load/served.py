@@ -70,7 +70,16 @@ def service(sessions: int, clients: int) -> Iterator[Process]:
             "GRIDBLOOM_MAX_TOTAL_CELLS": str(1 << 30),
             "GRIDBLOOM_LOG_LEVEL": "error",
         }
-        command = [sys.executable, "-m", "server.cli", "serve", "--port", "0", "--data-dir", folder]
+        command = [
+            sys.executable,
+            "-c",
+            "from server.cli import main; main()",
+            "serve",
+            "--port",
+            "0",
+            "--data-dir",
+            folder,
+        ]
         with _process(command, **limits) as process:
             yield process
 

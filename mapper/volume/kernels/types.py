@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mapper.core.array_types import Float32Array, Int32Array, Int64Array
+from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array, UInt8Array
 
 
 class BlockTable(NamedTuple):
@@ -74,3 +74,66 @@ class FaceRule(NamedTuple):
     colours: int
     by_belief: bool
     seen_only: bool
+
+
+class Fusion(NamedTuple):
+    """How measurements of a surface update truncated signed distances; lengths in metres.
+
+    ``near`` is how far behind the surface weights begin to fall, the truncation itself where they do not.
+    """
+
+    truncation: np.float32
+    near: np.float32
+    max_weight: np.float32
+    far: np.float32
+    inverse_square: bool
+    carve: bool
+
+
+class DepthView(NamedTuple):
+    """A depth image (height × width,), metres, row after row, and its camera among the voxels.
+
+    ``rays`` (3, 3) float64 takes (u, v, 1) to the direction of that pixel whose depth is 1, in voxels of the lattice;
+    ``origin`` (3,) is the camera's place in keys, so that the centre of the voxel of key k is at k.
+    """
+
+    depth: Float32Array
+    width: int
+    height: int
+    rays: Float64Array
+    origin: Float64Array
+
+
+class CubeTables(NamedTuple):
+    """The cases of marching cubes, see :mod:`mapper.volume.cube_cases`: the number of triangles (256,), their edges
+    (256, 3 × the greatest number), the first corner of each edge (12,); and the number of bits of each byte (256,).
+    """
+
+    counts: UInt8Array
+    edges: UInt8Array
+    firsts: UInt8Array
+    bits: UInt8Array
+
+
+class MeshBlocks(NamedTuple):
+    """Blocks of a mesh while it is made, by the slots of their voxels.
+
+    ``negative``, ``known`` and ``cells`` (slots, 8, 8), z y, are rows of eight bits, x ascending: voxels behind the
+    surface, voxels with a weight, and cells with a surface (that of a cell's first voxel).
+    """
+
+    negative: UInt8Array
+    known: UInt8Array
+    cells: UInt8Array
+
+
+class MeshEdges(NamedTuple):
+    """The vertices of a mesh, on edges between voxels, by the place of the edges' first voxel.
+
+    ``rows`` (owners, 3, 64) are bits as in :class:`MeshBlocks` for edges along x, y and z, ``starts`` (owners, 3, 64)
+    the number of the first vertex of each row. ``owners`` (slots,) are rows of these, −1 for blocks without vertices.
+    """
+
+    rows: UInt8Array
+    starts: Int32Array
+    owners: Int32Array

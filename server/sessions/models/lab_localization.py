@@ -7,11 +7,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.localization.likelihood_field import beam_likelihood
-from mapper.localization.scan_beams import limits_of
+from mapper.localization.map_model import map_model
+from mapper.localization.scan_beams import limits_of, scan_beams
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.changed_plan import with_moved_furniture
 from mapper.simulation.floor_plans import another_world
@@ -22,6 +24,8 @@ from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
 from server.sessions.models.localization_message import COLUMNS
 from server.stream.layers import GridLayer, Layer, TableLayer
+
+Float64Array = NDArray[np.float64]
 
 MOST_SHOWN = 10_000  #: particles that are sent
 MOST_PARTICLES = 100_000  #: that one session may have
@@ -57,36 +61,58 @@ class LabLocalization:
         """
         if given not in MAPS:
             raise ConfigError("localization.map", f"The map must be one of {', '.join(MAPS)}, not {given!r:.80}.")
-        self.values, self.given = dict(values), given
-        config = LocalizationConfig(global_particles=20_000).with_values(values)
-        most = max(config.global_particles, config.max_particles)
-        if most > MOST_PARTICLES:
-            config = config.with_values(
-                {
-                    "global_particles": min(config.global_particles, MOST_PARTICLES),
-                    "max_particles": min(config.max_particles, MOST_PARTICLES),
-                }
-            )
+        self.given = given
+        self._plan = plan_map(MAPS[given](world))
+        self._range_max = sensor.range_max
+        config = self._take(values)
         self._filter = MonteCarloLocalizer(
-            plan_map(MAPS[given](world)),
+            map_model(self._plan, config, self._longest(config)),
             config,
             range_min=RANGE_MIN,
             range_max=sensor.range_max,
             mount=mount,
             seed=SEED,
         )  # fmt: skip
-        self._config = config
         self._odometer = Odometer(pose, np.random.default_rng(SEED))
         self._seen: RangeScan | None = None
         self._true = pose
         self._particles = TableLayer("particles", "Particles", "particles", COLUMNS)
         self._field = GridLayer("likelihood_field", "Likelihood field", "likelihood_field")
-        model = self._filter.model
-        _, longest = limits_of(config, RANGE_MIN, sensor.range_max)
-        likelihood = beam_likelihood(model.field.distances, config, longest)
-        greatest = config.z_hit + config.z_rand / longest
-        self._field.set(model.geometry, likelihood.astype(np.float32), 0.0, greatest)
-        self._draw()
+        self._draw_field()
+        self._draw(*self._filter.weighed)
+
+    def _take(self, values: Mapping[str, Any]) -> LocalizationConfig:
+        """Return the parameters with ``values`` replaced. Raises :class:`ConfigError` for values it refuses."""
+        config = LocalizationConfig(global_particles=20_000).with_values(values)
+        fewer = {
+            name: min(getattr(config, name), MOST_PARTICLES)
+            for name in ("min_particles", "max_particles", "global_particles")
+        }
+        self.values = dict(values)
+        return config.with_values(fewer)
+
+    def _longest(self, config: LocalizationConfig) -> float:
+        return limits_of(config, RANGE_MIN, self._range_max)[1]
+
+    def change(self, values: Mapping[str, Any]) -> None:
+        """Go on with other parameters: the particles stay, and show how the newest scan weighs them now.
+
+        Raises :class:`ConfigError` for values it refuses; nothing has changed then.
+        """
+        before = self.values
+        try:
+            config = self._take(values)
+            model = map_model(self._plan, config, self._longest(config))
+        except ConfigError:
+            self.values = before
+            raise
+        self._filter.reconfigure(config, model)
+        self._draw_field()
+        poses, weights = self._filter.weighed
+        if self._seen is not None:
+            beams = scan_beams(self._seen, self._filter.mount, config)
+            weights = self._filter.weights_by(beams) if len(beams.points) else weights
+        self._draw(poses, weights)
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -110,11 +136,18 @@ class LabLocalization:
         self._seen, self._true = scan, pose
         found = self._filter.update(self._odometer.move(pose), scan)
         if found.is_updated:
-            self._draw()
+            self._draw(*self._filter.weighed)
         return True
 
-    def _draw(self) -> None:
-        particles, weights = self._filter.particles, self._filter.weights
+    def _draw_field(self) -> None:
+        """Write the likelihood of a reading that ends in each cell into its layer."""
+        config, model = self._filter.config, self._filter.model
+        longest = self._longest(config)
+        likelihood = beam_likelihood(model.field.distances, config, longest)
+        self._field.set(model.geometry, likelihood.astype(np.float32), 0.0, config.z_hit + config.z_rand / longest)
+
+    def _draw(self, particles: Float64Array, weights: Float64Array) -> None:
+        """Write particles (n, 3) into their layer, coloured by their weights (n,)."""
         step = -(-len(particles) // MOST_SHOWN)
         value = weights[::step] / weights.max()
         self._particles.set(np.vstack([particles[::step].T, value[np.newaxis]]))

@@ -26,14 +26,13 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.lab_localization import LabLocalization
 from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.lab_navigation_parameters import TABLE
 from server.sessions.models.lab_terrain import TABLE as TERRAIN
 from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
-from server.sessions.models.localization_message import OFF
+from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import COMMANDS
-from server.sessions.models.simulation_commands import ACTIONS, act, edits_of, flag
+from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
 from server.sessions.models.terrain_view import TerrainView
@@ -71,7 +70,7 @@ class SimulationModel(SessionModel):
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
-        self._localization: LabLocalization | None = None
+        self._localization = LocalizationView()
         self._volume = VolumeView(host, mapper, self.playback)
         self._navigation = self.costed = LabNavigation(
             mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
@@ -86,9 +85,8 @@ class SimulationModel(SessionModel):
     def layers(self) -> Sequence[Layer]:
         """The map, the second map if there is one, and those of what else is on."""
         second = () if self._second is None else (self._second,)
-        localization = () if self._localization is None else self._localization.layers
         more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers, *self._terrain.layers)
-        return (self._map, *second, *localization, *more)
+        return (self._map, *second, *self._localization.layers, *more)
 
     @property
     def title(self) -> str:
@@ -114,7 +112,7 @@ class SimulationModel(SessionModel):
     def footprint(self) -> Footprint:
         """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
         parts = (self._navigation, self._volume, self._terrain, self._localization)
-        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in parts if part is not None))
+        return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in parts))
 
     @property
     def world(self) -> World:
@@ -219,7 +217,7 @@ class SimulationModel(SessionModel):
             *self._navigation.messages(),
             self._volume.message(),
             self._terrain.message(),
-            OFF if self._localization is None else self._localization.message(),
+            self._localization.message(),
         ]
 
     def _parameters_message(self) -> dict[str, Any]:
@@ -286,7 +284,7 @@ class SimulationModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
-        self._localize(result)
+        self._localization.look(self._mapper, result)
         self._volume.draw(result)
         self._terrain.draw(self.world, result)
         self._navigation.draw(result.box, result, whole=result.new_grid)
@@ -303,32 +301,6 @@ class SimulationModel(SessionModel):
         whole, box = second.changed()
         result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
 
-    def _localize(self, result: TickResult) -> None:
-        """Let the filter see the newest scan."""
-        one, scan = self._localization, self._mapper.newest
-        if one is None or scan is None or self._mapper.hidden:
-            return
-        if one.look(scan, self._mapper.newest_pose):
-            result.changed = True
-            result.slot(one.message())
-
-    def _begin_localizing(self, command: dict[str, Any], result: TickResult) -> None:
-        """Begin to localize the robot in a plan of the present world, or end it."""
-        simulation = self._mapper.simulation
-        self._localization = (
-            LabLocalization(
-                simulation.world,
-                simulation.sensor,
-                simulation.mount,
-                self._mapper.newest_pose,
-                values({"values": {}} | command),
-                text({"map": "plan"} | command, "map"),
-            )
-            if flag(command, "value")
-            else None
-        )
-        result.slot(OFF if self._localization is None else self._localization.message())
-
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
@@ -337,7 +309,7 @@ class SimulationModel(SessionModel):
             case kind if kind in ACTIONS:
                 self._act(command, result)
             case "localize":
-                self._begin_localizing(command, result)
+                self._localization.obey(command, self._mapper, result)
             case kind if kind in COMMANDS:
                 self._navigation.obey(command, result)
             case "map3d":
@@ -392,10 +364,10 @@ class SimulationModel(SessionModel):
             self.playback.playing = True
         if command["type"] in ("drive", "auto"):
             self._navigation.stop_driving(result)
-        if command["type"] == "teleport" and self._localization is not None:
+        if command["type"] == "teleport":
             self._localization.carried(mapper.newest_pose)
         if command["type"] == "sensor":
-            self._stop_localizing(result)
+            self._localization.end(result)
         if command["type"] == "edit":
             result.slot(self._world_message())
         if command["type"] == "sensor" or mapper.second is not second:
@@ -416,13 +388,8 @@ class SimulationModel(SessionModel):
         if scans > now:
             result.unfinished = command | {"scans": scans - now}
 
-    def _stop_localizing(self, result: TickResult) -> None:
-        if self._localization is not None:
-            self._localization = None
-            result.slot(OFF)
-
     def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
-        self._stop_localizing(result)
+        self._localization.end(result)
         self._navigation.end(result)
         self._mapper.begin(world, self.sensor, edits_of(edits))
         self._volume.restart(result)

@@ -30,6 +30,7 @@ import type {
 } from "../wire/protocol";
 import type { DisplayedMap, OnCellChange } from "./displayedMap";
 import { Editing } from "./editing";
+import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
 import { Map3d } from "./map3d";
 import { MapEditing } from "./mapEditing";
@@ -154,6 +155,8 @@ export class SessionState implements Receiver {
   readonly forgetting = signal<Forgetting | null>(null);
   /** How the robot is localized; null before the first message. */
   readonly localization = signal<LocalizationMessage | null>(null);
+  /** The particle filter that the user wants in the lab. */
+  readonly filter = new FilterSettings();
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
   /** The 3D map of the simulated robot. */
@@ -353,6 +356,7 @@ export class SessionState implements Receiver {
         return;
       case "localization":
         this.localization.value = message;
+        this.filter.take(message);
         return;
       case "costmap":
         this.navigation.take(message);

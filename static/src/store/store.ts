@@ -52,6 +52,29 @@ export class Store extends SessionState {
     );
   }
 
+  /** Begin to localize the lab's robot, from anywhere. */
+  beginFilter(values: Values, map: string): void {
+    const command = { type: "localize", value: true, values, map } as const;
+    this.filter.note(command);
+    this.send(command);
+  }
+
+  /** Set parameters of the filter; one that runs goes on with them. */
+  setFilter(values: Values): void {
+    const [old, map] = [this.filter.values.peek(), this.filter.map.peek()];
+    const next = { ...old, ...values };
+    if (this.localization.peek()?.is_on !== true) {
+      this.filter.values.value = next;
+      return;
+    }
+    const command = { type: "localize", value: true, map, keep: true } as const;
+    this.#change(
+      `localize ${Object.keys(values).join(" ")}`,
+      [{ ...command, values: old }],
+      [{ ...command, values: next }],
+    );
+  }
+
   /** Set a parameter of the 3D sensor or of its map; begins the map if there is none. */
   setMap3d(values: Values): void {
     const now = this.map3d.values.values.peek();
@@ -187,6 +210,9 @@ export class Store extends SessionState {
       }
     } else if (command.type === "costmap") {
       for (const [name, value] of Object.entries(command.values ?? {})) this.navigation.values.set(name, value);
+      this.sendSoon(command);
+    } else if (command.type === "localize") {
+      this.filter.note(command);
       this.sendSoon(command);
     } else if (command.type === "map3d" || command.type === "terrain") {
       const { values } = command.type === "map3d" ? this.map3d : this.terrain;

@@ -891,7 +891,7 @@ export interface TeleportCommand {
   readonly yaw?: number | null;
 }
 
-/** Simulations: begin to localize the robot in a map, from anywhere, or end it. */
+/** Simulations: begin to localize the robot in a map, from anywhere, change the parameters, or end it. */
 export interface LocalizeCommand {
   readonly type: "localize";
   /** whether it is localized */
@@ -900,6 +900,8 @@ export interface LocalizeCommand {
   readonly values?: Values;
   /** plan: of the world; moved: with its furniture elsewhere; other: of another world */
   readonly map?: string;
+  /** keep the particles of the filter that runs on this map, if there is one */
+  readonly keep?: boolean;
 }
 
 /** Simulations: begin a 3D map of what the robot's 3D sensor measures, change it, or end it. */

@@ -15,6 +15,7 @@ from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer, localize_log
 from mapper.localization.localize import covariance_lines
 from mapper.localization.scan_beams import ScanBeams, scan_beams
+from mapper.localization.weighing import log_likelihoods, scan_sums
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.mapper.localization.rooms import office, two_rooms
 from tests.mapper.slam.worlds import without_poses
@@ -254,3 +255,34 @@ def test_a_range_that_leaves_no_reading():
 def test_parameters_that_are_impossible(values: dict[str, float], said: str):
     with pytest.raises(ConfigError, match=said):
         LocalizationConfig().with_values(values)
+
+
+def test_a_filter_that_has_not_converged_gets_particles_where_the_scan_fits():
+    grid, log = office()
+    odometry, true = log.trajectory("odometry").poses, log.trajectory("true").poses
+    off = {}
+    for reset_below in (0.85, 0.0):
+        config = replace(FEW, reset_below=reset_below)
+        robot = MonteCarloLocalizer(grid, config, range_max=log.range_max, seed=3)
+        # All particles are in two places, in neither of which the robot is.
+        away = true[0] + np.array([[0.0, 3.0, 2.0], [0.0, -3.0, -2.0]])
+        robot.set_particles(np.repeat(away, 250, axis=0) + np.random.default_rng(1).normal(0.0, 0.1, (500, 3)))
+        for k in range(30):
+            found = robot.update(odometry[k], log.scan(k))
+        off[reset_below] = math.hypot(*(found.pose - true[29])[:2])
+    assert off[0.85] < 0.4 < off[0.0]
+
+
+def test_many_beams_count_as_fewer_independent_ones():
+    grid, log = office()
+    pose = log.trajectory("true").poses[:1]
+    for model in ("likelihood_field_prob", "beam"):
+        logs = {}
+        for count in (0, 5, 1000):
+            config = LocalizationConfig(laser_model_type=model, laser_max_beams=30, independent_beams=count)
+            robot = MonteCarloLocalizer(grid, config, range_max=log.range_max)
+            scan = scan_beams(log.scan(0), log.mount, config)
+            logs[count] = log_likelihoods(robot.model, scan, pose, scan_sums(robot.model, scan, pose), config)[0]
+            n = len(scan.beams if model == "beam" else scan.points)
+        assert logs[1000] == logs[0] < logs[5] < 0.0
+        assert logs[5] == pytest.approx(logs[0] * 5 / n)

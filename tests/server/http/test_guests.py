@@ -66,6 +66,8 @@ NEVER = {
     ("HEAD", "/{name}"),
     ("GET", "/3d"),
     ("GET", "/readyz"),
+    ("GET", "/sign-out"),
+    ("POST", "/sign-out"),
     ("GET", "/metrics"),
     ("GET", "/api/docs"),
     ("GET", "/api/openapi.json"),

@@ -113,6 +113,25 @@ def test_the_token_in_the_address_becomes_a_cookie(browser: httpx.Client) -> Non
     assert browser.get("/api/worlds").status_code == 200
 
 
+def test_a_browser_that_signs_out_must_give_the_token_again(guarded: Service, browser: httpx.Client) -> None:
+    other = httpx.Client(base_url=browser.base_url, timeout=PATIENCE_S)
+    for one in (browser, other):
+        one.get("/", params={"token": TOKEN})
+        assert one.get("/api/worlds").status_code == 200
+    assert "Sign out" in browser.get("/sign-out").text
+    kept = browser.cookies["gridbloom_token"]
+    assert browser.post("/sign-out").status_code == 303
+    assert "gridbloom_token" not in browser.cookies
+    assert is_error(browser.get("/api/worlds", headers={"cookie": f"gridbloom_token={kept}"}), 401, "security.token")
+    assert other.get("/api/worlds").status_code == 200
+    browser.get("/", params={"token": TOKEN})
+    assert browser.post("/sign-out", data={"everywhere": "1"}).status_code == 303
+    assert other.get("/api/worlds").status_code == 401
+    other.get("/", params={"token": TOKEN})
+    assert other.get("/api/worlds").status_code == 200
+    other.close()
+
+
 def test_the_way_from_the_token_leads_nowhere_else(browser: httpx.Client) -> None:
     answer = browser.get(f"//evil.example/?token={TOKEN}")
     assert answer.headers.get("location", "/").startswith("/")
@@ -233,3 +252,17 @@ def test_a_token_and_none_contradict_each_other() -> None:
     options: dict[str, Any] = {"token": TOKEN, "no_token": True}
     with pytest.raises(ValidationError, match="contradict"):
         Settings(**options)
+
+
+def test_guesses_of_the_token_are_braked_and_cookies_are_not(tmp_path: Path) -> None:
+    with running(settings_for(tmp_path, token=TOKEN)) as service:
+        http = service.http
+        http.get("/", params={"token": TOKEN})
+        with httpx.Client(base_url=http.base_url, timeout=PATIENCE_S) as guessing:
+            wrong = {"authorization": "Bearer wrong-token"}
+            assert [guessing.get("/api/worlds", headers=wrong).status_code for _ in range(51)] == [401] * 50 + [429]
+            right = guessing.get("/api/worlds", headers={"authorization": f"Bearer {TOKEN}"})
+            assert is_error(right, 429, "security.guesses")
+            assert int(right.headers["retry-after"]) >= 1
+            assert guessing.get("/livez").status_code == 200
+        assert http.get("/api/worlds").status_code == 200

@@ -23,7 +23,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "edit", "added": [["wall", -10, 20, 300, 400]], "erased": [4, 17], "watch": True},
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
-    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved"},
+    {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved", "keep": True},
     {"type": "terrain", "value": True, "values": {"patch": 0.25}, "x": 1.5, "y": -0.5},
     {"type": "map3d", "value": True, "values": {"voxel": 0.1, "sensor": "depth_camera"}},
     {

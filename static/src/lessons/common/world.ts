@@ -2,6 +2,7 @@
 
 import { compose } from "../../grid/lattice";
 import type { LaserScan } from "../../grid/occupancyGrid";
+import { normal } from "../../grid/random";
 import type { Pose } from "../../wire/protocol";
 
 export type Wall = readonly [x0: number, y0: number, x1: number, y1: number];
@@ -59,21 +60,6 @@ export function scanFrom(walls: readonly Wall[], [x, y, yaw]: Pose, lidar: Lidar
   const { angle_min, angle_increment, range_min, range_max } = lidar;
   return { ranges, angle_min, angle_increment, range_min, range_max };
 }
-
-/** Random numbers in [0, 1), the same for the same seed (mulberry32). */
-export function seeded(seed: number): () => number {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let t = Math.imul(state ^ (state >>> 15), 1 | state);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
-  };
-}
-
-/** One draw from the standard normal distribution (Box and Muller). */
-export const normal = (random: () => number): number =>
-  Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
 
 /** The poses from the first one on, each moved from the one before. */
 export function chained(first: Pose, motions: readonly Pose[]): readonly Pose[] {

@@ -1,10 +1,11 @@
 /** A drive round a block and back into its first corridor: what the odometry measured of it, and two loops. */
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { seeded } from "../../grid/random";
 import { bearingOf } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
 import { poseRound, rmsDistance } from "../common/drive";
-import { allRound, box, chained, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, box, chained, scanFrom, type Wall } from "../common/world";
 import type { Symmetric } from "../matching/symmetric";
 import { between, type GraphEdge } from "./solver";
 

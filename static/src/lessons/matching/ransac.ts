@@ -1,7 +1,7 @@
 /** A pose from pairs of points of which many are wrong. Source: Fischler & Bolles 1981. */
 
+import { seeded } from "../../grid/random";
 import type { Pose } from "../../wire/protocol";
-import { seeded } from "../common/world";
 import { bestRigidMotion, type Pairs, type PointScan, placed } from "./model";
 
 export interface Agreed {

@@ -1,9 +1,10 @@
 /** The rooms in which two scans are matched, and where both were taken. */
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { seeded } from "../../grid/random";
 import { bearingOf } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
-import { allRound, box, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, box, scanFrom, type Wall } from "../common/world";
 import { type PointScan, placed, type SurfaceScan, scoreField, withNormals } from "./model";
 
 /** What the figure shows, and the field of scores, which is larger: poses at its edge see beyond it. */

@@ -8,10 +8,11 @@ import {
   type LaserScan,
   type OccupancyGrid,
 } from "../../grid/occupancyGrid";
+import { normal, seeded } from "../../grid/random";
 import { bearingOf, occupancyGridMapping } from "../../grid/textbook";
 import type { Point, Pose } from "../../wire/protocol";
 import { poseRound, rmsDistance } from "../common/drive";
-import { allRound, box, chained, normal, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, box, chained, scanFrom, type Wall } from "../common/world";
 import { between } from "../graph/solver";
 import { iterate, type PointScan, placed, type SurfaceScan, withNormals } from "../matching/model";
 

@@ -6,9 +6,10 @@
  */
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { seeded } from "../../grid/random";
 import { bearingOf } from "../../grid/textbook";
 import type { Point } from "../../wire/protocol";
-import { allRound, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, scanFrom, type Wall } from "../common/world";
 
 export const GEOMETRY: GridGeometry = { resolution: 0.1, rows: 24, cols: 96, origin: [0, -0.2, 0] };
 const Y = 1;

@@ -2,9 +2,10 @@
 
 import { compose } from "../../grid/lattice";
 import type { GridGeometry, LaserScan, MappingConfig, OccupancyGrid } from "../../grid/occupancyGrid";
+import { seeded } from "../../grid/random";
 import { occupancyGridMapping } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
-import { allRound, castRay, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, castRay, scanFrom, type Wall } from "../common/world";
 import { type SonarSettings, updateCone } from "../sonar/model";
 import { sonarScan } from "../sonar/world";
 import { LOW_TABLE, POLISHED, TABLE, WALLS, walker } from "./floor";

@@ -6,9 +6,10 @@
 
 import { logOdds } from "../../grid/logOdds";
 import { emptyGrid, type GridGeometry, INITIAL_CONFIG, type OccupancyGrid } from "../../grid/occupancyGrid";
+import { seeded } from "../../grid/random";
 import { occupancyGridMapping } from "../../grid/textbook";
 import type { Pose } from "../../wire/protocol";
-import { allRound, box, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, box, scanFrom, type Wall } from "../common/world";
 
 export const GREY = { occupied: 0, unknown: 205, free: 254 } as const;
 /** Thresholds in the yaml file of a trinary map, whatever thresholds the image was made with. */

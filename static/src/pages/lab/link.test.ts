@@ -8,6 +8,7 @@ const SHOWN: LinkState = {
   pinned: [1.25, 3],
   why: { at: [1.25, 3], touch: 7 },
   right: { clamp: true, mount_yaw: 0 },
+  filter: { values: { sigma_hit: 0.05 }, map: "moved", field: true },
 };
 
 test("what is packed comes out again, in letters that an address may hold", async () => {
@@ -19,12 +20,13 @@ test("what is packed comes out again, in letters that an address may hold", asyn
 });
 
 test("an older link without explained cell and second map still opens", async () => {
-  const { pinned, why, right, ...before } = SHOWN;
+  const { pinned, why, right, filter, ...before } = SHOWN;
   expect(await unpackLink(await packLink(before as LinkState))).toEqual({
     ...before,
     pinned: null,
     why: null,
     right: null,
+    filter: null,
   });
 });
 
@@ -40,6 +42,17 @@ test("a link that lost a piece opens nothing, and one with a strange view shows 
   expect(await unpackLink(await packLink({ ...SHOWN, story: { world: "x" } } as unknown as LinkState))).toBeNull();
   const odd = await unpackLink(await packLink({ ...SHOWN, view: { x: 1, y: 2, scale: -1 } }));
   expect(odd?.view).toBeNull();
-  const strange = { ...SHOWN, pinned: [1, "2"], why: { at: [1, 2, 3] }, right: { clamp: {} } } as unknown as LinkState;
-  expect(await unpackLink(await packLink(strange))).toMatchObject({ pinned: null, why: null, right: null });
+  const strange = {
+    ...SHOWN,
+    pinned: [1, "2"],
+    why: { at: [1, 2, 3] },
+    right: { clamp: {} },
+    filter: { values: {} },
+  } as unknown as LinkState;
+  expect(await unpackLink(await packLink(strange))).toMatchObject({
+    pinned: null,
+    why: null,
+    right: null,
+    filter: null,
+  });
 });

@@ -1,11 +1,12 @@
 /**
  * The state of the page in the fragment of its address: the world's story, the view, the pinned and the explained cell,
- * the active faults, and the correct map for comparison.
+ * the active faults, the correct map for comparison, and the particle filter.
  */
 
 import type { View } from "../../render/view";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "../../store/activeFaults";
 import type { Store } from "../../store/store";
+import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
 import type { Point, Value, Values } from "../../wire/protocol";
 import { pack, unpack } from "../packed";
 
@@ -23,6 +24,8 @@ export interface VisibleState {
   readonly why: { readonly at: Point; readonly touch: number | null } | null;
   /** Parameters of the correct map that differ from the map's; null while it is not shown. */
   readonly right: Values | null;
+  /** The particle filter that localizes the robot; null while there is none. It begins anew, anywhere. */
+  readonly filter: { readonly values: Values; readonly map: string; readonly field: boolean } | null;
 }
 
 export interface LinkState extends VisibleState {
@@ -45,7 +48,7 @@ const isValues = (values: unknown): values is Values =>
 /** Unpack; null if the text is invalid or incomplete. */
 export async function unpackLink(letters: string): Promise<LinkState | null> {
   try {
-    const { story, wrong, view, pinned, why, right } = (await unpack(letters)) as Partial<LinkState>;
+    const { story, wrong, view, pinned, why, right, filter } = (await unpack(letters)) as Partial<LinkState>;
     if (typeof story?.world !== "string" || !isNumber(story.seed)) return null;
     const seen = view && isNumber(view.x) && isNumber(view.y) && isNumber(view.scale) && view.scale > 0 ? view : null;
     return {
@@ -55,6 +58,10 @@ export async function unpackLink(letters: string): Promise<LinkState | null> {
       pinned: isPoint(pinned) ? pinned : null,
       why: isPoint(why?.at) ? { at: why.at, touch: isNumber(why.touch) ? why.touch : null } : null,
       right: isValues(right) ? right : null,
+      filter:
+        isValues(filter?.values) && typeof filter.map === "string"
+          ? { values: filter.values, map: filter.map, field: filter.field === true }
+          : null,
     };
   } catch {
     return null;
@@ -72,6 +79,14 @@ export function visibleState(store: Store): VisibleState {
     why: at && { at, touch: store.selectedUpdate.peek() },
     // The second map of the moving table depends on when it was started and cannot be restored.
     right: compared && !compared.with_faults ? compared.values : null,
+    filter:
+      store.localization.peek()?.is_on === true
+        ? {
+            values: store.filter.values.peek(),
+            map: store.filter.map.peek(),
+            field: store.underlay.peek() === LIKELIHOOD_FIELD,
+          }
+        : null,
   };
 }
 

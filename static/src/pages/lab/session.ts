@@ -1,6 +1,7 @@
 import { effect } from "@preact/signals";
 import type { Connection } from "../../store/connect";
 import type { Store } from "../../store/store";
+import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
 import { CancelledError, createWorld } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
@@ -69,11 +70,15 @@ export function restore(store: Store, shown: VisibleState): void {
     store.explain(shown.why.at);
     store.selectedUpdate.value = shown.why.touch;
   }
-  const { right } = shown;
-  if (!right) return;
+  const { right, filter } = shown;
+  if (!right && !filter) return;
   const stop = effect(() => {
     if (!store.isReady.value) return;
-    store.send({ type: "compare", values: right });
+    if (right) store.send({ type: "compare", values: right });
+    if (filter) {
+      store.beginFilter(filter.values, filter.map);
+      if (filter.field) store.underlay.value = LIKELIHOOD_FIELD;
+    }
     queueMicrotask(() => stop());
   });
 }
@@ -95,6 +100,7 @@ export function keepAddress(id: string, store: Store): () => void {
     void store.viewHeld.value;
     if (store.viewHeld.value) void store.view.value;
     void [store.pinned.value, store.explainedPoint.value, store.selectedUpdate.value, store.compared.value];
+    void [store.localization.value?.is_on, store.filter.values.value, store.filter.map.value, store.underlay.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);
     timer = setTimeout(() => void write(), SETTLE_MS);

@@ -1,47 +1,69 @@
 /** The robot localized in the plan of its world: begun, kidnapped, and what goes wrong. */
 
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { SwitchChip } from "../../ui/SwitchChip";
-import type { LocalizationMessage, Values } from "../../wire/protocol";
+import type { LocalizationMessage, Parameter, Values } from "../../wire/protocol";
 import { AmclYaml } from "./AmclYaml";
 import { ErrorChart } from "./ErrorChart";
-import { grown, mapOf, PARTICLES, type Point, SETTINGS, turned, valuesOf } from "./model";
+import { FilterModels } from "./FilterModels";
+import {
+  type Given,
+  grown,
+  isOn as isTurnedOn,
+  LIKELIHOOD_FIELD,
+  PARTICLES,
+  type Point,
+  SETTINGS,
+  type Setting,
+  turned,
+} from "./model";
+import { filterTable } from "./table";
 import "./localization.css";
 
-const FIELD = "likelihood_field";
+const LONGEST = 12;
 
 export function Localization({ store }: { readonly store: Store }) {
   const message = store.localization.value;
   const isOn = message?.is_on === true;
-  const on = useSignal<readonly string[]>([]);
   const points = useSignal<readonly Point[]>([]);
+  const table = useSignal<readonly Parameter[]>([]);
   useSignalEffect(() => {
     const news = store.localization.value;
     points.value = news ? grown(points.peek(), news) : [];
   });
   useEffect(() => (isOn ? store.layers.subscribe(PARTICLES) : undefined), [store, isOn]);
-  const showsField = store.underlay.value === FIELD;
   useEffect(() => {
-    if (!isOn && store.underlay.peek() === FIELD) store.underlay.value = null;
-    return isOn && showsField ? store.layers.subscribe(FIELD) : undefined;
+    filterTable().then(
+      (rows) => {
+        table.value = rows;
+      },
+      () => undefined, // the server does not answer: the figures are left out
+    );
+  }, [table]);
+  const showsField = store.underlay.value === LIKELIHOOD_FIELD;
+  useEffect(() => {
+    if (!isOn && store.underlay.peek() === LIKELIHOOD_FIELD) store.underlay.value = null;
+    return isOn && showsField ? store.layers.subscribe(LIKELIHOOD_FIELD) : undefined;
   }, [store, isOn, showsField]);
-  // Parameters of an AMCL's yaml; the settings come on top of them.
-  const given = useSignal<Values>({});
-  const allValues = (): Values => ({ ...given.peek(), ...valuesOf(on.peek()) });
-  const begin = (names: readonly string[]): void => {
-    on.value = names;
+  const given: Given = {
+    values: store.filter.values.value,
+    map: store.filter.map.value,
+    world: store.world.value?.name,
+  };
+  const begin = (values: Values, map: string): void => {
     points.value = [];
-    store.send({ type: "localize", value: true, values: allValues(), map: mapOf(names) });
+    store.beginFilter(values, map);
   };
-  const turn = (name: string): void => {
-    const world = SETTINGS.find((one) => one.name === name)?.world;
-    const isTurnedOn = !on.peek().includes(name);
-    if (isTurnedOn && world !== undefined && store.world.peek()?.name !== world) store.chooseWorld(world);
-    begin(turned(on.peek(), name));
+  const turn = (setting: Setting): void => {
+    const next = turned(setting, given, store.world.peek()?.names[0] ?? "");
+    if (next.world !== undefined && next.world !== given.world) store.chooseWorld(next.world);
+    begin(next.values, next.map);
   };
+  const set = useMemo(() => (values: Values) => store.setFilter(values), [store]);
+  const on = SETTINGS.filter((setting) => isTurnedOn(setting, given));
   return (
     <div class="localization">
       <p class="localization-note">
@@ -49,7 +71,7 @@ export function Localization({ store }: { readonly store: Store }) {
         out where the robot is.
       </p>
       <div class="localization-row">
-        <Button kind="primary" onClick={() => begin(on.peek())}>
+        <Button kind="primary" onClick={() => begin(given.values, given.map)}>
           {isOn ? "Start anew, anywhere" : "Find the robot"}
         </Button>
         {isOn && (
@@ -60,13 +82,13 @@ export function Localization({ store }: { readonly store: Store }) {
       </div>
       <fieldset class="localization-row">
         <legend>What goes wrong</legend>
-        {SETTINGS.map(({ name, label, look }) => (
+        {SETTINGS.map((setting) => (
           <SwitchChip
-            key={name}
-            label={label}
-            title={look}
-            checked={on.value.includes(name)}
-            onChange={() => turn(name)}
+            key={setting.name}
+            label={setting.label}
+            title={setting.look}
+            checked={on.includes(setting)}
+            onChange={() => turn(setting)}
           />
         ))}
       </fieldset>
@@ -87,19 +109,19 @@ export function Localization({ store }: { readonly store: Store }) {
           label="Likelihood field under the particles"
           checked={showsField}
           onChange={(wanted) => {
-            store.underlay.value = wanted ? FIELD : null;
+            store.underlay.value = wanted ? LIKELIHOOD_FIELD : null;
           }}
         />
       )}
-      <AmclYaml
-        values={allValues}
-        onOpen={(values) => {
-          given.value = values;
-          begin(on.peek());
-        }}
+      <FilterModels
+        table={table.value}
+        values={store.filter.values}
+        range_max={Number(store.sensor.values.value.range_max ?? LONGEST)}
+        set={set}
       />
+      <AmclYaml values={() => store.filter.values.peek()} onOpen={(values) => begin(values, given.map)} />
       <div class="localization-note" role="status">
-        {SETTINGS.filter(({ name }) => on.value.includes(name)).map(({ name, look }) => (
+        {on.map(({ name, look }) => (
           <p key={name}>
             <b>Look for:</b> {look}
           </p>

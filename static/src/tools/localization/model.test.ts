@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { LocalizationMessage } from "../../wire/protocol";
-import { ellipseOf, grown, mapOf, type Point, SETTINGS, turned, valuesOf } from "./model";
+import { ellipseOf, type Given, grown, isOn, type Point, SETTINGS, type Setting, turned } from "./model";
 
 const message = (n_updates: number, error_m: number | null = 1, is_on = true): LocalizationMessage =>
   ({ type: "localization", is_on, n_updates, error_m, entropy: 3 }) as unknown as LocalizationMessage;
@@ -25,10 +25,25 @@ test("a filter that begins anew, or ends, begins the history anew", () => {
   expect(grown(points, message(8, null, false))).toEqual([]);
 });
 
-test("the values of several settings are sent together", () => {
-  const [few, sure] = ["few", "sure"].map((name) => SETTINGS.find((one) => one.name === name));
-  expect(valuesOf([])).toEqual({});
-  expect(valuesOf(["few", "sure"])).toEqual({ ...few?.values, ...sure?.values });
+const setting = (name: string): Setting => SETTINGS.find((one) => one.name === name) as Setting;
+const plain: Given = { values: { alpha1: 0.4 }, map: "plan", world: "office" };
+const on = (given: Given): readonly string[] => SETTINGS.filter((one) => isOn(one, given)).map(({ name }) => name);
+
+test("settings are on together, and each ends alone", () => {
+  const few = turned(setting("few"), plain, "room");
+  const both = turned(setting("sure"), few, "room");
+  expect(both.values).toEqual({ alpha1: 0.4, ...setting("few").values, ...setting("sure").values });
+  expect(on(both)).toEqual(["few", "sure", "no-recovery"]);
+  // What the other one sets too stays.
+  const sure = turned(setting("few"), both, "room");
+  expect(sure.values).toEqual({ alpha1: 0.4, ...setting("sure").values });
+  expect(turned(setting("sure"), sure, "room")).toEqual(plain);
+});
+
+test("a setting with a world of its own goes there and leaves it", () => {
+  const twins = turned(setting("twins"), plain, "room");
+  expect(twins.world).toBe("twins");
+  expect(turned(setting("twins"), twins, "room").world).toBe("room");
 });
 
 test("an ellipse along the line of greatest variance", () => {
@@ -42,8 +57,7 @@ test("an ellipse along the line of greatest variance", () => {
 });
 
 test("one setting says which map the filter gets", () => {
-  const on = turned(turned(["few"], "moved"), "other");
-  expect(on).toEqual(["few", "other"]);
-  expect(mapOf(on)).toBe("other");
-  expect(mapOf(turned(on, "other"))).toBe("plan");
+  const other = turned(setting("other"), turned(setting("moved"), plain, "room"), "room");
+  expect([other.map, ...on(other)]).toEqual(["other", "other"]);
+  expect(turned(setting("other"), other, "room").map).toBe("plan");
 });

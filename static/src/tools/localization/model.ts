@@ -5,6 +5,8 @@ import type { LocalizationMessage, Values } from "../../wire/protocol";
 /** The layers of a localization: the map that a log is localized in, and the particles. */
 export const GIVEN_MAP = "given_map";
 export const PARTICLES = "particles";
+/** The layer of the lab's filter: how likely a reading is that ends in a cell. */
+export const LIKELIHOOD_FIELD = "likelihood_field";
 
 /** A setting of the filter that goes wrong or that shows something. */
 export interface Setting {
@@ -80,21 +82,38 @@ export function grown(points: readonly Point[], message: LocalizationMessage): r
   return [...before, next].slice(-MOST_POINTS);
 }
 
-/** The map of the last setting that is on and has one. */
-export const mapOf = (on: readonly string[]): string =>
-  SETTINGS.findLast(({ name, map }) => map !== undefined && on.includes(name))?.map ?? "plan";
-
-/** The settings that are on once one is turned: only one of them can say which map the filter gets. */
-export function turned(on: readonly string[], name: string): readonly string[] {
-  if (on.includes(name)) return on.filter((one) => one !== name);
-  const hasMap = (one: string): boolean =>
-    SETTINGS.some((setting) => setting.name === one && setting.map !== undefined);
-  return [...on.filter((one) => !(hasMap(name) && hasMap(one))), name];
+/** What a filter is given. */
+export interface Given {
+  readonly values: Values;
+  readonly map: string;
+  /** Name of the world. */
+  readonly world: string | undefined;
 }
 
-/** The values of all settings that are on, together. */
-export const valuesOf = (on: readonly string[]): Values =>
-  Object.assign({}, ...SETTINGS.filter(({ name }) => on.includes(name)).map(({ values }) => values));
+/** Whether a setting is on: all that it sets is so. */
+export const isOn = ({ values, map, world }: Setting, given: Given): boolean =>
+  Object.entries(values).every(([name, value]) => given.values[name] === value) &&
+  (map === undefined || given.map === map) &&
+  (world === undefined || given.world === world);
+
+/** What the filter is given once a setting is turned. A setting that has a world ends in another one, `elsewhere`. */
+export function turned(setting: Setting, given: Given, elsewhere: string): Given {
+  const wasOn = isOn(setting, given);
+  const own = Object.keys(setting.values);
+  // What another setting sets too stays, unless that is on only because this one is.
+  const isPart = (one: Setting): boolean =>
+    Object.entries(one.values).every(([name, value]) => setting.values[name] === value);
+  const others = SETTINGS.filter((one) => isOn(one, given) && !isPart(one)).flatMap((one) =>
+    Object.entries(one.values),
+  );
+  const rest = Object.entries(given.values).filter(([name]) => !own.includes(name));
+  const values = wasOn
+    ? { ...Object.fromEntries(rest), ...Object.fromEntries(others) }
+    : { ...given.values, ...setting.values };
+  const map = setting.map === undefined ? given.map : wasOn ? "plan" : setting.map;
+  const world = setting.world === undefined ? given.world : wasOn ? elsewhere : setting.world;
+  return { values, map, world };
+}
 
 /** The half axes (m) and the direction (rad) of an ellipse that holds 95 % of a normal density. */
 export function ellipseOf(xx: number, xy: number, yy: number): readonly [long: number, short: number, turn: number] {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,7 @@ import pytest
 from mapper.core.errors import MapperError
 from mapper.core.limits import Limits
 from mapper.grid import FREE, OCCUPIED, UNKNOWN
-from mapper.io.logs import open_log
 from mapper.io.maps import load_map
-from mapper.localization import localize_log
 
 HEAD = (
     "robot_specifications->global_mapsize_x 30\nrobot_specifications->resolution 10\n"
@@ -61,12 +58,3 @@ def test_gzip_that_ends_early(tmp_path: Path):
     path.write_bytes(path.read_bytes()[:-12])
     with pytest.raises(MapperError, match=r"cannot be read|of its"):
         load_map(path)
-
-
-@pytest.mark.data
-def test_wean_hall_fits_its_log(data_file: Callable[[str], Path]):
-    """The scans of the log lie on the map's walls: the map is the right way round and 1 is free."""
-    log = open_log(data_file("mcl/robotdata1.log.gz"))
-    found = localize_log(log, load_map(data_file("mcl/wean.dat.gz")).grid, seed=1)
-    assert found.is_converged[-50:].mean() > 0.9
-    assert np.median(found.fit[-200:]) > 0.85

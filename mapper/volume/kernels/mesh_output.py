@@ -1,0 +1,146 @@
+"""Marching cubes in blocks of voxels, second part: the vertices with their normals, and the triangles.
+
+Numba twins of :func:`mapper.volume.textbook_marching.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH 1987:
+vertices by linear interpolation along edges, normals by that of the gradients at their ends.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Int32Array, Int64Array
+from mapper.core.jit import jit
+from mapper.volume.kernels.types import CubeTables, MeshBlocks, MeshEdges
+
+_ROW, _LAYER = 11, 121  # of a block with a voxel before it and two behind, along each axis
+
+
+@jit
+def _padded_block(
+    around: Int32Array, distances: Float32Array, weights: Float32Array, least: np.float32, out: Float32Array
+) -> None:
+    """Write the distances (11³,), z y x, from −1 to 9 of a block; NaN where the weight is less than ``least``."""
+    nan = np.float32(np.nan)
+    for z in range(-1, 10):
+        for y in range(-1, 10):
+            at = ((z >> 3) + 1) * 9 + ((y >> 3) + 1) * 3
+            row = (z & 7) * 64 + (y & 7) * 8
+            to = (z + 1) * _LAYER + (y + 1) * _ROW
+            left, middle, right = around[at], around[at + 1], around[at + 2]
+            out[to] = distances[left, row + 7] if left >= 0 and weights[left, row + 7] >= least else nan
+            if middle >= 0:
+                distance, weight = distances[middle, row : row + 8], weights[middle, row : row + 8]
+                for x in range(8):
+                    out[to + 1 + x] = distance[x] if weight[x] >= least else nan
+            else:
+                out[to + 1 : to + 9] = nan
+            for x in range(2):
+                out[to + 9 + x] = distances[right, row + x] if right >= 0 and weights[right, row + x] >= least else nan
+
+
+@jit
+def _slope(before: np.float32, here: np.float32, after: np.float32) -> np.float32:
+    """Return the difference a voxel: central, or to the one neighbour that is known, or 0."""
+    forward, backward = after - here, here - before
+    known_forward, known_backward = forward == forward, backward == backward  # noqa: PLR0124 - NaN is not itself
+    both = (after - before) * np.float32(0.5)
+    one = forward if known_forward else (backward if known_backward else np.float32(0.0))
+    return both if known_forward & known_backward else one
+
+
+@jit
+def write_vertices(
+    slots: Int32Array, around: Int32Array, corners: Int64Array, firsts: Int64Array, edges: MeshEdges, begin: int,
+    distances: Float32Array, weights: Float32Array, least: np.float32, resolution: float, out: Float32Array,
+    out_normals: Float32Array,
+) -> None:  # fmt: skip
+    """Write the vertices (m, 3), metres, and their normals (m, 3), of length 1 and towards the sensor's side.
+
+    The blocks are those of the rows of ``edges`` from ``begin`` on; ``corners`` (n, 3) are the keys of their first
+    voxels, ``around`` (n, 27) the slots around them and ``firsts`` (n + 1,) the numbers of their first vertices.
+    """
+    field = np.empty(_ROW * _LAYER, dtype=np.float32)
+    a, b = np.empty(3, dtype=np.float32), np.empty(3, dtype=np.float32)
+    for i in range(slots.shape[0]):
+        n = firsts[i]
+        if n == firsts[i + 1]:
+            continue
+        _padded_block(around[i], distances, weights, least, field)
+        for axis in range(3):
+            along = 1 if axis == 0 else (_ROW if axis == 1 else _LAYER)
+            for row in range(64):
+                bits = np.int64(edges.rows[begin + i, axis, row])
+                x = 0
+                while bits != 0:
+                    if bits & 1:
+                        here = ((row >> 3) + 1) * _LAYER + ((row & 7) + 1) * _ROW + x + 1
+                        there = here + along
+                        da, db = field[here], field[there]
+                        t = da / (da - db)
+                        a[0] = _slope(field[here - 1], da, field[here + 1])
+                        a[1] = _slope(field[here - _ROW], da, field[here + _ROW])
+                        a[2] = _slope(field[here - _LAYER], da, field[here + _LAYER])
+                        b[0] = _slope(field[there - 1], db, field[there + 1])
+                        b[1] = _slope(field[there - _ROW], db, field[there + _ROW])
+                        b[2] = _slope(field[there - _LAYER], db, field[there + _LAYER])
+                        gx, gy, gz = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])
+                        length = sqrt(np.float64(gx * gx + gy * gy + gz * gz))
+                        if length > 0.0:
+                            scale = 1.0 / length
+                            out_normals[n, 0] = gx * scale
+                            out_normals[n, 1] = gy * scale
+                            out_normals[n, 2] = gz * scale
+                        else:
+                            out_normals[n] = np.float32(0.0)
+                            out_normals[n, axis] = np.float32(1.0) if db > da else np.float32(-1.0)
+                        out[n, 0] = (corners[i, 0] - 32767.5 + x + (t if axis == 0 else 0.0)) * resolution
+                        out[n, 1] = (corners[i, 1] - 32767.5 + (row & 7) + (t if axis == 1 else 0.0)) * resolution
+                        out[n, 2] = (corners[i, 2] - 32767.5 + (row >> 3) + (t if axis == 2 else 0.0)) * resolution
+                        n += 1
+                    bits >>= 1
+                    x += 1
+
+
+@jit
+def write_triangles(
+    slots: Int32Array, near: Int32Array, starts: Int64Array, blocks: MeshBlocks, edges: MeshEdges,
+    firsts: Int64Array, tables: CubeTables, out: Int32Array,
+) -> None:  # fmt: skip
+    """Write the triangles (m, 3) as numbers of vertices, anticlockwise when seen from the sensor's side.
+
+    ``near`` (n, 8) are the slots at 0 and 1 from the blocks, ``starts`` (n + 1,) the numbers of their first triangles,
+    ``firsts`` (owners + 1,) those of the first vertices of the rows of ``edges``.
+    """
+    rows = edges.rows.reshape(-1)
+    before = edges.starts.reshape(-1)
+    owner = np.empty(8, dtype=np.int64)
+    for i in range(slots.shape[0]):
+        n = starts[i]
+        if n == starts[i + 1]:
+            continue
+        for k in range(8):
+            owner[k] = edges.owners[near[i, k]] if near[i, k] >= 0 else -1
+        for row in range(64):
+            mixed = np.int64(blocks.cells[slots[i], row >> 3, row & 7])
+            x = 0
+            while mixed != 0:
+                if mixed & 1:
+                    case = 0
+                    for corner in range(8):
+                        px, py, pz = x + (corner & 1), (row & 7) + (corner >> 1 & 1), (row >> 3) + (corner >> 2)
+                        slot = near[i, (pz >> 3) * 4 + (py >> 3) * 2 + (px >> 3)]
+                        case |= (int(blocks.negative[slot, pz & 7, py & 7]) >> (px & 7) & 1) << corner
+                    for k in range(3 * np.int64(tables.counts[case])):
+                        edge = np.int64(tables.edges[case, k])
+                        first = int(tables.firsts[edge])
+                        px, py, pz = x + (first & 1), (row & 7) + (first >> 1 & 1), (row >> 3) + (first >> 2)
+                        one = owner[(pz >> 3) * 4 + (py >> 3) * 2 + (px >> 3)]
+                        at = (one * 3 + (edge >> 2)) * 64 + (pz & 7) * 8 + (py & 7)
+                        below = np.int64(rows[at]) & ((1 << (px & 7)) - 1)
+                        out[n, k % 3] = firsts[one] + before[at] + tables.bits[below]
+                        if k % 3 == 2:
+                            n += 1
+                mixed >>= 1
+                x += 1

@@ -1,0 +1,103 @@
+"""The cookies by which browsers prove that they gave the service's token, and how they end.
+
+A cookie holds the time at which it was given, a random name, and a keyed digest of both (HMAC-SHA-256, the key is made
+of the token): not the token, and nothing that can be made without it. It is valid for :data:`VALID_S`, until its
+browser signs out, until all are signed out, or until the service has another token.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import json
+import secrets
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import structlog
+
+from mapper.core.atomic_file import atomic_write
+
+TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
+VALID_S = 30 * 24 * 3600  #: of a cookie
+MAX_ENDED = 4096  #: cookies that ended early, which are recorded; beyond it all that are as old as the oldest end
+
+_log = structlog.get_logger(__name__)
+
+
+class SignIns:
+    """Makes, checks and ends cookies. What ended is kept in ``file``, so that it stays ended after a restart."""
+
+    def __init__(self, token: str | None, file: Path, clock: Callable[[], float] = time.time) -> None:
+        self._key = None if token is None else hmac.digest(token.encode(), b"sign-in", hashlib.sha256)
+        self._file = file
+        self._clock = clock
+        self._ended: dict[str, int] = {}  #: by name, the time at which it was given
+        self._ended_until = 0  #: all that were given up to this time have ended
+        self._read()
+
+    def cookie(self) -> str:
+        """Return the cookie of a browser that has given the token."""
+        given, name = max(int(self._clock()), self._ended_until + 1), secrets.token_hex(12)
+        return f"{given:x}.{name}.{self._digest(given, name)}"
+
+    def is_valid(self, cookie: str) -> bool:
+        """Return whether a cookie proves the token."""
+        parsed = self._parsed(cookie)
+        if parsed is None:
+            return False
+        given, name = parsed
+        return self._ended_until < given and name not in self._ended and self._clock() - given < VALID_S
+
+    def end(self, cookie: str) -> None:
+        """End one cookie. Raises :class:`OSError` if that cannot be recorded; it has ended all the same."""
+        parsed = self._parsed(cookie)
+        if parsed is None:
+            return
+        given, name = parsed
+        oldest = self._clock() - VALID_S
+        self._ended = {one: at for one, at in self._ended.items() if at > max(oldest, self._ended_until)}
+        self._ended[name] = given
+        while len(self._ended) > MAX_ENDED:
+            first = min(self._ended, key=self._ended.__getitem__)
+            self._ended_until = max(self._ended_until, self._ended.pop(first))
+        self._write()
+
+    def end_all(self) -> None:
+        """End all cookies that were given so far. Raises as :meth:`end`."""
+        self._ended_until = int(self._clock())
+        self._ended.clear()
+        self._write()
+
+    def _digest(self, given: int, name: str) -> str:
+        return hmac.digest(self._key or b"", f"{given:x}.{name}".encode(), hashlib.sha256).hex()
+
+    def _parsed(self, cookie: str) -> tuple[int, str] | None:
+        """Return when a cookie of this service was given and its name; None for any other text."""
+        parts = cookie.split(".")
+        if self._key is None or len(parts) != 3 or len(cookie) > 200:
+            return None
+        try:
+            given = int(parts[0], 16)
+        except ValueError:
+            return None
+        expected = self._digest(given, parts[1])
+        return (given, parts[1]) if hmac.compare_digest(parts[2].encode(), expected.encode()) else None
+
+    def _read(self) -> None:
+        try:
+            found = json.loads(self._file.read_text(encoding="utf-8"))
+            self._ended_until = int(found["ended_until"])
+            self._ended = {str(name): int(at) for name, at in found["ended"].items()}
+        except FileNotFoundError:
+            return
+        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+            # What had ended is not known: everybody has to give the token again.
+            _log.warning("the record of ended sign-ins cannot be read; all have ended", file=self._file.name)
+            self._ended_until = int(self._clock())
+
+    def _write(self) -> None:
+        text = json.dumps({"ended_until": self._ended_until, "ended": self._ended})
+        with atomic_write(self._file) as file:
+            file.write(text.encode())

@@ -1,0 +1,138 @@
+/** The motion model as a fan of samples: where the robot may be once the odometry has told of a motion that one drags. */
+
+import { useSignal } from "@preact/signals";
+import { useMemo, useRef } from "preact/hooks";
+import { type Alphas, type Normals, type Pose3, sampleDifferential, sampleOmni } from "../../grid/motionModel";
+import { normal, seeded } from "../../grid/random";
+import { written } from "../../ui/numbers";
+import { useWidth } from "../../ui/useWidth";
+import { zoomOf } from "../../ui/zoom";
+import type { Values } from "../../wire/protocol";
+
+const HEIGHT = 220;
+const SAMPLES = 400;
+/** Metres that the figure shows in its height, and where the robot stands in its width. */
+const METRES = 2.4;
+const START = 0.16;
+const STEP = 0.05;
+const TURN = Math.PI / 36;
+const FIRST: Pose3 = [1.5, 0.35, 0.4];
+const ARROW = 24;
+
+const KEYS: Readonly<Record<string, readonly [x: number, y: number]>> = {
+  ArrowLeft: [-STEP, 0],
+  ArrowRight: [STEP, 0],
+  ArrowUp: [0, STEP],
+  ArrowDown: [0, -STEP],
+};
+
+const degrees = (angle: number): string => written((angle * 180) / Math.PI, 0);
+
+export function MotionFan({ values }: { readonly values: Values }) {
+  const box = useRef<HTMLDivElement>(null);
+  const width = useWidth(box, 400).value;
+  const end = useSignal<Pose3>(FIRST);
+  const held = useRef<{ x: number; y: number; from: Pose3 } | null>(null);
+  const normals = useMemo(() => {
+    const random = seeded(5);
+    return Array.from({ length: SAMPLES }, (): Normals => [normal(random), normal(random), normal(random)]);
+  }, []);
+  const alphas = [1, 2, 3, 4, 5].map((k) => Number(values[`alpha${k}`])) as unknown as Alphas;
+  const sample = values.robot_model_type === "omni" ? sampleOmni : sampleDifferential;
+  const scale = HEIGHT / METRES;
+  const x = (metres: number): number => START * width + scale * metres;
+  const y = (metres: number): number => HEIGHT / 2 - scale * metres;
+  const [ex, ey, yaw] = end.value;
+  const poses = normals.map((one) => sample(end.value, alphas, one));
+  const dots = poses.map(([px, py]) => `M${x(px).toFixed(1)} ${y(py).toFixed(1)}h0`).join("");
+  const looks = poses
+    .filter((_, i) => i % 16 === 0)
+    .map(([px, py, a]) => `M${x(px).toFixed(1)} ${y(py).toFixed(1)}l${9 * Math.cos(a)} ${-9 * Math.sin(a)}`)
+    .join("");
+  const place = ([px, py, a]: Pose3): void => {
+    const inside = (v: number, low: number, high: number): number => Math.min(high, Math.max(low, v));
+    const far = (0.96 - START) * width;
+    end.value = [inside(px, (-START * width + 8) / scale, far / scale), inside(py, -1.1, 1.1), a];
+  };
+  const grabbed = (turns: boolean) => ({
+    onPointerDown: (event: PointerEvent & { currentTarget: SVGGElement }) => {
+      if (event.button !== 0) return;
+      event.preventDefault();
+      event.currentTarget.focus({ preventScroll: true });
+      event.currentTarget.setPointerCapture(event.pointerId);
+      held.current = { x: event.clientX, y: event.clientY, from: end.peek() };
+    },
+    onPointerMove: (event: PointerEvent & { currentTarget: SVGGElement }) => {
+      const now = held.current;
+      if (!now) return;
+      const zoom = zoomOf(event.currentTarget);
+      const [dx, dy] = [(event.clientX - now.x) / zoom, (event.clientY - now.y) / zoom];
+      const [fx, fy, a] = now.from;
+      if (turns) end.value = [fx, fy, Math.atan2(ARROW * Math.sin(a) - dy, ARROW * Math.cos(a) + dx)];
+      else place([fx + dx / scale, fy - dy / scale, a]);
+    },
+    onPointerUp: () => {
+      held.current = null;
+    },
+    onPointerCancel: () => {
+      held.current = null;
+    },
+  });
+  return (
+    <figure class="motion-fan" ref={box} aria-label="Where the robot may be after a motion">
+      <svg role="presentation" width={width} height={HEIGHT}>
+        <path class="ground" d={`M0 ${HEIGHT / 2}H${width}`} />
+        <path class="told" d={`M${x(0)} ${y(0)}L${x(ex)} ${y(ey)}`} />
+        <path class="looks" d={looks} />
+        <path class="dots" d={dots} />
+        <circle class="start" cx={x(0)} cy={y(0)} r={8} />
+        <path class="start-heading" d={`M${x(0)} ${y(0)}h14`} />
+        {/* biome-ignore lint/a11y/useSemanticElements: SVG has no buttons */}
+        <g
+          class="handle tone-robot"
+          role="button"
+          tabindex={0}
+          aria-label={`End of the motion, ${written(ex, 2)} m ahead and ${written(ey, 2)} m to the left; arrow keys move it`}
+          {...grabbed(false)}
+          onKeyDown={(event) => {
+            const step = KEYS[event.key];
+            if (!step) return;
+            event.preventDefault();
+            place([ex + step[0], ey + step[1], yaw]);
+          }}
+        >
+          <rect class="handle-grab" x={x(ex) - 18} y={y(ey) - 18} width={36} height={36} />
+          <circle class="handle-mark" cx={x(ex)} cy={y(ey)} r={8} />
+        </g>
+        {/* biome-ignore lint/a11y/useSemanticElements: SVG has no buttons */}
+        <g
+          class="handle tone-robot"
+          role="button"
+          tabindex={0}
+          aria-label={`Heading at the end, ${degrees(yaw)} degrees; arrow keys turn it`}
+          {...grabbed(true)}
+          onKeyDown={(event) => {
+            const step = KEYS[event.key];
+            if (!step) return;
+            event.preventDefault();
+            end.value = [ex, ey, yaw + (step[0] < 0 || step[1] > 0 ? TURN : -TURN)];
+          }}
+        >
+          <path class="arm" d={`M${x(ex)} ${y(ey)}l${ARROW * Math.cos(yaw)} ${-ARROW * Math.sin(yaw)}`} />
+          <rect
+            class="handle-grab"
+            x={x(ex) + ARROW * Math.cos(yaw) - 12}
+            y={y(ey) - ARROW * Math.sin(yaw) - 12}
+            width={24}
+            height={24}
+          />
+          <circle class="handle-mark" cx={x(ex) + ARROW * Math.cos(yaw)} cy={y(ey) - ARROW * Math.sin(yaw)} r={5} />
+        </g>
+      </svg>
+      <figcaption>
+        Drag where the odometry says that the robot went, and how it turned. The dots are {SAMPLES} samples of where it
+        may be.
+      </figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,66 @@
+"""Cookies that prove the token, with a clock of the test's own: how long they are valid, what outlasts a restart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from server.http.sign_ins import MAX_ENDED, VALID_S, SignIns
+
+
+class Clock:
+    now = 1e9
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+def test_a_cookie_is_valid_for_a_time_and_for_one_token(tmp_path: Path, clock: Clock) -> None:
+    ours = SignIns("long enough", tmp_path / "ended", clock)
+    cookie = ours.cookie()
+    assert ours.is_valid(cookie)
+    assert not SignIns("another one", tmp_path / "ended", clock).is_valid(cookie)
+    assert not SignIns(None, tmp_path / "ended", clock).is_valid(cookie)
+    given, name, digest = cookie.split(".")
+    later = f"{int(given, 16) + 1:x}"
+    for forged in ("", "..", f"{later}.{name}.{digest}", f"{given}.{name}x.{digest}", f"{given}.{name}.", "é.b.c"):
+        assert not ours.is_valid(forged)
+    clock.now += VALID_S
+    assert not ours.is_valid(cookie)
+
+
+def test_what_ended_stays_ended_after_a_restart(tmp_path: Path, clock: Clock) -> None:
+    file = tmp_path / "ended"
+    before = SignIns("long enough", file, clock)
+    ended, other = before.cookie(), before.cookie()
+    before.end(ended)
+    before.end("1.2.3")  # not one of ours
+    after = SignIns("long enough", file, clock)
+    assert [after.is_valid(one) for one in (ended, other)] == [False, True]
+    after.end_all()
+    again = SignIns("long enough", file, clock)
+    assert not again.is_valid(other)
+    assert again.is_valid(again.cookie())  # in the same second
+    file.write_text("{")
+    clock.now += 5
+    assert not SignIns("long enough", file, clock).is_valid(other)
+
+
+def test_the_record_is_bounded_and_forgets_nothing(
+    tmp_path: Path, clock: Clock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours = SignIns("long enough", tmp_path / "ended", clock)
+    monkeypatch.setattr(ours, "_write", lambda: None)  # four thousand times to the disk
+    cookies = []
+    for _ in range(MAX_ENDED + 2):
+        clock.now += 1
+        cookies.append(ours.cookie())
+        ours.end(cookies[-1])
+    assert not any(map(ours.is_valid, cookies))
+    assert ours.is_valid(ours.cookie())
