@@ -40,6 +40,7 @@ from server.http.routes import (
     stream,
     trajectories,
     trajectory_errors,
+    volumes,
 )
 from server.http.routes import compare as comparing
 from server.http.routes import downloads as download_files
@@ -124,6 +125,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         trajectory_errors.router,
         comparing.router,
         maps.router,
+        volumes.router,
         map_editing.router,
         costmaps.router,
         download_files.router,

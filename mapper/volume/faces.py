@@ -153,3 +153,43 @@ def mesh_of(faces: VoxelFaces, resolution: float) -> tuple[Float32Array, UInt32A
     if not vertices:
         return np.empty((0, 3), np.float32), np.empty((0, 3), np.uint32)
     return np.concatenate(vertices), np.concatenate(triangles)
+
+
+def first_face(
+    volume: OccupancyVolume, rule: FaceRule, origin: Float32Array, direction: Float32Array
+) -> tuple[int, int, int] | None:
+    """Return the key of the voxel whose drawn face a ray from ``origin`` (3,) along ``direction`` (3,) meets first.
+
+    Metres; None where there is none. A face that the rule leaves out does not stop the ray.
+    """
+    corners = volume.blocks.corners
+    away = np.asarray(direction, dtype=np.float64)
+    start = np.asarray(origin, dtype=np.float64) / volume.config.resolution + CENTRE  # in voxels
+    if not len(corners) or not np.isfinite(start).all() or not np.isfinite(away).all() or not away.any():
+        return None
+    low, high = corners.min(axis=0) - 1.0, corners.max(axis=0) + BLOCK + 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = np.sort(np.stack([(low - start) / away, (high - start) / away]), axis=0)
+    ends = np.where(away == 0.0, np.where((start >= low) & (start <= high), [[-np.inf], [np.inf]], np.nan), ends)
+    begin, end = max(float(ends[0].max()), 0.0), float(ends[1].min())
+    if not begin < end:
+        return None
+    # The ray's places halfway between two borders of voxels, each in a voxel of its own.
+    borders = [np.array([begin, end])]
+    for axis in range(3):
+        if away[axis] != 0.0:
+            a, b = sorted((start[axis] + begin * away[axis], start[axis] + end * away[axis]))
+            borders.append((np.arange(np.ceil(a), np.floor(b) + 1.0) - start[axis]) / away[axis])
+    places = np.sort(np.concatenate(borders))
+    middles = 0.5 * (places[1:] + places[:-1])
+    keys = np.floor(start + middles[:, None] * away).astype(np.int64)
+    keys = keys[((keys >= 0) & (keys < KEYS)).all(axis=1)]
+    values = volume.log_odds_of(keys)
+    shown = (keys[:, 2] >= rule.first) & (keys[:, 2] <= rule.last)
+    drawn = shown & (values >= rule.occupied)
+    is_open = ~drawn & (~shown | ~np.isnan(values) | (not rule.seen_only))
+    met = np.flatnonzero(drawn & np.append(True, is_open[:-1])) if len(keys) else drawn
+    if not len(met):
+        return None
+    x, y, z = keys[met[0]].tolist()
+    return x, y, z

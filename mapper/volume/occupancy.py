@@ -63,6 +63,12 @@ class OccupancyVolume:
         """How many voxels are known."""
         return int(self._known[: self.blocks.count].sum())
 
+    def count_states(self) -> tuple[int, int]:
+        """Return how many voxels are occupied and how many are free."""
+        full = self._maxima[: self.blocks.count] >= self.config.log_odds_occupied
+        occupied = int((self.values[full] >= self.config.log_odds_occupied).sum())
+        return occupied, self.n_known - occupied
+
     @property
     def n_bytes(self) -> int:
         """Bytes that the map takes: those of its blocks and of the hash."""

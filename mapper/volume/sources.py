@@ -17,7 +17,7 @@ from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import HEAD_BYTES, cloud_format
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PosedCloud
-from mapper.volume.occupancy import OccupancyVolume
+from mapper.volume.occupancy import Inserted, OccupancyVolume
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,16 +113,17 @@ class Insertion:
     scans: int = 0
     points: int = 0
     left_out: int = 0
-    _last_ns: int = field(default=0, repr=False)
+    last_ns: int = field(default=0, repr=False)  #: stamp of the last scan that has one
 
-    def insert(self, volume: OccupancyVolume, scan: PlacedScan) -> None:
-        """Update the map by one scan, after it has decayed for the time since the last one."""
-        if self._last_ns and scan.stamp_ns > self._last_ns:
-            volume.decay((scan.stamp_ns - self._last_ns) * 1e-9)
-        self._last_ns = scan.stamp_ns or self._last_ns
+    def insert(self, volume: OccupancyVolume, scan: PlacedScan) -> Inserted:
+        """Update the map by one scan, after it has decayed for the time since the last one; return what it did."""
+        if self.last_ns and scan.stamp_ns > self.last_ns:
+            volume.decay((scan.stamp_ns - self.last_ns) * 1e-9)
+        self.last_ns = scan.stamp_ns or self.last_ns
         did = volume.insert_scan(scan.points, scan.origin)
         self.scans, self.points = self.scans + 1, self.points + len(scan.points)
         self.left_out += did.left_out
+        return did
 
 
 def insert_all(

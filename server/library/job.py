@@ -65,6 +65,7 @@ class Job:
     memory_bytes: int  #: of address space
     cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
     picture: str | None = None
+    volume: bool = False  #: whether the clouds are read for a map in 3D, and not the scans
 
     @property
     def work(self) -> Callable[[Job], LogSummary]:
@@ -181,15 +182,19 @@ def _read(job: Job) -> LogSummary:
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
     from server.library.map_files import is_map  # noqa: PLC0415
 
+    if job.volume:
+        return _read_volume(job)
     if job.topic is None and is_map(Path(job.source)):
         return _read_map(job)
+    if job.topic is None and _holds_volume(job):
+        return _read_volume(job)
     selection = ALL_SENSORS if job.topic is None else Selection.of(job.topic, job.cut)
     try:
         log = open_robot_log(Path(job.source), selection=selection, progress=note_progress)
     except ReadError as error:
         if error.code != "log.no_scans" or job.topic is not None:
             raise
-        return _read_costmaps(job, error)
+        return _read_others(job, error)
     note_progress(1.0)  # a cancelled job ends here and leaves no pack
     _pack(job, lambda path: write_pack(log, path))
     if job.picture is not None:
@@ -198,6 +203,36 @@ def _read(job: Job) -> LogSummary:
         with contextlib.suppress(OSError, ValueError, MemoryError):  # a log without a picture can be opened as well
             write_picture(log.first, Path(job.picture))
     return summarise(log.first)
+
+
+def _holds_volume(job: Job) -> bool:
+    from server.library.volume_job import holds_volume  # noqa: PLC0415 - only the process that reads needs the readers
+
+    return holds_volume(Path(job.source))
+
+
+def _read_volume(job: Job) -> LogSummary:
+    """Read what a map in 3D is made of."""
+    from server.library.volume_job import read_volume, store_volume, summarise_volume  # noqa: PLC0415
+
+    source = Path(job.source)
+    found = read_volume(source, job.topic, note_progress)
+    summary = summarise_volume(found, source.name)
+    note_progress(1.0)
+    store_volume(
+        found, None if job.pack is None else Path(job.pack), None if job.picture is None else Path(job.picture)
+    )
+    return summary
+
+
+def _read_others(job: Job, no_scans: ReadError) -> LogSummary:
+    """Read the clouds or costmaps of a recording that has no scans; raise ``no_scans`` where it has none of them."""
+    try:
+        return _read_volume(job)
+    except ReadError as error:
+        if error.code == "clouds.none":
+            return _read_costmaps(job, no_scans)
+        raise
 
 
 def _read_costmaps(job: Job, no_scans: ReadError) -> LogSummary:

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
     from server.library.added import Added
     from server.library.given_map import GivenMap
+    from server.library.volume_pack import VolumeSource
 
 
 class LogNotFoundError(MapperError):
@@ -362,6 +363,10 @@ class Library:
     async def costmaps(self, owner: str, log_id: str) -> dict[str, CostmapStream] | None:
         """Return the costmaps of a recording that has no scans, by topic; None for any other log. As :meth:`load`."""
         return await self._loading.costmaps(owner, log_id)
+
+    async def volume(self, owner: str, log_id: str, topic: str | None = None) -> VolumeSource:
+        """Return what a map in 3D of a log is made of: the scans of its clouds, or an octree. As :meth:`load`."""
+        return await self._loading.volume(owner, log_id, topic)
 
     async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
         """Return the map that map files are, named as their record; None for any other log. As :meth:`load`."""

@@ -26,6 +26,7 @@ from server.library.scans import Scans
 
 if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
+    from server.library.volume_pack import VolumeSource
 
 MAX_TOGETHER = 32  #: sensors of one log that are mapped together
 SONAR = "sensor_msgs/Range"
@@ -89,6 +90,8 @@ class Loading:
             return kept
         if record.summary is not None and record.summary.costmaps:
             raise ReadError("log.no_scans", "The recording has costmaps and no scans.")
+        if record.summary is not None and record.summary.clouds:
+            raise ReadError("log.no_scans", "The file has point clouds and no planar scans: it makes a map in 3D.")
         if record.summary is not None and record.summary.map is not None:
             raise ReadError("log.no_scans", "This is a map: it has no scans.")
         for _ in range(3):  # once more than reading takes: the survey may be at this log, and packs nothing
@@ -113,6 +116,29 @@ class Loading:
             except StalePackError:
                 if record.summary is None:
                     return None
+                self.jobs.queue(record)
+        raise unstored()
+
+    async def volume(self, owner: str, log_id: str, topic: str | None) -> VolumeSource:
+        """Return what a map in 3D of a log is made of; as :meth:`load`.
+
+        ``topic`` names the clouds of a recording that has several. Those of a recording with planar scans are read on
+        request. Raises :class:`ReadError` for a log without clouds.
+        """
+        record = self.get(owner, log_id)
+        if record.source == "sample":
+            raise ReadError("clouds.none", "The sample has no point clouds.")
+        if record.source == "upload" and time.time() - record.used_s > DAY_S:
+            self.catalogue.mark_used(record)
+        for _ in range(3):
+            record = await self._settled(owner, log_id)
+            if topic is not None or (record.summary is not None and not record.summary.clouds):
+                return await self.scans.of_clouds(record, topic)
+            from server.library.volume_pack import read_volume_pack  # noqa: PLC0415 - few logs are clouds
+
+            try:
+                return await asyncio.to_thread(read_volume_pack, self.catalogue.pack(record.id))
+            except StalePackError:
                 self.jobs.queue(record)
         raise unstored()
 

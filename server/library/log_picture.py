@@ -7,15 +7,28 @@ import io
 import uuid
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from mapper.core.array_types import UInt8Array
 from mapper.replay.overview import map_overview
 from mapper.sensors.scan import ScanLog
 
-#: Colours of the cells by their code: unobserved (transparent), free, occupied, the path.
-LIGHT = ((229, 224, 207), (179, 213, 244), (107, 38, 5), (8, 112, 95))
-DARK = ((14, 18, 26), (47, 91, 133), (255, 178, 125), (84, 211, 186))
+#: Colours of the cells of maps by their code: unobserved (transparent), free, occupied, the path.
+_MAP_LIGHT = ((229, 224, 207), (179, 213, 244), (107, 38, 5), (8, 112, 95))
+_MAP_DARK = ((14, 18, 26), (47, 91, 133), (255, 178, 125), (84, 211, 186))
+HEIGHTS = (4, 16)  #: the first code of the heights of clouds, and how many there are
+
+
+def _between(*colours: tuple[int, int, int]) -> tuple[tuple[int, int, int], ...]:
+    at = np.linspace(0.0, len(colours) - 1.0, HEIGHTS[1])
+    mixed = [np.interp(at, range(len(colours)), [colour[k] for colour in colours]).astype(int) for k in range(3)]
+    return tuple((int(r), int(g), int(b)) for r, g, b in zip(*mixed, strict=True))
+
+
+#: By code: those of maps, then heights from low to high.
+LIGHT = (*_MAP_LIGHT, *_between((120, 176, 220), (0, 122, 122), (190, 120, 0), (107, 38, 5)))
+DARK = (*_MAP_DARK, *_between((47, 91, 133), (60, 170, 160), (235, 190, 90), (255, 178, 125)))
 
 
 def write_picture(log: ScanLog, path: Path) -> bool:

@@ -62,8 +62,11 @@ class Reader:
         cut: PlanarCut | None = None,
         *,
         picture: Path | None = None,
+        volume: bool = False,
     ) -> LogSummary:
         """Have ``source`` read, packed into ``pack`` and drawn into ``picture`` if they are given.
+
+        With ``volume`` its clouds are, for a map in 3D, and not its scans.
 
         The caller holds :meth:`turn`.
 
@@ -74,7 +77,7 @@ class Reader:
         timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
         cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
         drawn = None if picture is None else str(picture)
-        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn)
+        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume)
         self._began = time.monotonic()
         return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
 

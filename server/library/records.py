@@ -55,7 +55,8 @@ class Record:
         if self.summary is None:
             return 0
         map_ = self.summary.map
-        return 4 * self.summary.scans * self.summary.beams + (0 if map_ is None else map_.rows * map_.cols)
+        scans = 4 * self.summary.scans * self.summary.beams
+        return scans + 16 * self.summary.points + (0 if map_ is None else map_.rows * map_.cols)
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
@@ -73,6 +74,8 @@ class Record:
             "tags": list(self.tags),
             "scans": summary.scans if summary else None,
             "costmaps": summary.costmaps if summary else 0,
+            "clouds": summary.clouds if summary else 0,
+            "points": summary.points if summary else 0,
             "map": asdict(summary.map) if summary and summary.map else None,
             "beams": summary.beams if summary else None,
             "duration_s": summary.duration_s if summary else None,

@@ -7,6 +7,7 @@ import secrets
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mapper.core.errors import MapperError
 from mapper.io.logs.summary import summarise
@@ -18,6 +19,9 @@ from server.library.jobs import unstored, without_paths
 from server.library.log_pack import NotPackedError, StalePackError, read_pack
 from server.library.log_reader import Reader
 from server.library.records import Record
+
+if TYPE_CHECKING:
+    from server.library.volume_pack import VolumeSource
 
 
 class Scans:
@@ -44,6 +48,37 @@ class Scans:
             self._catalogue.save(replace(record, state="ready", progress=1.0, summary=summarise(log)))
         return log
 
+    async def of_clouds(self, record: Record, topic: str | None) -> VolumeSource:
+        """Return the clouds of a recording, those of ``topic`` or of its first topic, read on request.
+
+        Raises :class:`ReadError` for a file without any.
+        """
+        from server.library.volume_pack import read_volume_pack  # noqa: PLC0415 - few logs have clouds
+
+        async with self._reader.turn(record.owner):
+            pack = self._scratch / f"{secrets.token_hex(10)}.npz"
+            try:
+                await self._read_now(record, pack, topic, volume=True)
+                return await asyncio.to_thread(read_volume_pack, pack)
+            except StalePackError:
+                raise unstored() from None
+            finally:
+                for half in self._scratch.glob(f"{pack.name}*"):
+                    half.unlink(missing_ok=True)
+
+    async def _read_now(
+        self, record: Record, pack: Path, topic: str | None, cut: PlanarCut | None = None, *, volume: bool = False
+    ) -> None:
+        """Have a log read into ``pack``; the caller holds the reader's turn."""
+        async with self._catalogue.source(record) as source:
+            self.read_now = record.id
+            try:
+                await self._reader.read(source, pack, topic, cut, volume=volume)
+            except MapperError as error:
+                raise without_paths(error, source, record.name) from None
+            finally:
+                self.read_now = None
+
     async def of_sensor(self, record: Record, topic: str, cut: PlanarCut | None = None) -> ScanLog:
         """Return one of several sensors: of the pack, else read on request, and then kept in memory only.
 
@@ -66,14 +101,7 @@ class Scans:
                 return kept
             pack = self._scratch / f"{secrets.token_hex(10)}.npz"
             try:
-                async with self._catalogue.source(record) as source:
-                    self.read_now = record.id
-                    try:
-                        await self._reader.read(source, pack, topic, cut)
-                    except MapperError as error:
-                        raise without_paths(error, source, record.name) from None
-                    finally:
-                        self.read_now = None
+                await self._read_now(record, pack, topic, cut)
                 log = replace(await asyncio.to_thread(read_pack, pack), name=record.name)
             except StalePackError:
                 raise unstored() from None

@@ -25,13 +25,22 @@ CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
 )
 
 
-def camera_at(name: CameraName, bounds: Bounds, aspect: float) -> tuple[Vector, Vector]:
-    """Return where the camera ``name`` is and what it looks at, metres; in a narrow picture it is farther away."""
+def camera_at(
+    name: CameraName, bounds: Bounds, aspect: float, heights: tuple[float, float] | None = None
+) -> tuple[Vector, Vector]:
+    """Return where the camera ``name`` is and what it looks at, metres; in a narrow picture it is farther away.
+
+    It looks at the floor, or at the middle of ``heights``.
+    """
     x0, y0, x1, y1 = bounds
     x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
+    z = 0.0
+    if heights is not None:
+        z0, z1 = heights
+        z, size = (z0 + z1) / 2, max(x1 - x0, y1 - y0, 1.3 * (z1 - z0), 0.1)
     far = size * farther(aspect)
     dx, dy, dz = CAMERAS[name]
-    return (x + dx * far, y + dy * far, dz * far), (x, y, 0.0)
+    return (x + dx * far, y + dy * far, z + dz * far), (x, y, z)
 
 
 ASPECT = 1.3  #: aspect ratio from which a camera has all of its bounds in view

@@ -8,7 +8,6 @@ as often as its drawer states.
 from __future__ import annotations
 
 import asyncio
-import math
 import time
 from functools import partial
 from pathlib import Path
@@ -50,6 +49,7 @@ class Scene:
         self._watching = 0
         self._task: asyncio.Task[None] | None = None
         self._bounds: Bounds | None = None
+        self._heights: tuple[float, float] | None = None
         self._visitors: dict[int, str] = {}  #: of each of viser's clients
         self._moves: dict[str, tuple[Point, Quaternion]] = {}  #: the newest move of each gizmo that was not posted yet
         self._posts_moves = False
@@ -118,20 +118,20 @@ class Scene:
             self._server, self._drawers, context, self._panel.switches, short_hash(self._session.id)
         )
         self._contents.show(state)
-        self._aim(state.controls.bounds or DEFAULT_BOUNDS)
+        self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         scene.on_click()(self._clicked)
         self._server.on_client_connect(self._welcome)
         self._server.on_client_disconnect(self._dismiss)
 
-    def _aim(self, bounds: Bounds) -> None:
-        """Set the initial camera: from the south and above, at the centre of ``bounds``."""
-        if bounds == self._bounds:
+    def _aim(self, bounds: Bounds, heights: tuple[float, float] | None) -> None:
+        """Set the initial camera: from the south and above, at the centre of ``bounds`` and ``heights``."""
+        if (bounds, heights) == (self._bounds, self._heights):
             return
-        self._bounds = bounds
+        self._bounds, self._heights = bounds, heights
         camera = self._server.initial_camera
         camera.up = (0.0, 0.0, 1.0)
         camera.fov = 0.8
-        camera.position, camera.look_at = camera_at("overview", bounds, ASPECT)
+        camera.position, camera.look_at = camera_at("overview", bounds, ASPECT, heights)
         camera.far = max(1000.0, 10.0 * max(bounds[2] - bounds[0], bounds[3] - bounds[1]))
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
@@ -144,7 +144,7 @@ class Scene:
         self._visitors.pop(client.client_id, None)
 
     def _aim_client(self, client: viser.ClientHandle, name: CameraName) -> None:
-        position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, client.camera.aspect)
+        position, look_at = camera_at(name, self._bounds or DEFAULT_BOUNDS, client.camera.aspect, self._heights)
         client.camera.position = position
         client.camera.look_at = look_at  # viser moves it along with the position
 
@@ -182,21 +182,16 @@ class Scene:
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def _clicked(self, event: viser.SceneClickEvent) -> None:
-        """Pass the clicked point of the floor to the model."""
-        (ox, oy, oz), (dx, dy, dz) = event.ray_origin, event.ray_direction
-        if dz * oz >= 0.0:  # the ray does not come down (or up) to the floor
-            return
-        x, y = ox - dx * oz / dz, oy - dy * oz / dz
-        if math.isfinite(x) and math.isfinite(y):
-            self._loop.call_soon_threadsafe(self._click, x, y)
+        """Pass the ray of a click to the model."""
+        self._loop.call_soon_threadsafe(self._click, event.ray_origin, event.ray_direction)
 
     def _gizmo_moved(self, name: str, position: Point, wxyz: Quaternion) -> None:
         self._loop.call_soon_threadsafe(self._note_move, name, position, wxyz)
 
     # -- from the browser, on the event loop --------------------------------------------------------------------
 
-    def _click(self, x: float, y: float) -> None:
-        command = self._session.model.on_scene_click(x, y)
+    def _click(self, origin: Point, direction: Point) -> None:
+        command = self._session.model.on_scene_ray(origin, direction)
         if command is not None:
             self._post(command)
 
@@ -234,7 +229,7 @@ class Scene:
     def _draw(self, state: SceneState) -> None:
         """Draw what changed (a thread)."""
         wait = self._contents.show(state)
-        self._aim(state.controls.bounds or DEFAULT_BOUNDS)
+        self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         self._panel.show(state.controls)
         if wait is not None or self._panel.unsettled or self._contents.unsettled:
             later = partial(self._loop.call_later, max(wait or 0.0, SETTLE_S), self._changed.set)

@@ -6,6 +6,7 @@ model uses no sockets and no asyncio, only its :class:`server.sessions.hosting.M
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
-    from server.sessions.parts import Comparable, Costed, EditedFiles, Graphed, Localized, Recording, Story
+    from server.sessions.parts import Comparable, Costed, EditedFiles, Graphed, Localized, Recording, Story, Volumetric
 
 NO_SCAN: dict[str, Any] = {}
 
@@ -48,6 +49,7 @@ class SessionModel(ABC):
     comparison: Comparable | None = None  #: the comparison of the map with another one
     graph: Graphed | None = None  #: the pose graph of a log's trajectory
     localization: Localized | None = None  #: how a log's trajectory was found in a map
+    volume: Volumetric | None = None  #: the map in 3D, for a session that shows one
     costed: Costed | None = None  #: costs over the map
     editing: EditedFiles | None = None  #: the map that is edited
     story: Story | None = None  #: recorded history from which the session can be reproduced
@@ -134,6 +136,17 @@ class SessionModel(ABC):
         Event loop, possibly during a tick: read only attributes that a tick replaces as a whole.
         """
         return None
+
+    def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
+        """Return the command for a click whose ray through the 3D view begins at ``origin``, metres; None for none.
+
+        By default that for a click on the floor where the ray comes down (or up) to it. As :meth:`on_scene_click`.
+        """
+        (ox, oy, oz), (dx, dy, dz) = origin, direction
+        if dz * oz >= 0.0:
+            return None
+        x, y = ox - dx * oz / dz, oy - dy * oz / dz
+        return self.on_scene_click(x, y) if math.isfinite(x) and math.isfinite(y) else None
 
     def on_gizmo_moved(
         self,

@@ -102,6 +102,13 @@ class Localized(Protocol):
         """Return how certain the poses are along the log, None where they come from no localization."""
 
 
+class Volumetric(Protocol):
+    """The map in 3D of a session."""
+
+    def octree_bytes(self, kind: str) -> bytes:
+        """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
+
+
 class EditedFiles(Protocol):
     """A map that is edited."""
 

@@ -43,7 +43,7 @@ class SceneControls:
     ``hint`` describes the effect of a click into the scene, "" for none. Titles of ``tables`` and labels of ``choices``
     do not change during a session. ``count`` is the number of scans that "seek" can reach, None if the session cannot
     seek; ``index`` is how many of them are in the map. ``bounds`` is what the initial camera shows, None for 20 m
-    around the origin.
+    around the origin; ``heights`` are its least and greatest z, where it is no plane.
     """
 
     playing: bool
@@ -54,3 +54,4 @@ class SceneControls:
     count: int | None = None
     can_restart: bool = False
     bounds: Bounds | None = None
+    heights: tuple[float, float] | None = None

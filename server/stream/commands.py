@@ -237,6 +237,33 @@ class WhyCommand(Struct, tag_field="type", tag="why"):
     layer: Annotated[str, Meta(description="name of the layer of that map")] = "map"
 
 
+class VolumeLookCommand(Struct, tag_field="type", tag="volume_look"):
+    """Sessions in 3D: change what is shown, and how."""
+
+    values: Annotated[Values, Meta(description="new values; the others stay")]
+
+
+class VoxelCommand(Struct, tag_field="type", tag="voxel"):
+    """Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none."""
+
+    x: Annotated[Number | None, Meta(description="x in the map frame, m")] = None
+    y: Annotated[Number | None, Meta(description="y in the map frame, m")] = None
+    z: Annotated[Number | None, Meta(description="z in the map frame, m")] = None
+
+
+class VoxelRayCommand(Struct, tag_field="type", tag="voxel_ray"):
+    """Sessions in 3D: ask for the first voxel that a line of sight meets; answered with `voxel`."""
+
+    origin: Annotated[tuple[Number, Number, Number], Meta(description="where it begins, m")]
+    direction: Annotated[tuple[Number, Number, Number], Meta(description="where it goes")]
+
+
+class VolumeKeepCommand(Struct, tag_field="type", tag="volume_keep"):
+    """Sessions in 3D: keep the present map to compare later ones with it, or end the comparison."""
+
+    value: Annotated[bool, Meta(description="whether to compare")] = True
+
+
 class PingCommand(Struct, tag_field="type", tag="ping"):
     """Request a `pong`."""
 
@@ -275,5 +302,9 @@ Command = (
     | TrajectoryCommand
     | InspectCommand
     | WhyCommand
+    | VolumeLookCommand
+    | VoxelCommand
+    | VoxelRayCommand
+    | VolumeKeepCommand
     | PingCommand
 )

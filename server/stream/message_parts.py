@@ -11,6 +11,10 @@ Pose = Annotated[
     Meta(title="Pose", description="[x, y, yaw] in m, m, rad", extra={"labels": ("x", "y", "yaw")}),
 ]
 Point = Annotated[tuple[float, float], Meta(title="Point", description="[x, y] in m", extra={"labels": ("x", "y")})]
+Place = Annotated[
+    tuple[float, float, float],
+    Meta(title="Place", description="[x, y, z] in m", extra={"labels": ("x", "y", "z")}),
+]
 Value = Annotated[float | str | bool, Meta(title="Value", description="value of a parameter")]
 Values = Annotated[dict[str, Value], Meta(title="Values", description="parameters by name")]
 CellState = Annotated[
@@ -195,3 +199,24 @@ class LayerInfo(Part):
     columns: Annotated[
         list[str], Meta(description="names of the columns of its table: `x`, `y` and more; empty for a grid")
     ]
+
+
+class VolumeChanges(Part):
+    """What differs between the map of a session in 3D, B, and another one, A."""
+
+    title: Annotated[str, Meta(description="of A")]
+    appeared: Annotated[int, Meta(description="voxels that are free in A and occupied in B")]
+    vanished: Annotated[int, Meta(description="voxels that are occupied in A and free in B")]
+    same: Annotated[int, Meta(description="voxels with one state in both")]
+    only_first: Annotated[int, Meta(description="voxels that only A knows")]
+    only_second: Annotated[int, Meta(description="voxels that only B knows")]
+
+
+class VoxelUpdate(Part):
+    """What one scan did to a voxel."""
+
+    scan: Annotated[int, Meta(description="number of the scan, from 1")]
+    hit: Annotated[bool, Meta(description="whether a beam ended in it; else beams passed it")]
+    beams: Annotated[int, Meta(description="how many, at most 64")]
+    before: Annotated[float | None, Meta(description="log-odds before; null: unknown")]
+    after: Annotated[float, Meta(description="log-odds after")]

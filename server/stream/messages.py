@@ -23,6 +23,7 @@ from server.stream.message_parts import (
     LogInfo,
     Numbers,
     Parameter,
+    Place,
     Point,
     Pose,
     Segment,
@@ -30,6 +31,8 @@ from server.stream.message_parts import (
     TerrainPatch,
     TrajectoryInfo,
     Values,
+    VolumeChanges,
+    VoxelUpdate,
 )
 
 
@@ -41,7 +44,7 @@ class Hello(Struct, tag_field="type", tag="hello"):
     kind: Annotated[
         str,
         Meta(
-            description="`simulation`: a simulated robot; `log`: a recording; `costmaps`: of a recording; `map`: a map"
+            description="`simulation`: a simulated robot; `log`: a recording; `costmaps`, `map`; `volume`: a map in 3D"
         ),
     ]
     title: Annotated[str, Meta(description="title of the world or log")]
@@ -307,6 +310,41 @@ class Nav2Message(Struct, tag_field="type", tag="nav2"):
     text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]
 
 
+class VolumeMessage(Struct, tag_field="type", tag="volume"):
+    """Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes."""
+
+    look: Annotated[Table, Meta(description="what is shown, and how")]
+    low: Annotated[Place, Meta(description="least coordinates of the map, m")]
+    high: Annotated[Place, Meta(description="greatest coordinates of the map, m")]
+    has_scans: Annotated[bool, Meta(description="whether it is made of scans; else it is an octree")]
+    has_free: Annotated[bool, Meta(description="whether it is known where the sensor was, so that space is free")]
+    points: Annotated[int, Meta(description="points of the scans in the map; leaves of an octree")]
+    left_out: Annotated[int, Meta(description="points that were left out: beyond the lattice")]
+    occupied: Annotated[int, Meta(description="voxels")]
+    free: Annotated[int, Meta(description="voxels")]
+    bytes: Annotated[int, Meta(description="memory of the map in blocks of 8³ voxels")]
+    dense_bytes: Annotated[float, Meta(description="memory of a dense grid of the same box, 4 bytes a voxel")]
+    nodes: Annotated[int | None, Meta(description="nodes of the pruned octree; null while the map changes")]
+    chunks: Annotated[int, Meta(description="chunks of 32³ voxels that are drawn")]
+    quads: Annotated[int, Meta(description="rectangles that are drawn")]
+    pending: Annotated[int, Meta(description="chunks that are still to be drawn again")]
+    colours: Annotated[list[str], Meta(description="what the points can be coloured by")]
+    compared: Annotated[VolumeChanges | None, Meta(description="the comparison with another map; null: there is none")]
+
+
+class VoxelMessage(Struct, tag_field="type", tag="voxel"):
+    """Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen."""
+
+    centre: Annotated[Place | None, Meta(description="its centre, m")]
+    size: Annotated[float, Meta(description="its side, m")]
+    log_odds: Annotated[float | None, Meta(description="log-odds of being occupied; null: unknown")]
+    state: Annotated[CellState, Meta(description="state by the map's threshold")]
+    index: Annotated[int, Meta(description="scans in the map")]
+    total: Annotated[int, Meta(description="scans that updated it")]
+    hits: Annotated[int, Meta(description="those of which a beam ended in it")]
+    updates: Annotated[list[VoxelUpdate], Meta(description="at most the last 200, oldest first")]
+
+
 class WorkingMessage(Struct, tag_field="type", tag="working"):
     """Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended."""
 
@@ -394,6 +432,8 @@ ServerMessage = (
     | CostMessage
     | MapEditsMessage
     | Nav2Message
+    | VolumeMessage
+    | VoxelMessage
     | WorkingMessage
     | NoticeMessage
     | ErrorMessage

@@ -76,6 +76,8 @@ class LogSummary:
     time: TimeSummary | None = None
     topics: tuple[Topic, ...] = ()
     costmaps: int = 0  #: of a recording that has no scans
+    clouds: int = 0  #: scans in 3D, of a file that has no planar ones; an octree counts as one
+    points: int = 0  #: of these clouds, or leaves of the octree
     map: MapSummary | None = None  #: of map files, which have no scans
 
 

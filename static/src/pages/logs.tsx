@@ -10,16 +10,19 @@ import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { showOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
+import { lazy } from "../ui/lazy";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
-import { arrived, openSession } from "./logs/library";
+import { arrived, type LogRecord, openSession } from "./logs/library";
 import { linkOf } from "./logs/links";
 import { MapEditor } from "./logs/mapediting/MapEditor";
 import { Opening } from "./logs/Opening";
 import { Viewer } from "./logs/Viewer";
+
+const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);
 
 /**
  * The query of the address, `?log=ID&topic=NAME&session=ID&kind=KIND`; the topic is one of the log's sensors, null
@@ -30,11 +33,19 @@ interface Place {
   readonly topic: string | null;
   readonly session: string | null;
   readonly kind?: string | null;
+  /** Whether the log is opened in 3D; the log to compare it with, or "". */
+  readonly volume?: string | null;
 }
 
 function placeOf(search: string): Place {
   const query = new URLSearchParams(search);
-  return { log: query.get("log"), topic: query.get("topic"), session: query.get("session"), kind: query.get("kind") };
+  return {
+    log: query.get("log"),
+    topic: query.get("topic"),
+    session: query.get("session"),
+    kind: query.get("kind"),
+    volume: query.get("volume"),
+  };
 }
 
 /** The token of the shared link that this page was opened with, or null. */
@@ -51,17 +62,18 @@ if (arrival) {
 /** Time until the next request to a server that did not answer. */
 const RETRY_MS = 3000;
 
-function go({ log, topic, session, kind = null }: Place, replace = false): void {
+function go({ log, topic, session, kind = null, volume = null }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
   if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
+  if (volume !== null) query.set("volume", volume);
   if (session && kind) query.set("kind", kind);
   // When the entry is replaced, the fragment stays: it may describe a comparison.
   const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
   if (replace) history.replaceState(null, "", address);
   else history.pushState(null, "", address);
-  place.value = { log, topic, session, kind };
+  place.value = { log, topic, session, kind, volume };
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
@@ -74,16 +86,17 @@ function cancelOpening(): void {
 }
 
 /** Open a session on a log; with `replace` the session is added to the current address. */
-async function open(log: string, topic: string | null, replace: boolean): Promise<void> {
-  go({ log, topic, session: null }, replace);
+async function open(log: string, topic: string | null, replace: boolean, volume: string | null = null): Promise<void> {
+  go({ log, topic, session: null, volume }, replace);
   ending?.abort();
   const own = new AbortController();
   ending = own;
   try {
-    const session = await openSession(log, topic, own.signal);
+    const session = await openSession(log, topic, own.signal, volume === null ? null : { other: volume || null });
     failure.value = null;
-    if (place.peek().log !== log || place.peek().topic !== topic) return;
-    go({ log, topic, session: session.id, kind: session.kind === "log" ? null : session.kind }, true);
+    const now = place.peek();
+    if (now.log !== log || now.topic !== topic || (now.volume ?? null) !== volume) return;
+    go({ log, topic, session: session.id, kind: session.kind === "log" ? null : session.kind, volume }, true);
   } catch (error) {
     if (own.signal.aborted) return;
     const isAway = error instanceof TypeError;
@@ -100,15 +113,33 @@ addEventListener("popstate", () => {
 });
 
 function resume(): void {
-  const { log, topic, session } = place.peek();
-  if (log && !session) void open(log, topic, true);
+  const { log, topic, session, volume } = place.peek();
+  if (log && !session) void open(log, topic, true, volume ?? null);
+}
+
+/** Open a log of the list: in 3D where it has no planar scans, or where that is asked for. */
+function openChosen(chosen: LogRecord, sensor: string | null, in3d = false): void {
+  void open(chosen.id, sensor, false, in3d || chosen.clouds > 0 ? "" : null);
 }
 
 const close = (): void => go({ log: null, topic: null, session: null });
 
 function Page() {
   if (link) return <Guest token={link} />;
-  const { log, topic, session, kind } = place.value;
+  const { log, topic, session, kind, volume = null } = place.value;
+  const again = (): void => (log ? void open(log, topic, true, volume) : close());
+  if (session && kind === "volume") {
+    return (
+      <VolumeViewer
+        key={session}
+        session={session}
+        log={log}
+        onClose={close}
+        onGone={again}
+        onCompare={(other) => log && void open(log, topic, false, other ?? "")}
+      />
+    );
+  }
   if (session && (kind === "costmaps" || kind === "map")) {
     const Kind = kind === "map" ? MapEditor : CostmapViewer;
     return (
@@ -132,14 +163,14 @@ function Page() {
       />
     );
   }
-  if (!log) return <Library onOpen={(chosen, sensor) => void open(chosen.id, sensor, false)} />;
+  if (!log) return <Library onOpen={openChosen} />;
   if (failure.value !== null) {
     return (
       <div class="viewer-message" role="alert">
         <h1>This log cannot be opened</h1>
         <p class="prose">{failure.value}</p>
         <div class="actions">
-          <Button kind="primary" icon="restart" onClick={() => void open(log, topic, true)}>
+          <Button kind="primary" icon="restart" onClick={again}>
             Try again
           </Button>
           <Button onClick={close}>All logs</Button>

@@ -6,11 +6,11 @@ import type { Command, Value, Values } from "../wire/protocol";
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
-/** A command that takes the place of one before it: of those whose changes have several parts, each part stays. */
-function joined(before: Command, command: Command): Command {
-  for (const type of ["costmap", "map3d", "terrain"] as const)
-    if (command.type === type && before.type === type)
-      return { ...before, ...command, values: { ...before.values, ...command.values } };
+/** Of a change that has several parts, such as that of the costmap, the newest of each part is sent. */
+function joined(before: Command | undefined, command: Command): Command {
+  for (const type of ["costmap", "map3d", "terrain", "volume_look"] as const)
+    if (command.type === type && before?.type === type)
+      return { ...before, ...command, values: { ...before.values, ...command.values } } as Command;
   return command;
 }
 
@@ -31,7 +31,7 @@ export class Outbox {
     const about = "layer" in command ? ` ${command.layer}` : "";
     const key = command.type + about;
     const before = this.#waiting.get(key);
-    this.#waiting.set(key, before ? joined(before, command) : command);
+    this.#waiting.set(key, joined(before, command));
     if (isFirst) this.#schedule(() => this.flush());
   }
 

@@ -25,6 +25,8 @@ import type {
   ServerMessage,
   Trajectory,
   Values,
+  VolumeMessage,
+  VoxelMessage,
   WhyMessage,
   WorldMessage,
 } from "../wire/protocol";
@@ -159,6 +161,12 @@ export class SessionState implements Receiver {
   readonly filter = new FilterSettings();
   /** The costmap and the path of the simulated robot. */
   readonly navigation = new Navigation();
+  /** The map in 3D; null before the first message, and of other sessions. */
+  readonly volume = signal<VolumeMessage | null>(null);
+  /** What is shown of it, and how. */
+  readonly look = new Optimistic();
+  /** The voxel that is asked about. */
+  readonly voxel = signal<VoxelMessage | null>(null);
   /** The 3D map of the simulated robot. */
   readonly map3d = new Map3d();
   /** The terrain of its points. */
@@ -379,6 +387,13 @@ export class SessionState implements Receiver {
       case "nav2":
         this.navigation.nav2.value = message.text;
         return;
+      case "volume":
+        this.look.update(message.look.values);
+        this.volume.value = message;
+        return;
+      case "voxel":
+        this.voxel.value = message;
+        return;
       case "cell":
         if (message.layer === SECOND_MAP) this.inspectedSecond.value = message;
         else this.inspected.value = message;
@@ -403,7 +418,7 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [this.mapping, this.sensor, this.robot]) values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.look]) values.refuse();
         for (const part of [this.navigation, this.map3d, this.terrain]) part.values.refuse();
         this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };

@@ -15,6 +15,8 @@ interface ButtonProps {
   readonly download?: boolean | string;
   /** Of a link: a tab of its own. */
   readonly target?: "_blank";
+  /** Whether it sends its form. */
+  readonly submits?: boolean;
   readonly children?: ComponentChildren;
 }
 
@@ -29,6 +31,7 @@ export function Button({
   href,
   download,
   target,
+  submits = false,
   children,
 }: ButtonProps) {
   const iconOnly = icon !== undefined && children === undefined;
@@ -56,7 +59,7 @@ export function Button({
   }
   return (
     <button
-      type="button"
+      type={submits ? "submit" : "button"}
       class={className}
       {...name}
       {...(onClick ? { onClick } : {})}

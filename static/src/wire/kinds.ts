@@ -10,6 +10,7 @@ export interface SessionKind {
 export const KINDS: Record<string, SessionKind> = {
   simulation: { isDriven: true, hasRobot: true },
   log: { isDriven: false, hasRobot: true },
+  volume: { isDriven: false, hasRobot: false },
   map: { isDriven: false, hasRobot: false },
   costmaps: { isDriven: false, hasRobot: false },
 };

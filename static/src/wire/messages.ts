@@ -225,8 +225,41 @@ export interface LayerCost {
   readonly sentence: string;
 }
 
+/** [x, y, z] in m */
+export type Place = readonly [x: number, y: number, z: number];
+
+/** What differs between the map of a session in 3D, B, and another one, A. */
+export interface VolumeChanges {
+  /** of A */
+  readonly title: string;
+  /** voxels that are free in A and occupied in B */
+  readonly appeared: number;
+  /** voxels that are occupied in A and free in B */
+  readonly vanished: number;
+  /** voxels with one state in both */
+  readonly same: number;
+  /** voxels that only A knows */
+  readonly only_first: number;
+  /** voxels that only B knows */
+  readonly only_second: number;
+}
+
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
+
+/** What one scan did to a voxel. */
+export interface VoxelUpdate {
+  /** number of the scan, from 1 */
+  readonly scan: number;
+  /** whether a beam ended in it; else beams passed it */
+  readonly hit: boolean;
+  /** how many, at most 64 */
+  readonly beams: number;
+  /** log-odds before; null: unknown */
+  readonly before: number | null;
+  /** log-odds after */
+  readonly after: number;
+}
 
 /** The contribution of one beam to a cell. */
 export interface Contribution {
@@ -329,7 +362,7 @@ export interface Hello {
   readonly protocol: string;
   /** id of the session */
   readonly session: string;
-  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`: of a recording; `map`: a map */
+  /** `simulation`: a simulated robot; `log`: a recording; `costmaps`, `map`; `volume`: a map in 3D */
   readonly kind: string;
   /** title of the world or log */
   readonly title: string;
@@ -684,6 +717,66 @@ export interface Nav2Message {
   readonly type: "nav2";
   /** a Nav2 parameter file; null: the parameters were set */
   readonly text: string | null;
+}
+
+/** Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes. */
+export interface VolumeMessage {
+  readonly type: "volume";
+  /** what is shown, and how */
+  readonly look: Table;
+  /** least coordinates of the map, m */
+  readonly low: Place;
+  /** greatest coordinates of the map, m */
+  readonly high: Place;
+  /** whether it is made of scans; else it is an octree */
+  readonly has_scans: boolean;
+  /** whether it is known where the sensor was, so that space is free */
+  readonly has_free: boolean;
+  /** points of the scans in the map; leaves of an octree */
+  readonly points: number;
+  /** points that were left out: beyond the lattice */
+  readonly left_out: number;
+  /** voxels */
+  readonly occupied: number;
+  /** voxels */
+  readonly free: number;
+  /** memory of the map in blocks of 8³ voxels */
+  readonly bytes: number;
+  /** memory of a dense grid of the same box, 4 bytes a voxel */
+  readonly dense_bytes: number;
+  /** nodes of the pruned octree; null while the map changes */
+  readonly nodes: number | null;
+  /** chunks of 32³ voxels that are drawn */
+  readonly chunks: number;
+  /** rectangles that are drawn */
+  readonly quads: number;
+  /** chunks that are still to be drawn again */
+  readonly pending: number;
+  /** what the points can be coloured by */
+  readonly colours: readonly string[];
+  /** the comparison with another map; null: there is none */
+  readonly compared: VolumeChanges | null;
+}
+
+/** Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen. */
+export interface VoxelMessage {
+  readonly type: "voxel";
+  /** its centre, m */
+  readonly centre: Place | null;
+  /** its side, m */
+  readonly size: number;
+  /** log-odds of being occupied; null: unknown */
+  readonly log_odds: number | null;
+  /** state by the map's threshold */
+  readonly state: CellState;
+  /** scans in the map */
+  readonly index: number;
+  /** scans that updated it */
+  readonly total: number;
+  /** those of which a beam ended in it */
+  readonly hits: number;
+  /** at most the last 200, oldest first */
+  readonly updates: readonly VoxelUpdate[];
 }
 
 /** Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended. */
@@ -1063,6 +1156,40 @@ export interface WhyCommand {
   readonly layer?: string;
 }
 
+/** Sessions in 3D: change what is shown, and how. */
+export interface VolumeLookCommand {
+  readonly type: "volume_look";
+  /** new values; the others stay */
+  readonly values: Values;
+}
+
+/** Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none. */
+export interface VoxelCommand {
+  readonly type: "voxel";
+  /** x in the map frame, m */
+  readonly x?: number | null;
+  /** y in the map frame, m */
+  readonly y?: number | null;
+  /** z in the map frame, m */
+  readonly z?: number | null;
+}
+
+/** Sessions in 3D: ask for the first voxel that a line of sight meets; answered with `voxel`. */
+export interface VoxelRayCommand {
+  readonly type: "voxel_ray";
+  /** where it begins, m */
+  readonly origin: readonly [number, number, number];
+  /** where it goes */
+  readonly direction: readonly [number, number, number];
+}
+
+/** Sessions in 3D: keep the present map to compare later ones with it, or end the comparison. */
+export interface VolumeKeepCommand {
+  readonly type: "volume_keep";
+  /** whether to compare */
+  readonly value?: boolean;
+}
+
 /** Request a `pong`. */
 export interface PingCommand {
   readonly type: "ping";
@@ -1216,6 +1343,8 @@ export type ServerMessage =
   | CostMessage
   | MapEditsMessage
   | Nav2Message
+  | VolumeMessage
+  | VoxelMessage
   | WorkingMessage
   | NoticeMessage
   | ErrorMessage
@@ -1255,6 +1384,10 @@ export type Command =
   | TrajectoryCommand
   | InspectCommand
   | WhyCommand
+  | VolumeLookCommand
+  | VoxelCommand
+  | VoxelRayCommand
+  | VolumeKeepCommand
   | PingCommand;
 
 export type ClassMessage =
@@ -1373,7 +1506,23 @@ const isLayerCost: Check = isObject({
   master: isInteger,
   sentence: isText,
 });
+const isPlace: Check = isTuple(isNumber, isNumber, isNumber);
+const isVolumeChanges: Check = isObject({
+  title: isText,
+  appeared: isInteger,
+  vanished: isInteger,
+  same: isInteger,
+  only_first: isInteger,
+  only_second: isInteger,
+});
 const isCellState: Check = isLiteral("free", "occupied", "unknown");
+const isVoxelUpdate: Check = isObject({
+  scan: isInteger,
+  hit: isFlag,
+  beams: isInteger,
+  before: oneOf(isNumber, isNull),
+  after: isNumber,
+});
 const isContribution: Check = isObject({
   n: isInteger,
   scan: isInteger,
@@ -1609,6 +1758,35 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   },
   nav2: {
     text: oneOf(isText, isNull),
+  },
+  volume: {
+    look: isTable,
+    low: isPlace,
+    high: isPlace,
+    has_scans: isFlag,
+    has_free: isFlag,
+    points: isInteger,
+    left_out: isInteger,
+    occupied: isInteger,
+    free: isInteger,
+    bytes: isInteger,
+    dense_bytes: isNumber,
+    nodes: oneOf(isInteger, isNull),
+    chunks: isInteger,
+    quads: isInteger,
+    pending: isInteger,
+    colours: isListOf(isText),
+    compared: oneOf(isVolumeChanges, isNull),
+  },
+  voxel: {
+    centre: oneOf(isPlace, isNull),
+    size: isNumber,
+    log_odds: oneOf(isNumber, isNull),
+    state: isCellState,
+    index: isInteger,
+    total: isInteger,
+    hits: isInteger,
+    updates: isListOf(isVoxelUpdate),
   },
   working: {
     elapsed_s: oneOf(isNumber, isNull),

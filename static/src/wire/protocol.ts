@@ -52,6 +52,8 @@ export type {
   Trajectory,
   Value,
   Values,
+  VolumeMessage,
+  VoxelMessage,
   WhyMessage,
   WorkingMessage,
   WorldMessage,

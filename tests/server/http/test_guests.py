@@ -58,6 +58,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/map.pgm"),
     ("GET", "/api/sessions/{session_id}/map.yaml"),
     ("GET", "/api/sessions/{session_id}/map.png"),
+    ("GET", "/api/sessions/{session_id}/volume.{kind}"),
 }
 NEVER = {
     ("GET", "/"),

@@ -25,7 +25,7 @@ import {
 import { uploadText } from "./uploadText";
 
 /** The list of all logs, and the drop zone for uploads. */
-export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null) => void }) {
+export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void }) {
   useEffect(watch, []);
   useSignalEffect(() => {
     const log = logs.value?.find((one) => one.id === arrived.value);
@@ -52,7 +52,8 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
         </p>
         <p class="quiet">
           CARMEN, CMU, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. For a recording
-          in several files, drop its folder. Your logs are visible in this browser only, unless you share a view.
+          in several files, drop its folder. In 3D: PCD, PLY, XYZ, VTK, LAS, LAZ, OctoMap (.graph, .bt, .ot), folders
+          and zips of depth images (7-Scenes, TUM). Your logs are visible in this browser only, unless you share a view.
         </p>
       </Dropzone>
       {uploads.value.map((one) => (
@@ -99,7 +100,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
 interface ShelfProps {
   readonly title: string;
   readonly list: readonly LogRecord[];
-  readonly onOpen: (log: LogRecord, topic: string | null) => void;
+  readonly onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void;
 }
 
 function Shelf({ title, list, onOpen }: ShelfProps) {

@@ -5,6 +5,7 @@ import { toast } from "../../ui/Toast";
 import { isDark } from "../../ui/theme";
 import {
   file,
+  hasClouds,
   inside,
   lidars,
   readingText,
@@ -22,7 +23,7 @@ const RETRYABLE = /\.(cancelled|interrupted|reader_died|reader_failed|storage|ti
 
 interface LogCardProps {
   readonly log: LogRecord;
-  readonly onOpen: (log: LogRecord, topic: string | null) => void;
+  readonly onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void;
 }
 
 /** One log: its contents or its error, and the actions on it. */
@@ -69,12 +70,23 @@ export function LogCard({ log, onOpen }: LogCardProps) {
       {opens && (
         <div class="log-open">
           <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
-            {log.map ? "Edit map" : log.costmaps > 0 ? "Open costmaps" : "Open map"}
+            {openLabel(log)}
           </Button>
+          {log.clouds === 0 && hasClouds(log) && (
+            <Button icon="cube" onClick={() => onOpen(log, null, true)}>
+              Open in 3D
+            </Button>
+          )}
         </div>
       )}
     </li>
   );
+}
+
+function openLabel(log: LogRecord): string {
+  if (log.map) return "Edit map";
+  if (log.clouds > 0) return "Open in 3D";
+  return log.costmaps > 0 ? "Open costmaps" : "Open map";
 }
 
 /** The map of a log, drawn by the server when it was read. */

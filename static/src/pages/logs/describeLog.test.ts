@@ -15,6 +15,8 @@ const intel: LogRecord = {
   tags: [],
   scans: 13_631,
   costmaps: 0,
+  clouds: 0,
+  points: 0,
   map: null,
   beams: 180,
   duration_s: 2650.86,

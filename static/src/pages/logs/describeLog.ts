@@ -38,14 +38,25 @@ export function run(log: LogRecord): readonly string[] {
   return [
     ...(log.duration_s ? [clock(log.duration_s)] : []),
     ...(length > 0 ? [`${metres(length)} driven`] : []),
-    log.costmaps > 0 ? `${log.costmaps.toLocaleString("en")} costmaps` : `${log.scans.toLocaleString("en")} scans`,
+    ...(log.clouds > 0 ? cloudRun(log) : [scanRun(log)]),
+  ];
+}
+
+const scanRun = (log: LogRecord): string =>
+  log.costmaps > 0 ? `${log.costmaps.toLocaleString("en")} costmaps` : `${(log.scans ?? 0).toLocaleString("en")} scans`;
+
+function cloudRun({ clouds, points, format }: LogRecord): readonly string[] {
+  const isTree = format?.startsWith("OctoMap") ?? false;
+  return [
+    `${points.toLocaleString("en")} ${isTree ? "leaves" : "points"}`,
+    ...(clouds > 1 ? [`${clouds.toLocaleString("en")} scans in 3D`] : []),
   ];
 }
 
 /** Number of beams, format and size of the file. */
 export function file(log: LogRecord): readonly string[] {
   return [
-    ...(log.beams === null || log.costmaps > 0 || log.map ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
+    ...(log.beams === null || !isScanned(log) ? [] : [log.beams === 1 ? "1 beam" : `${log.beams} beams`]),
     ...(log.format ? [log.format] : []),
     ...(log.source === "sample" ? [] : [bytes(log.bytes)]),
   ];
@@ -67,7 +78,7 @@ export function inside(log: LogRecord): readonly string[] {
   const { time } = log;
   const sensor = log.topics.find((one) => one.chosen);
   // A file that names the sensor's frame and not its place: the centre is a guess.
-  const mount = log.costmaps > 0 || log.map || (sensor?.frame && !sensor.mount) ? null : log.mount;
+  const mount = !isScanned(log) || (sensor?.frame && !sensor.mount) ? null : log.mount;
   const unit = log.costmaps > 0 ? "costmaps" : "scans";
   const gaps = (n: number): string => (n === 1 ? "1 gap" : `${n.toLocaleString("en")} gaps`);
   return [
@@ -83,7 +94,7 @@ export function inside(log: LogRecord): readonly string[] {
           }`,
         ]
       : []),
-    ...(log.mount && !mount && log.costmaps === 0 && !log.map
+    ...(log.mount && !mount && isScanned(log)
       ? ["Sensor mount not stated in the file; the robot's centre is assumed"]
       : []),
     ...(mount ? [`Sensor ${place(mount)}${log.upside_down ? ", upside-down" : ""}`] : []),
@@ -100,6 +111,13 @@ export function lidars(log: LogRecord): readonly string[] {
     .map((one) => one.name);
 }
 
+/** Whether it has planar scans: it is no map, no cloud and no recording of costmaps. */
+const isScanned = (log: LogRecord): boolean => log.costmaps === 0 && log.clouds === 0 && !log.map;
+
+/** Whether a recording has point clouds, of which a map in 3D can be made. */
+export const hasClouds = (log: LogRecord): boolean =>
+  log.topics.some(({ type, count }) => type.endsWith("/PointCloud2") && count > 0);
+
 /** A topic in a line. */
 export function topic(one: Topic): string {
   return [
@@ -114,7 +132,7 @@ export function topic(one: Topic): string {
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [
     /\.(unknown_format|binary|garbage|empty|missing)$/,
-    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read. Convert other formats first.",
+    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap's files and zips of depth images. Convert other formats first.",
   ],
   [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,

@@ -20,6 +20,14 @@ describe("files that are chosen together", () => {
     expect(names("run", "metadata.yaml", "run_0.db3")).toEqual(["run_0.db3"]);
   });
 
+  it("are one log where they are depth images with poses", () => {
+    expect(names("room", "a.depth.png", "a.pose.txt", "camera-intrinsics.txt", "a.color.png")).toEqual([
+      "room",
+      "a.color.png",
+    ]);
+    expect(names("", "a.depth.png", "a.pose.txt")).toEqual(["depth images"]);
+  });
+
   it("are one log where ROS 2 split a recording", () => {
     expect(names("run", "metadata.yaml", "run_0.db3", "run_1.db3")).toEqual(["run"]);
     expect(names("", "metadata.yaml", "my.run_0.mcap.zstd", "my.run_1.mcap.zstd", "a.log")).toEqual([

@@ -12,7 +12,7 @@ const RECORDING = /\.(db3|mcap)(\.zstd)?$/i;
  */
 export function groupIntoLogs({ name, files }: Folder): readonly File[] {
   if (files.length === 1) return files; // the server determines the format
-  const parts = splitRecording(files) ?? ring(files);
+  const parts = splitRecording(files) ?? ring(files) ?? depthImages(files);
   const map = parts ? null : mapFiles(files);
   const rest = files.filter((file) => !(parts ?? map)?.includes(file) && !NOT_LOGS.test(file.name));
   if (map) return [tarred(map, map[0]?.name ?? "map"), ...rest];
@@ -31,6 +31,12 @@ function ring(files: readonly File[]): readonly File[] | null {
   return pair.length === 2 ? pair : null;
 }
 
+/** Depth images with their poses and the camera's numbers, as those of 7-Scenes. */
+function depthImages(files: readonly File[]): readonly File[] | null {
+  if (!files.some(({ name }) => name.endsWith(".depth.png"))) return null;
+  return files.filter(({ name }) => /\.(depth\.png|pose\.txt)$|^(camera-)?intrinsics\.txt$|^camera\.txt$/.test(name));
+}
+
 /** The yaml of a map, its image, and what map editing saves beside them; the yaml is the first. */
 function mapFiles(files: readonly File[]): readonly File[] | null {
   const yamls = files.filter(({ name }) => /\.ya?ml$/i.test(name) && name !== "metadata.yaml");
@@ -44,5 +50,6 @@ function mapFiles(files: readonly File[]): readonly File[] | null {
 /** Name of a log whose parts are not in a folder: the name of a part without its number. */
 function nameOf(parts: readonly File[]): string {
   const part = parts.find((file) => RECORDING.test(file.name));
-  return part ? part.name.replace(RECORDING, "").replace(/_\d+$/, "") : "sonars";
+  if (part) return part.name.replace(RECORDING, "").replace(/_\d+$/, "");
+  return parts.some(({ name }) => name.endsWith(".depth.png")) ? "depth images" : "sonars";
 }

@@ -33,6 +33,10 @@ export interface LogRecord {
   readonly scans: number | null;
   /** How many, of a recording without scans. */
   readonly costmaps: number;
+  /** Scans in 3D, of a file without planar ones; an octree counts as one. */
+  readonly clouds: number;
+  /** Of these, or leaves of the octree. */
+  readonly points: number;
   /** The size in cells and the side of a cell in m, of map files. */
   readonly map: { readonly rows: number; readonly cols: number; readonly resolution: number } | null;
   readonly beams: number | null;
@@ -367,7 +371,12 @@ export interface OpenedSession {
 /**
  * Open a session on a log; rejects with an error message. `ending` ends the request.
  */
-export async function openSession(log: string, topic: string | null, ending: AbortSignal): Promise<OpenedSession> {
+export async function openSession(
+  log: string,
+  topic: string | null,
+  ending: AbortSignal,
+  volume: { readonly other: string | null } | null = null,
+): Promise<OpenedSession> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
@@ -376,7 +385,14 @@ export async function openSession(log: string, topic: string | null, ending: Abo
     const answer = await fetch("/api/sessions", {
       method: "POST",
       headers: { "Content-Type": "application/json" },
-      body: JSON.stringify({ kind: "log", log, topic, name, playing: !reducedMotion.peek() }),
+      body: JSON.stringify({
+        kind: volume ? "volume" : "log",
+        log,
+        topic,
+        name,
+        playing: !reducedMotion.peek(),
+        ...(volume?.other ? { other: volume.other } : {}),
+      }),
       signal: ending,
     });
     if (!answer.ok) throw new Error(await sentence(answer));

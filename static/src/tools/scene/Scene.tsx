@@ -6,22 +6,14 @@ import { Button } from "../../ui/Button";
 import { Slider } from "../../ui/Slider";
 import { toast } from "../../ui/Toast";
 import { isDark, printing } from "../../ui/theme";
+import { askScene, type SceneSettings, sceneAddress } from "./settings";
 import "./scene.css";
-
-/** What can be set of a view. */
-interface Settings {
-  readonly cameras: readonly string[];
-  readonly layers: Readonly<Record<string, boolean>>;
-  readonly height: number;
-}
 
 interface SceneProps {
   readonly session: string;
   /** Whether the map is drawn as columns, whose height can be set. */
   readonly hasColumns?: boolean;
 }
-
-const addressOf = (session: string, part: string): string => `/scenes/${encodeURIComponent(session)}/${part}`;
 
 /** Interval at which the layers are asked for until the scene has some. */
 const AGAIN_MS = 700;
@@ -51,7 +43,7 @@ export function Scene({ session, hasColumns = true }: SceneProps) {
   return (
     <div class="scene-place" ref={place}>
       <div class="scene-group" ref={group}>
-        <iframe class="scene" title="3D view" src={addressOf(session, `plain/${query}`)} />
+        <iframe class="scene" title="3D view" src={sceneAddress(session, `plain/${query}`)} />
         <SceneControls session={session} hasColumns={hasColumns} onFullScreen={enlarge} />
       </div>
     </div>
@@ -65,11 +57,11 @@ function fullScreen(element: Element): void {
 }
 
 function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
-  const now = useSignal<Settings | null>(null);
+  const now = useSignal<SceneSettings | null>(null);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
     const look = async (): Promise<void> => {
-      const found = await ask(session);
+      const found = await askScene(session);
       if (found) now.value = found;
       if (!found || Object.keys(found.layers).length === 0) timer = setTimeout(() => void look(), AGAIN_MS);
     };
@@ -77,7 +69,7 @@ function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { rea
     return () => clearTimeout(timer);
   }, [session]);
   const change = async (wanted: object): Promise<void> => {
-    const found = await ask(session, wanted);
+    const found = await askScene(session, wanted);
     if (found) now.value = found;
     else toast("The server does not answer.", "error");
   };
@@ -122,19 +114,4 @@ function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { rea
       </div>
     </div>
   );
-}
-
-/** The settings of a scene, after a change of some of them; null where the server does not answer. */
-async function ask(session: string, wanted?: object): Promise<Settings | null> {
-  const change = wanted && {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify(wanted),
-  };
-  try {
-    const answer = await fetch(addressOf(session, "settings"), change);
-    return answer.ok ? ((await answer.json()) as Settings) : null;
-  } catch {
-    return null;
-  }
 }

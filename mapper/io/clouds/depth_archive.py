@@ -1,0 +1,134 @@
+"""A folder of depth images that came as one zip or tar archive: its files are written into an empty folder.
+
+Only files that a reader of depth folders asks for are taken, by names of plain letters, so that nothing in the archive
+says where a file is written.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import IO
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.clouds.depth_folder import DEPTH_END, INTRINSICS, POSE_END
+from mapper.io.logs.archive import BLOCK, Member, is_tar, members
+from mapper.io.logs.unpacking import Progress, opened
+
+ZIP_MAGIC = b"PK\x03\x04"
+EMPTY_ZIP = b"PK\x05\x06"
+TUM_LISTS = ("depth.txt", "groundtruth.txt")
+_TUM_IMAGE = re.compile(r"[\w.-]{1,100}\.png", re.ASCII)
+_PLAIN = re.compile(r"[\w][\w.-]{0,100}", re.ASCII)
+_PIECE = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class _File:
+    folder: str
+    name: str
+    entry: zipfile.ZipInfo | Member
+
+
+def is_zip(head: bytes) -> bool:
+    """Return whether a file that begins with ``head`` is a zip archive."""
+    return head.startswith((ZIP_MAGIC, EMPTY_ZIP))
+
+
+def is_depth_archive(path: Path, limits: Limits) -> bool:
+    """Return whether a file is a tar archive with depth images. Raises :class:`ReadError` where it cannot be read."""
+    with opened(path) as file:
+        if not is_tar(file.read(BLOCK)):
+            return False
+    return bool(_depth_root([_of_member(one) for one in members(path, limits)[0]]))
+
+
+def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progress | None = None) -> list[str]:
+    """Write the files of a depth folder in the archive ``path`` into the empty folder ``into``; return notes on it.
+
+    Raises :class:`ReadError` for a damaged archive and for one without depth images, and :class:`LimitError` for one of
+    more files or bytes than ``limits`` allow.
+    """
+    with opened(path) as file:
+        head = file.read(BLOCK)
+    if is_tar(head):
+        found, notes = members(path, limits)
+        _write([_of_member(one) for one in found], None, into, limits, path.stat().st_size, progress)
+        return notes
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = archive.infolist()
+            if len(entries) > limits.max_depth_frames:
+                raise LimitError("depth.too_many", f"The archive has more than {limits.max_depth_frames} files.")
+            files = [_of_entry(one) for one in entries if not one.is_dir()]
+            _write(files, archive, into, limits, path.stat().st_size, progress)
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, ValueError, RuntimeError) as error:
+        raise ReadError("log.archive", "The zip archive is damaged, ends early, or is encrypted.") from error
+    return []
+
+
+def _of_entry(entry: zipfile.ZipInfo) -> _File:
+    place = PurePosixPath(entry.filename.replace("\\", "/"))
+    return _File(str(place.parent), place.name, entry)
+
+
+def _of_member(member: Member) -> _File:
+    return _File(member.folder, member.name, member)
+
+
+def _depth_root(files: list[_File]) -> str | None:
+    """Return the folder in the archive that is a depth folder, None without one."""
+    roots = [one.folder for one in files if one.name.endswith(DEPTH_END) or one.name == TUM_LISTS[0]]
+    return min(roots, key=lambda folder: (len(folder), folder)) if roots else None
+
+
+def _write(
+    files: list[_File], archive: zipfile.ZipFile | None, into: Path, limits: Limits, size: int,
+    progress: Progress | None,
+) -> None:  # fmt: skip
+    root = _depth_root(files)
+    if root is None:
+        raise ReadError(
+            "log.archive",
+            f"The archive holds no folder of depth images (*{DEPTH_END} of 7-Scenes, or depth.txt of TUM). Other "
+            "archives are not read: unpack them and drop the folder.",
+        )
+    (into / "depth").mkdir()
+    wanted = [(one, place) for one in files if (place := _place(one, root)) is not None]
+    room = limits.unpacked_bytes(size)
+    for k, (one, place) in enumerate(wanted):
+        with _opened(one, archive) as source, (into / place).open("wb") as out:
+            while piece := source.read(_PIECE):
+                room -= len(piece)
+                if room < 0:
+                    raise LimitError(
+                        "depth.too_many_bytes",
+                        f"The archive's files have more than {limits.unpacked_bytes(size):,} bytes together, at "
+                        f"{one.name:.80}.",
+                    )
+                out.write(piece)
+        if progress is not None:
+            progress((k + 1) / len(wanted))
+    if not any((into / "depth").iterdir()):
+        shutil.rmtree(into / "depth")
+
+
+def _opened(one: _File, archive: zipfile.ZipFile | None) -> IO[bytes]:
+    if isinstance(one.entry, Member):
+        return one.entry.open()
+    assert archive is not None  # noqa: S101 - for the type checker
+    return archive.open(one.entry)
+
+
+def _place(one: _File, root: str) -> str | None:
+    """Return where a file is written in the folder, None for a file that is not."""
+    if one.folder == root:
+        wanted = one.name.endswith((DEPTH_END, POSE_END)) or one.name in (*TUM_LISTS, *INTRINSICS)
+        return one.name if wanted and _PLAIN.fullmatch(one.name) else None
+    is_tum = PurePosixPath(one.folder) == PurePosixPath(root) / "depth" and _TUM_IMAGE.fullmatch(one.name)
+    return f"depth/{one.name}" if is_tum and not one.name.startswith(".") else None

@@ -1,0 +1,35 @@
+"""``/api/sessions/{id}/volume.*``: the map in 3D of a session as an octree of OctoMap."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+
+from mapper.core.errors import MapperError
+from server.downloads import Content, Download, file_name
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.maps import requester_of, stem_of
+from server.http.services import FileDownloads, Sessions
+
+router = APIRouter(prefix="/api/sessions", tags=["sessions"])
+
+
+@router.get("/{session_id}/volume.{kind}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def volume_file(
+    request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["bt", "ot"]
+) -> Response:
+    """Return the map in 3D as an octree of OctoMap: .bt has free and occupied voxels, .ot their log-odds."""
+    session = sessions.get(session_id)
+
+    async def make() -> Content:
+        async with session.settled():
+            volume = session.model.volume
+            if volume is None:
+                raise MapperError("session.no_volume", "This session shows no map in 3D to download.")
+            data = await downloads.run(lambda _: volume.octree_bytes(f".{kind}"))
+        return Content(file_name(stem_of(session), kind), iter([data]), len(data))
+
+    return Download(downloads, requester_of(request, session), make, "application/octet-stream")

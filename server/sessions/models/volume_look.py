@@ -1,0 +1,91 @@
+"""How a map in 3D is shown: a table of what can be chosen, and the colours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.parameter import Parameter, check_fields, check_table
+
+HEIGHTS = ("cut_low", "cut_high", "band_low", "band_high")  #: rows whose bounds are those of the map
+COLOURS = 24  #: of a ramp
+FARTHEST_M = 10_000.0
+
+
+def _height(name: str, label: str, initial: float, sentence: str) -> Parameter:
+    return Parameter(name, label, "look", "number", initial, sentence, "m", -FARTHEST_M, FARTHEST_M, 0.01)
+
+
+LOOK_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("show", "Show", "look", "choice", "voxels",
+              "Occupied voxels, the points that they were made of, or both.", choices=("voxels", "points", "both")),
+    Parameter("colour", "Colour by", "look", "choice", "height",
+              "What the colours show: height, occupancy probability, the side of a voxel, or what the file states of "
+              "its points.", choices=("height", "probability", "side", "intensity", "class", "own colour")),
+    Parameter("band", "Height band", "look", "number", 0.25, "Height of one colour.", "m", 0.05, 10.0, 0.05),
+    Parameter("whole", "Unseen sides", "look", "flag", False,
+              "Whether faces towards unknown space are drawn too, which no sensor has seen. Without them a room can be "
+              "looked into from outside."),
+    _height("cut_low", "Cut below", -FARTHEST_M, "What is lower is not drawn."),
+    _height("cut_high", "Cut above", FARTHEST_M, "What is higher is not drawn."),
+    _height("band_low", "Map from", -FARTHEST_M, "Lowest height of the map from above."),
+    _height("band_high", "Map to", FARTHEST_M, "Greatest height of the map from above; equal heights are a slice."),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What of a map in 3D is shown, and how, see the table :data:`LOOK_PARAMETERS`.
+
+    Raises :class:`ConfigError` for a value outside its row.
+    """
+
+    show: str = "voxels"
+    colour: str = "height"
+    band: float = 0.25
+    whole: bool = False
+    cut_low: float = -FARTHEST_M
+    cut_high: float = FARTHEST_M
+    band_low: float = -FARTHEST_M
+    band_high: float = FARTHEST_M
+
+    def __post_init__(self) -> None:
+        check_fields(self, LOOK_PARAMETERS)
+
+
+check_table(Look, LOOK_PARAMETERS)
+
+
+def _ramp(*stops: tuple[int, int, int]) -> NDArray[np.uint8]:
+    at = np.linspace(0.0, len(stops) - 1.0, COLOURS)
+    rgb = [np.interp(at, range(len(stops)), [stop[k] for stop in stops]) for k in range(3)]
+    return np.round(np.stack(rgb, axis=1)).astype(np.uint8)
+
+
+#: From low to high: lightness grows all the way, so that heights are told apart without hues as well.
+HEIGHT_RAMP = _ramp((46, 58, 128), (33, 113, 151), (44, 158, 128), (137, 196, 82), (240, 222, 96))
+#: From the least probability of an occupied voxel to the greatest.
+BELIEF_RAMP = _ramp((250, 224, 190), (222, 130, 66), (110, 36, 12))
+#: Of the sides −x, +x, −y, +y, −z, +z: opposite sides have one hue.
+SIDE_COLOURS = np.array(
+    [(206, 104, 82), (206, 104, 82), (92, 160, 104), (92, 160, 104), (98, 116, 184), (120, 150, 220)], dtype=np.uint8
+)
+ADDED, REMOVED = (22, 138, 96), (196, 48, 40)
+PLAIN = (96, 106, 124)
+#: Of the classes of ASPRS LAS 1.4 that airborne scans have: created, unclassified, ground, vegetation, building, ...
+CLASS_COLOURS = np.array(
+    [
+        (150, 150, 150), (150, 150, 150), (172, 120, 66), (150, 200, 110), (96, 170, 80), (38, 130, 56), (208, 74, 60),
+        (90, 60, 90), (230, 200, 80), (60, 120, 210), (110, 110, 120), (80, 80, 90),
+    ],
+    dtype=np.uint8,
+)  # fmt: skip
+
+
+def ramp_of(values: NDArray[Any], low: float, high: float, ramp: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the colours (n, 3) of values (n,) between ``low`` and ``high``."""
+    share = (values - low) / max(high - low, 1e-9)
+    return ramp[np.clip(np.nan_to_num(share) * len(ramp), 0, len(ramp) - 1).astype(np.int64)]

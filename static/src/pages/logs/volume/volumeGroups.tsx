@@ -1,0 +1,71 @@
+/** The groups of the dock beside a map in 3D. A new group is one entry of `GROUPS`. */
+
+import type { ComponentChildren } from "preact";
+import type { Store } from "../../../store/store";
+import { LookGroup } from "../../../tools/volume/LookGroup";
+import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
+import type { DockGroup } from "../../../ui/Dock";
+import { VolumeAbove } from "./VolumeAbove";
+import { VolumeCompare } from "./VolumeCompare";
+import { VolumeDownloads } from "./VolumeDownloads";
+import { VolumeMapGroup } from "./VolumeMapGroup";
+
+/** What the groups show. */
+export interface VolumeView {
+  readonly store: Store;
+  readonly session: string;
+  /** The id of the log that the map is of; null if it is not known. */
+  readonly log: string | null;
+  readonly onCompare: (other: string | null) => void;
+}
+
+interface Group {
+  readonly id: string;
+  readonly title: string;
+  readonly purpose: string;
+  readonly content: (view: VolumeView) => ComponentChildren;
+}
+
+const GROUPS: readonly Group[] = [
+  {
+    id: "look",
+    title: "View",
+    purpose: "What of the map is drawn, and what its colours mean.",
+    content: ({ store }) => <LookGroup store={store} />,
+  },
+  {
+    id: "map",
+    title: "Map",
+    purpose: "How the points become voxels. After a change the map is made again from all of its points.",
+    content: ({ store }) => <VolumeMapGroup store={store} />,
+  },
+  {
+    id: "why",
+    title: "Why",
+    purpose: "Click a voxel to see which beams made it what it is.",
+    content: ({ store }) => <VoxelWhy store={store} />,
+  },
+  {
+    id: "above",
+    title: "From above",
+    purpose: "The map of a robot that drives: a cell is occupied where a voxel of its column is, in a band of heights.",
+    content: ({ store, session }) => <VolumeAbove store={store} session={session} />,
+  },
+  {
+    id: "compare",
+    title: "Compare",
+    purpose: "What appeared and vanished since an earlier moment, or between two files of one place.",
+    content: ({ store, log, onCompare }) => <VolumeCompare store={store} log={log} onCompare={onCompare} />,
+  },
+  {
+    id: "download",
+    title: "Download",
+    purpose: "The map as files.",
+    content: ({ session }) => <VolumeDownloads session={session} />,
+  },
+];
+
+/** The groups for the dock. */
+export function volumeGroups(view: VolumeView): readonly DockGroup[] {
+  return GROUPS.map(({ id, title, purpose, content }) => ({ id, title, purpose, content: () => content(view) }));
+}

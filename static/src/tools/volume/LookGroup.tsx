@@ -1,0 +1,63 @@
+import type { Store } from "../../store/store";
+import { Panel } from "../../ui/Panel";
+import type { VolumeMessage } from "../../wire/protocol";
+import { ParameterRows } from "../parameters/ParameterRows";
+import { useLook } from "./useLook";
+
+/** Names of the colourings that voxels have; the others are of points. */
+const OF_VOXELS = ["height", "probability", "side"];
+const OF_BOTH = ["height"];
+
+/** What is drawn: voxels or points, their colours, the cuts. */
+export function LookGroup({ store }: { readonly store: Store }) {
+  const look = useLook(store);
+  const now = store.volume.value;
+  if (!look || !now) return null;
+  const { rows, values, set } = look;
+  const { show, colour } = values.value;
+  const shown = rows.flatMap((row) => {
+    if (row.name.startsWith("band_")) return [];
+    if (row.name === "whole" && (!now.has_free || show === "points")) return [];
+    if (row.name === "show") return now.has_scans ? [row] : [];
+    if (row.name === "band" && colour !== "height") return [];
+    if (row.name === "colour") return [{ ...row, choices: coloursOf(now, String(show)) }];
+    return [row];
+  });
+  return (
+    <Panel title="What is drawn">
+      <ParameterRows rows={shown} values={values} set={set} />
+      <Key colour={String(colour)} now={now} band={Number(values.value.band)} />
+    </Panel>
+  );
+}
+
+/** The colourings for what is shown. */
+export function coloursOf({ colours }: Pick<VolumeMessage, "colours">, show: string): readonly string[] {
+  return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...(show === "voxels" ? [] : colours)];
+}
+
+function Key({ colour, now, band }: { readonly colour: string; readonly now: VolumeMessage; readonly band: number }) {
+  if (colour === "height") {
+    const top = Math.min(now.high[2], now.low[2] + 24 * band);
+    return <Ramp kind="height" from={`${now.low[2].toFixed(2)} m`} to={`${top.toFixed(2)} m and more`} />;
+  }
+  if (colour === "probability") return <Ramp kind="probability" from="just occupied" to="certain" />;
+  if (colour === "side") {
+    return (
+      <p class="quiet">Green and red: sides that face along y and x. Blue: those that face up (light) and down.</p>
+    );
+  }
+  return null;
+}
+
+function Ramp({ kind, from, to }: { readonly kind: string; readonly from: string; readonly to: string }) {
+  return (
+    <div class="volume-key">
+      <span class={`volume-ramp ${kind}`} aria-hidden="true" />
+      <span class="volume-key-ends number">
+        <span>{from}</span>
+        <span>{to}</span>
+      </span>
+    </div>
+  );
+}

@@ -1,0 +1,121 @@
+import { useSignal } from "@preact/signals";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { written } from "../../ui/numbers";
+import { Panel } from "../../ui/Panel";
+import type { VoxelMessage } from "../../wire/protocol";
+
+const probability = (logOdds: number): string => written(1 / (1 + Math.exp(-logOdds)), 2);
+const coordinates = (place: readonly number[]): string => place.map((one) => written(one, 2)).join(", ");
+
+/** Why the chosen voxel is as it is: what each scan did to it. */
+export function VoxelWhy({ store }: { readonly store: Store }) {
+  const now = store.voxel.value;
+  return (
+    <Panel title="Why is this voxel so?">
+      {now?.centre ? (
+        <Answer now={now} centre={now.centre} hasScans={store.volume.value?.has_scans ?? true} />
+      ) : (
+        <p class="quiet">Click a voxel in the picture, or enter a place:</p>
+      )}
+      <Place store={store} />
+      {now?.centre && (
+        <div class="actions">
+          <Button onClick={() => store.send({ type: "voxel" })}>Choose none</Button>
+        </div>
+      )}
+    </Panel>
+  );
+}
+
+interface AnswerProps {
+  readonly now: VoxelMessage;
+  readonly centre: readonly number[];
+  readonly hasScans: boolean;
+}
+
+function Answer({ now, centre, hasScans }: AnswerProps) {
+  const { log_odds, state, size, total, hits, updates, index } = now;
+  return (
+    <div data-voxel={state} data-hits={hits} data-total={total}>
+      <p>
+        The voxel at <span class="number">{coordinates(centre)} m</span>, <span class="number">{size} m</span> wide, is{" "}
+        <strong>{state}</strong>
+        {log_odds !== null && (
+          <>
+            : p = <span class="number">{probability(log_odds)}</span>, log-odds{" "}
+            <span class="number">{written(log_odds, 2)}</span>
+          </>
+        )}
+        .
+      </p>
+      {hasScans ? (
+        <p>
+          {total === 0
+            ? `None of ${index} scans has updated it.`
+            : `${total} of ${index} scans updated it: in ${hits} a beam ended in it, in ${total - hits} beams only passed it.`}
+        </p>
+      ) : (
+        <p class="quiet">An octree does not have the scans that it was made of.</p>
+      )}
+      {updates.length > 0 && (
+        <div class="volume-updates">
+          <table>
+            <thead>
+              <tr>
+                <th scope="col">Scan</th>
+                <th scope="col">Beams</th>
+                <th scope="col">Log-odds</th>
+              </tr>
+            </thead>
+            <tbody>
+              {[...updates].reverse().map((one) => (
+                <tr key={one.scan} class={one.hit ? "hit" : "miss"}>
+                  <td class="number">{one.scan}</td>
+                  <td>
+                    {one.beams >= 64 ? "64 or more" : one.beams} {one.hit ? "ended in it" : "passed it"}
+                  </td>
+                  <td class="number">
+                    {one.before === null ? "unknown" : written(one.before, 2)} → {written(one.after, 2)}
+                  </td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </div>
+  );
+}
+
+/** Coordinates to ask about, for a keyboard. */
+function Place({ store }: { readonly store: Store }) {
+  const place = useSignal<readonly [string, string, string]>(["0", "0", "0"]);
+  return (
+    <form
+      class="volume-place"
+      onSubmit={(event) => {
+        event.preventDefault();
+        const [x, y, z] = place.peek().map(Number) as [number, number, number];
+        if ([x, y, z].every(Number.isFinite)) store.send({ type: "voxel", x, y, z });
+      }}
+    >
+      {(["x", "y", "z"] as const).map((axis, n) => (
+        <label key={axis}>
+          <span>{axis} (m)</span>
+          <input
+            type="number"
+            step="any"
+            value={place.value[n]}
+            onInput={(event) => {
+              const next = [...place.peek()] as [string, string, string];
+              next[n] = event.currentTarget.value;
+              place.value = next;
+            }}
+          />
+        </label>
+      ))}
+      <Button submits>Ask</Button>
+    </form>
+  );
+}

@@ -1,0 +1,26 @@
+/** What is shown of a map in 3D: its table with the values, and how to change them. */
+
+import { type ReadonlySignal, useComputed } from "@preact/signals";
+import type { Store } from "../../store/store";
+import type { Parameter, Value, Values } from "../../wire/protocol";
+
+export interface Look {
+  readonly rows: readonly Parameter[];
+  readonly values: ReadonlySignal<Values>;
+  readonly set: (name: string, value: Value) => void;
+}
+
+/** Null until the session has told. */
+export function useLook(store: Store): Look | null {
+  const values = useComputed(() => store.look.values.value);
+  const table = store.volume.value?.look.table;
+  if (!table) return null;
+  return {
+    rows: table,
+    values,
+    set: (name, value) => {
+      store.look.set(name, value);
+      store.sendSoon({ type: "volume_look", values: { [name]: value } });
+    },
+  };
+}
