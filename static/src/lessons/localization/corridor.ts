@@ -5,7 +5,7 @@
  * particles. Metres along the corridor.
  */
 
-import { normal, seeded } from "../common/world";
+import { normal, seeded } from "../../grid/random";
 import { independentSampler, lowVarianceSampler, normalized } from "./filter";
 
 export const LENGTH = 12;

@@ -1,8 +1,9 @@
 /** The likelihood field of the floor, and how well a scan fits a pose in it. Metres, radians. */
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
+import { normal, seeded } from "../../grid/random";
 import type { Point, Pose } from "../../wire/protocol";
-import { allRound, normal, scanFrom, seeded, type Wall } from "../common/world";
+import { allRound, scanFrom, type Wall } from "../common/world";
 import { FLOOR, POLISHED, TABLE, WALLS } from "../stage/floor";
 import { geometryOf } from "../stage/sensing";
 import { type FieldMixture, fieldDensity } from "./filter";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { seeded } from "../common/world";
+import { seeded } from "../../grid/random";
 import {
   type Alphas,
   augmentedShare,

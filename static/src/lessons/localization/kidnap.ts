@@ -1,7 +1,8 @@
 /** A robot that walks about the floor and may be carried away, and the augmented MCL that follows it. */
 
+import { seeded } from "../../grid/random";
 import type { Point, Pose } from "../../wire/protocol";
-import { castRay, seeded } from "../common/world";
+import { castRay } from "../common/world";
 import { endPoints, isFree, logLikelihood, MAPPED, randomPose, threeNormals } from "./field";
 import {
   type Alphas,

@@ -1,8 +1,8 @@
 /** What a reader can change in the sections on localization. */
 
 import { computed, signal } from "@preact/signals";
+import { seeded } from "../../grid/random";
 import type { Pose } from "../../wire/protocol";
-import { seeded } from "../common/world";
 import { onPath } from "../stage/path";
 import { endPoints, logLikelihood, randomPose } from "./field";
 import { normalized } from "./filter";
