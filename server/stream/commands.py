@@ -125,7 +125,7 @@ class Map3dCommand(Struct, tag_field="type", tag="map3d"):
 
 
 class TerrainCommand(Struct, tag_field="type", tag="terrain"):
-    """Simulations with a 3D map: begin to assess the terrain of its points, change that, ask about a patch, or end."""
+    """Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end."""
 
     value: Annotated[bool, Meta(description="whether it is assessed")] = True
     values: Annotated[Values, Meta(description="parameters to change; the others stay")] = {}

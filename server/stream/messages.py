@@ -65,7 +65,7 @@ class Hello(Struct, tag_field="type", tag="hello"):
         UNSET
     )
     map3d: Annotated[
-        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the 3D sensor and its map")
+        list[Parameter] | UnsetType, Meta(description="parameters of the 3D sensor, its map and the terrain")
     ] = UNSET
 
 
@@ -246,14 +246,16 @@ class Map3dMessage(Struct, tag_field="type", tag="map3d"):
 
 
 class TerrainMessage(Struct, tag_field="type", tag="terrain"):
-    """The terrain of a simulation, in the layers `terrain_costs` and `terrain_values`."""
+    """The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`."""
 
     is_on: Annotated[bool, Meta(description="whether it is assessed")]
     values: Annotated[Values, Meta(description="its parameters")]
     points: Annotated[int, Meta(description="points that it is made of")]
     ground: Annotated[int, Meta(description="those that the filter takes for ground")]
-    kappa: Annotated[float, Meta(description="Cohen's kappa of ground and objects against the true world, %")]
-    total_error: Annotated[float, Meta(description="points that are classified wrongly, %")]
+    kappa: Annotated[
+        float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
+    ]
+    total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
     safe: Annotated[int, Meta(description="patches that are safe")]
     unsafe: Annotated[int, Meta(description="patches that are unsafe")]
     unknown: Annotated[int, Meta(description="patches with too few points")]

@@ -1,7 +1,8 @@
-"""Terrain in the lab: patches of what the robot's 3D sensor measured, their classes, and the costs that follow."""
+"""Terrain of points: patches, their classes, the ground filter beside the truth, and the costs that follow."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, LimitError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap import CostmapConfig, Footprint, InflationConfig, InflationLayer, LayeredCostmap
 from mapper.grid import OccupancyGrid
@@ -29,6 +30,7 @@ from mapper.terrain import (
 from server.sessions.models.lab_navigation_parameters import HEXAGON
 
 MOST_POINTS = 150_000  #: of the scans that are assessed
+MOST_PATCHES = 250_000
 TRUE_WITHIN = 0.05  #: metres: a point so near to the floor or a ramp is ground
 SHOWN = ("costs", "costmap", "slope", "roughness", "step")
 #: In a room cells, discs and patches are smaller than outdoors.
@@ -76,6 +78,16 @@ class TerrainParameters:
 
     values: Mapping[str, Any] = field(default_factory=lambda: {row.name: row.initial for row in TABLE})
 
+    @classmethod
+    def outdoors(cls, points: int, area: float) -> TerrainParameters:
+        """Return first values for a cloud of so many points over so many square metres: those of the library.
+
+        A patch is so large that it has ten points or so.
+        """
+        library = {row.name: row.initial for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}
+        patch = round(min(max(math.sqrt(10.0 * area / max(points, 1)), 0.1), 20.0), 1)
+        return cls().with_values(library | {"patch": patch})
+
     def with_values(self, values: Mapping[str, Any]) -> TerrainParameters:
         """Return the parameters with other values; the rest stays."""
         check_names(values, TABLE, "parameter of the terrain")
@@ -94,13 +106,13 @@ class TerrainParameters:
 
 @dataclass(frozen=True, slots=True)
 class Assessed:
-    """The terrain of some points: how many, how many are ground, and how that agrees with the world in percent."""
+    """The terrain of some points: how many, how many are ground, and how that agrees with the truth in percent."""
 
     terrain: Terrain
     points: int
     ground: int
-    kappa: float
-    total_error: float
+    kappa: float | None
+    total_error: float | None
     costmap: LayeredCostmap
 
     def shown(self, name: str) -> tuple[Float32Array, float]:
@@ -143,25 +155,38 @@ def true_ground(world: World, points: Float64Array) -> BoolArray:
     return np.asarray(on_ground)
 
 
-def assessed(world: World, points: Float64Array, parameters: TerrainParameters) -> Assessed | None:
-    """Return the terrain of points (n, 3), None where there are too few.
+def assessed(
+    points: Float64Array,
+    bounds: tuple[float, float, float, float],
+    parameters: TerrainParameters,
+    truth: BoolArray | None = None,
+) -> Assessed | None:
+    """Return the terrain of points (n, 3) within ``bounds``, x0, y0, x1, y1, None where there are too few.
 
-    Raises :class:`mapper.core.errors.MapperError` for parameters that do not fit them.
+    ``truth`` (n,) are the points that are ground, None where that is not known. Raises
+    :class:`mapper.core.errors.MapperError` for parameters that do not fit them.
     """
     if len(points) < 3:
         return None
     config, values = parameters.patches, parameters.values
     is_ground = find_ground(points, parameters.ground).is_ground if values["filter"] else np.ones(len(points), np.bool_)
-    right = agreement(is_ground, true_ground(world, points))
-    x0, y0, x1, y1 = world.bounds
+    right = {} if truth is None else agreement(is_ground, truth)
+    x0, y0, x1, y1 = bounds
     shape = (int(np.ceil((y1 - y0) / config.patch)), int(np.ceil((x1 - x0) / config.patch)), 10)
+    if shape[0] * shape[1] > MOST_PATCHES:
+        raise LimitError(
+            "terrain.patches",
+            f"{x1 - x0:.0f} × {y1 - y0:.0f} m have more than {MOST_PATCHES:,} patches of {config.patch:g} m; "
+            "take greater ones.",
+        )
     empty = Patches(np.zeros(shape), config.patch, np.array([x0, y0, 0.0]))
     every, ground = empty.with_points(points), empty.with_points(points[is_ground])
     for _ in range(round(values["level"])):
         every, ground = every.parents(), ground.parents()
     terrain = assess(ground, config, occupied=every, reach=round(values["reach"]))
     costmap = _costmap_of(terrain)
-    return Assessed(terrain, len(points), int(is_ground.sum()), right["kappa"], right["total_error"], costmap)
+    n_ground = int(is_ground.sum())
+    return Assessed(terrain, len(points), n_ground, right.get("kappa"), right.get("total_error"), costmap)
 
 
 def _costmap_of(terrain: Terrain) -> LayeredCostmap:

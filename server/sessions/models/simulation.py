@@ -28,7 +28,6 @@ from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.lab_navigation import LabNavigation, believed_now
 from server.sessions.models.lab_navigation_parameters import TABLE
-from server.sessions.models.lab_terrain import TABLE as TERRAIN
 from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import COMMANDS
@@ -206,7 +205,7 @@ class SimulationModel(SessionModel):
             "world": self.world.name,
             "seed": self._mapper.seed,
             "navigation": [asdict(row) for row in TABLE],
-            "map3d": [asdict(row) for row in (*MAP_3D, *TERRAIN)],
+            "map3d": [*(asdict(row) for row in MAP_3D), *self._terrain.table],
         }
 
     def messages(self) -> list[dict[str, Any]]:
@@ -286,7 +285,7 @@ class SimulationModel(SessionModel):
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self._localization.look(self._mapper, result)
         self._volume.draw(result)
-        self._terrain.draw(self.world, result)
+        self._terrain.draw(result)
         self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing

@@ -1,17 +1,17 @@
-"""What a simulation shows of its terrain: costs of patches in place of the belief, and a message with the numbers."""
+"""What a session shows of the terrain of its points: grids of patches, and a message with the numbers."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import asdict, replace
+from typing import Any, Protocol
 
 import numpy as np
 
+from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import MapperError
 from mapper.grid import OccupancyGrid
-from mapper.simulation.worlds import World
-from server.sessions.models.lab_terrain import Assessed, TerrainParameters, assessed, patch_at, points_of
+from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed, patch_at
 from server.sessions.models.simulation_commands import flag
-from server.sessions.models.volume_view import VolumeView
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, number, values
@@ -19,14 +19,23 @@ from server.stream.protocol import ProtocolError, number, values
 SCANS_BETWEEN = 8  #: scans of the 3D sensor between two assessments
 
 
+class TerrainPoints(Protocol):
+    """Points of which a terrain is made."""
+
+    @property
+    def count(self) -> int:
+        """How many scans there are; 0 for no points."""
+
+    def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
+        """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""
+
+
 class TerrainView:
-    """The terrain of a simulation, from its command ``terrain`` on until the same command ends it.
+    """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points."""
 
-    It is made of the scans of the 3D map, which has to be on.
-    """
-
-    def __init__(self, volume: VolumeView) -> None:
-        self._volume = volume
+    def __init__(self, source: TerrainPoints, first: TerrainParameters | None = None) -> None:
+        """``first`` are the parameters to begin with."""
+        self._source, self._first = source, first or TerrainParameters()
         self._parameters: TerrainParameters | None = None
         self._costs = GridLayer("terrain_costs", "Terrain", "costs")
         self._values = GridLayer("terrain_values", "Property of the terrain")
@@ -35,6 +44,11 @@ class TerrainView:
         self._asked: tuple[float, float] | None = None
         self._problem: str | None = None
         self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
+
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """The rows of its parameters, with the values that they begin with."""
+        return [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -52,29 +66,30 @@ class TerrainView:
             self._parameters = self._found = self.grid = self._asked = self._problem = None
             result.slot(self.message())
             return
-        if not self._volume.scans:
-            raise ProtocolError("terrain.no_points", "Terrain is made of the 3D map's points: begin that map first.")
-        parameters = (self._parameters or TerrainParameters()).with_values(values({"values": {}} | command))
+        if not self._source.count:
+            raise ProtocolError("terrain.no_points", "There are no points yet: begin the 3D map first.")
+        parameters = (self._parameters or self._first).with_values(values({"values": {}} | command))
         if parameters != self._parameters:
             self._parameters, self._taken = parameters, -1
         if command.get("x") is not None:
             self._asked = number(command, "x"), number(command, "y")
         result.slot(self.message())
 
-    def draw(self, world: World, result: TickResult) -> None:
+    def draw(self, result: TickResult) -> None:
         """Assess the terrain again if there are enough new scans or other parameters."""
         if self._parameters is None:
             return
-        scans = self._volume.scans
-        if not scans:
+        count = self._source.count
+        if not count:
             self._parameters = self._found = self.grid = self._asked = None
             result.slot(self.message())
             return
-        if self._taken >= 0 and 0 <= len(scans) - self._taken < SCANS_BETWEEN:
+        if self._taken >= 0 and 0 <= count - self._taken < SCANS_BETWEEN:
             return
-        self._taken = len(scans)
+        self._taken = count
         try:
-            self._found = assessed(world, points_of(scans), self._parameters)
+            points, bounds, truth = self._source.read()
+            self._found = assessed(points, bounds, self._parameters, truth)
             self._problem = None
         except MapperError as error:
             self._found, self._problem = None, error.message
@@ -105,13 +120,17 @@ class TerrainView:
         return {
             "type": "terrain",
             "is_on": self._parameters is not None,
-            "values": dict((self._parameters or TerrainParameters()).values),
+            "values": dict((self._parameters or self._first).values),
             "points": 0 if found is None else found.points,
             "ground": 0 if found is None else found.ground,
-            "kappa": 0.0 if found is None else round(found.kappa, 2),
-            "total_error": 0.0 if found is None else round(found.total_error, 2),
+            "kappa": _rounded(None if found is None else found.kappa),
+            "total_error": _rounded(None if found is None else found.total_error),
             **counts,
             "size": 0.0 if found is None else found.terrain.patches.size,
             "patch": patch,
             "problem": self._problem,
         }
+
+
+def _rounded(percent: float | None) -> float | None:
+    return None if percent is None else round(percent, 2)

@@ -382,7 +382,7 @@ export interface Hello {
   readonly seed?: number;
   /** parameters of the costmap and the path */
   readonly navigation?: readonly Parameter[];
-  /** simulations: parameters of the 3D sensor and its map */
+  /** parameters of the 3D sensor, its map and the terrain */
   readonly map3d?: readonly Parameter[];
 }
 
@@ -619,7 +619,7 @@ export interface Map3dMessage {
   readonly dense_bytes: number;
 }
 
-/** The terrain of a simulation, in the layers `terrain_costs` and `terrain_values`. */
+/** The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`. */
 export interface TerrainMessage {
   readonly type: "terrain";
   /** whether it is assessed */
@@ -630,10 +630,10 @@ export interface TerrainMessage {
   readonly points: number;
   /** those that the filter takes for ground */
   readonly ground: number;
-  /** Cohen's kappa of ground and objects against the true world, % */
-  readonly kappa: number;
-  /** points that are classified wrongly, % */
-  readonly total_error: number;
+  /** Cohen's kappa of ground and objects, %; null: the truth is not known */
+  readonly kappa: number | null;
+  /** points that are classified wrongly, %; null: as above */
+  readonly total_error: number | null;
   /** patches that are safe */
   readonly safe: number;
   /** patches that are unsafe */
@@ -1006,7 +1006,7 @@ export interface Map3dCommand {
   readonly values?: Values;
 }
 
-/** Simulations with a 3D map: begin to assess the terrain of its points, change that, ask about a patch, or end. */
+/** Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end. */
 export interface TerrainCommand {
   readonly type: "terrain";
   /** whether it is assessed */
@@ -1717,8 +1717,8 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     values: isValues,
     points: isInteger,
     ground: isInteger,
-    kappa: isNumber,
-    total_error: isNumber,
+    kappa: oneOf(isNumber, isNull),
+    total_error: oneOf(isNumber, isNull),
     safe: isInteger,
     unsafe: isInteger,
     unknown: isInteger,

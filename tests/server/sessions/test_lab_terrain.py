@@ -45,13 +45,13 @@ def surface(n: int = 40_000) -> np.ndarray:
 
 def test_floor_and_ramp_are_safe_and_the_edges_of_stairs_and_tables_are_not() -> None:
     points = surface()
-    found = assessed(LEVELS, points, TerrainParameters().with_values({"filter": False, "max_slope": 25.0}))
+    found = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "max_slope": 25.0}))
     assert found is not None
     state = {name: patch_at(found, *place)["state"] for name, place in (
         ("floor", (2.0, 5.0)), ("ramp", (11.0, 2.5)), ("stairs", (11.1, 0.8)), ("edge of the table", (3.35, 3.0)),
     )}  # fmt: skip
     assert state == {"floor": "safe", "ramp": "safe", "stairs": "unsafe", "edge of the table": "unsafe"}
-    steep = assessed(LEVELS, points, TerrainParameters().with_values({"filter": False, "max_slope": 10.0}))
+    steep = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "max_slope": 10.0}))
     assert steep is not None
     assert patch_at(steep, 11.0, 2.5)["state"] == "unsafe"
     # The costmap has the terrain as its layer, inflated.
@@ -63,7 +63,7 @@ def test_floor_and_ramp_are_safe_and_the_edges_of_stairs_and_tables_are_not() ->
 
 def test_a_patch_has_the_moments_and_the_plane_of_its_points() -> None:
     points = surface()
-    found = assessed(LEVELS, points, TerrainParameters().with_values({"filter": False, "level": 1.0}))
+    found = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "level": 1.0}))
     assert found is not None
     patches = found.terrain.patches
     assert patches.size == pytest.approx(0.5)  # four patches of 0.25 m
@@ -73,7 +73,7 @@ def test_a_patch_has_the_moments_and_the_plane_of_its_points() -> None:
     expected = moments_of((mine - (*centre, 0.0)).tolist())
     np.testing.assert_allclose(np.reshape(patch_at(found, 11.0, 2.5)["moments"], (4, 4)), expected, atol=1e-5)
     assert found.terrain.planes[row, col, 5] == pytest.approx(plane_of(expected).slope, abs=1e-6)
-    wider = assessed(LEVELS, points, TerrainParameters().with_values({"filter": False, "reach": 2.0}))
+    wider = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "reach": 2.0}))
     assert wider is not None
     near = (np.abs(points[:, :2] - wider.terrain.patches.geometry.cell_to_world((4, 8))) < 0.625).all(axis=1)
     about = points[near] - (*wider.terrain.patches.geometry.cell_to_world((4, 8)), 0.0)
@@ -89,18 +89,19 @@ def test_the_ground_filter_is_judged_by_the_world() -> None:
     assert not truth[on_table].any()
     every = surface()
     assert true_ground(LEVELS, every)[(np.abs(every[:, :2] - (11.0, 2.5)) < 0.3).all(axis=1)].all()
-    found = assessed(LEVELS, points, TerrainParameters())
+    found = assessed(points, LEVELS.bounds, TerrainParameters(), truth)
     assert found is not None
+    assert found.kappa is not None
     assert found.kappa > 95.0
-    everything = assessed(LEVELS, points, TerrainParameters().with_values({"filter": False}))
+    everything = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False}), truth)
     assert everything is not None
     assert everything.kappa == pytest.approx(0.0, abs=1e-9)
     assert everything.total_error == pytest.approx(100.0 * (~truth).mean())
-    assert assessed(LEVELS, points[:2], TerrainParameters()) is None
+    assert assessed(points[:2], LEVELS.bounds, TerrainParameters()) is None
 
 
 async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab: Lab) -> None:
-    with pytest.raises(ProtocolError, match="begin that map first"):
+    with pytest.raises(ProtocolError, match="begin the 3D map first"):
         lab.do(type="terrain")
     lab.do(type="map3d")
     lab.look_around()

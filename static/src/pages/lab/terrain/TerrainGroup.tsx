@@ -16,11 +16,17 @@ const COSTS = "terrain_costs";
 const VALUES = "terrain_values";
 const isProperty = (shown: Value | undefined): boolean => shown !== "costs" && shown !== "costmap";
 
-export function TerrainGroup({ store }: { readonly store: Store }) {
+interface GroupProps {
+  readonly store: Store;
+  /** Of a file, whose points are there; otherwise they are those of the lab's 3D map. */
+  readonly isFile?: boolean;
+}
+
+export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { terrain, map3d, layers } = store;
   const message = terrain.message.value;
   const isOn = message?.is_on === true;
-  const hasPoints = (map3d.message.value?.taken ?? 0) > 0;
+  const hasPoints = isFile ? message !== null : (map3d.message.value?.taken ?? 0) > 0;
   const isEnded = terrain.isEnded.value;
   const view = useMap3dRows(store, "terrain_view");
   const patches = useMap3dRows(store, "terrain_patches");
@@ -53,7 +59,7 @@ export function TerrainGroup({ store }: { readonly store: Store }) {
       <Numbers message={message} />
       <ParameterRows rows={view} values={values} set={set} />
       <Asked message={message} />
-      <CostmapChoice store={store} />
+      {!isFile && <CostmapChoice store={store} />}
       <h3>Patches</h3>
       <ParameterRows rows={patches} values={values} set={set} />
       <h3>Ground</h3>
@@ -94,8 +100,10 @@ function Numbers({ message }: { readonly message: TerrainMessage }) {
         <b>{safe.toLocaleString("en")}</b> patches are safe, <b>{unsafe.toLocaleString("en")}</b> are not (dark).
       </p>
       <p class="quiet">
-        {ground.toLocaleString("en")} of {points.toLocaleString("en")} points are taken for ground. Against the true
-        world: κ {kappa.toFixed(1)} %, {total_error.toFixed(1)} % of the points wrong.
+        {ground.toLocaleString("en")} of {points.toLocaleString("en")} points are taken for ground.
+        {kappa !== null &&
+          total_error !== null &&
+          ` Against the true world: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
       </p>
     </div>
   );
