@@ -9,9 +9,14 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
+from mapper.terrain import Patches, assess, find_ground
 from mapper.terrain.textbook import moments_of, plane_of
+from mapper.volume.scan_sequence import ScanSequence
 from server.sessions import SessionRegistry
+from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, patch_at, true_ground
+from server.sessions.models.terrain_view import TerrainView
+from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
@@ -133,3 +138,30 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     lab.do(type="map3d", value=False)
     lab.pass_time(0.1)
     assert not message_of(lab)["is_on"]
+
+
+def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() -> None:
+    points = surface().astype(np.float32)
+    none = np.full((1, 3), np.nan)
+    scans = ScanSequence("pcd", points, np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3))
+    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
+    source = CloudPoints(scans, low, high)
+    view = TerrainView(source, source.first)
+    side = view.table[1]["initial"]
+    assert view.table[1]["name"] == "patch"
+    assert side == pytest.approx(np.sqrt(10.0 * np.prod((high - low)[:2]) / len(points)), abs=0.05)
+    result = TickResult()
+    view.obey({"type": "terrain", "values": {"patch": 0.5}}, result)
+    view.draw(result)
+    message = result.slots["terrain"]
+    assert message["points"] == len(points)
+    assert message["kappa"] is None
+    ground = points[find_ground(points).is_ground]
+    expected = assess(Patches(np.zeros((11, 27, 10)), 0.5, np.array([low[0], low[1], 0.0])).with_points(ground))
+    assert message["safe"] == pytest.approx(expected.counts()["safe"], abs=0.1 * expected.counts()["safe"])
+    nothing = TerrainView(CloudPoints(None, low, high))
+    with pytest.raises(ProtocolError, match="no points"):
+        nothing.obey({"type": "terrain"}, TickResult())
+    view.obey({"type": "terrain", "values": {"patch": 0.01}}, result)
+    view.draw(result)
+    assert "take greater ones" in str(result.slots["terrain"]["problem"])

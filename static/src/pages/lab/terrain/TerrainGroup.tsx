@@ -112,7 +112,7 @@ function Numbers({ message }: { readonly message: TerrainMessage }) {
 /** The patch that was clicked: P, its plane, and why it has its class. */
 function Asked({ message }: { readonly message: TerrainMessage }) {
   const { patch, size } = message;
-  if (!patch) return <p class="quiet">Click a patch on the belief: its P, its plane and its class are shown here.</p>;
+  if (!patch) return <p class="quiet">Click a patch on the map: its P, its plane and its class are shown here.</p>;
   const moments: Moments = patch.moments;
   return (
     <section class="terrain-asked" aria-label="The patch that was clicked">
