@@ -10,6 +10,7 @@ Newcombe et al., KinectFusion, ISMAR 2011, section 3.3.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -44,7 +45,8 @@ def fuse_depth(
     """Update the distances (n,) and weights (n,) of voxels by a depth image (height, width), metres.
 
     ``pose`` (4, 4) is ``T_map_camera``. A voxel's distance is the depth of the pixel in which its centre is seen, less
-    its own depth.
+    its own depth. If it is greater than the truncation, the voxel is updated as free, where ``config.carve`` and its
+    block of 8³ has a voxel within the truncation of this surface or a known one.
     """
     band = config.band
     with np.errstate(all="ignore"):
@@ -53,9 +55,10 @@ def fuse_depth(
         col, row = (np.where(seen, place, 0).astype(np.float32) + np.float32(0.5) for place in (u, v))
         d = depth[row.astype(int), col.astype(int)]
         distance = d - z
-        known = weights > 0
         update = seen & (d > 0) & (d <= config.far) & (distance > -band)
-        update &= (distance <= band) | (known & config.carve)
+        near = update & (distance <= band)
+        blocks = keys // 8 @ np.array([1, 1 << 13, 1 << 26])
+        update = near | (update & config.carve & np.isin(blocks, blocks[near | (weights > 0)]))
         weight = weight_of(distance, np.float32(1.0) / z, config)
         mean = (weights * distances + weight * np.minimum(distance, band)) / (weights + weight)
     distances[update] = mean[update]
@@ -75,7 +78,34 @@ def weight_of(distance: Float32Array, inverse_depth: Float32Array, config: TsdfC
 def fuse_points(surface: Surface, points: Float64Array, origin: Float64Array, config: TsdfConfig) -> None:
     """Update a map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres, one beam after the other.
 
-    A voxel that a beam passes takes its distance to the beam's end along the beam.
+    A voxel that a beam passes takes its distance to the beam's end along the beam, farther before it than the
+    truncation as in :func:`fuse_depth`, with the blocks of all these beams.
+    """
+    blocks = {(x // 8, y // 8, z // 8) for x, y, z in surface}
+    for is_update in (False, True):  # the blocks come first
+        for key, distance, length in passed_voxels(points, origin, config):
+            block = key[0] // 8, key[1] // 8, key[2] // 8
+            if not is_update:
+                blocks |= {block} if distance <= config.band else set()
+            elif distance <= config.band or (config.carve and block in blocks):
+                update(surface, key, distance, length, config)
+
+
+def update(surface: Surface, key: Key, distance: float, length: float, config: TsdfConfig) -> None:
+    """Update a voxel by one measurement at a signed distance, of a beam of a length, metres."""
+    band = float(config.band)
+    old, sure = surface.get(key, (np.float32(0.0), np.float32(0.0)))
+    base = 1.0 / (length * length) if config.weighting == "inverse_square" else 1.0
+    near = float(np.float32(min(config.resolution, 0.5 * band)))
+    weight = base * (band + distance) / (band - near) if config.drop_off and distance < -near else base
+    mean = (float(sure) * float(old) + weight * min(distance, band)) / (float(sure) + weight)
+    surface[key] = np.float32(mean), np.float32(min(float(sure) + weight, config.max_weight))
+
+
+def passed_voxels(points: Float64Array, origin: Float64Array, config: TsdfConfig) -> Iterator[tuple[Key, float, float]]:
+    """Yield the voxels that beams pass, with their signed distance and the beam's length, metres.
+
+    They begin at the sensor if ``config.carve``, else before the end, and stop behind it by the truncation.
     """
     band, resolution = float(config.band), config.resolution
     start = origin / resolution + CENTRE - 0.5  # in keys: the centre of the voxel of key k is at k
@@ -88,15 +118,8 @@ def fuse_points(surface: Surface, points: Float64Array, origin: Float64Array, co
         first, last = 0.0 if config.carve else max(1.0 - band / length, 0.0), 1.0 + band / length
         for key in voxels_along(start + first * along, (last - first) * along):
             distance = dot(end - np.array(key), along) * resolution * resolution / length
-            old, sure = surface.get(key, (np.float32(0.0), np.float32(0.0)))
-            if distance <= -band or (distance > band and not (config.carve and sure > 0.0)):
-                continue
-            base = 1.0 / (length * length) if config.weighting == "inverse_square" else 1.0
-            near = float(np.float32(min(resolution, 0.5 * band)))
-            falls = config.drop_off and distance < -near
-            weight = base * (band + distance) / (band - near) if falls else base
-            mean = (float(sure) * float(old) + weight * min(distance, band)) / (float(sure) + weight)
-            surface[key] = np.float32(mean), np.float32(min(float(sure) + weight, config.max_weight))
+            if distance > -band:
+                yield key, distance, length
 
 
 def dot(a: Float64Array, b: Float64Array) -> float:

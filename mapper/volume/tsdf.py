@@ -42,8 +42,9 @@ class Fused:
 class TsdfVolume:
     """Signed distances to the nearest surface, positive before it, and weights, of the voxels near surfaces.
 
-    The lattice is that of :class:`mapper.volume.occupancy.OccupancyVolume`. A voxel of weight 0 is unknown. The map
-    does not depend on the number of threads.
+    The lattice is that of :class:`mapper.volume.occupancy.OccupancyVolume`. A voxel of weight 0 is unknown. A block
+    is in the map once it has a voxel within the truncation of a surface. The map does not depend on the number of
+    threads.
     """
 
     def __init__(self, config: TsdfConfig | None = None, limits: Limits = DEFAULT_LIMITS) -> None:
@@ -115,7 +116,7 @@ class TsdfVolume:
         x, y, z = ((corners - CENTRE + 0.5) * resolution - place[:3, 3]).T
         bases = np.stack([a * x + b * y + c * z for a, b, c in project.tolist()], axis=1).astype(np.float32)
         offsets = voxel_offsets(project, resolution)
-        touched = np.zeros(len(slots), dtype=np.bool_)
+        touched = np.zeros(len(slots), dtype=np.uint8)
         parts = shares(len(slots), min(cores(), 1 + len(slots) // _SHARE))
         arrays = self._distances, self._weights
         in_parallel(
@@ -124,10 +125,11 @@ class TsdfVolume:
                 for a, b in parts
             ]
         )
-        kept = new[touched[new]]
+        kept = new[touched[new] == 3]
+        touched[new] = touched[new] == 3
         self._keep(codes[kept], slots[kept], first, len(new))
         slots[kept] = first + np.arange(len(kept), dtype=np.int32)
-        return Fused(np.sort(slots[touched]), used)
+        return Fused(np.sort(slots[touched > 0]), used)
 
     def fuse_points(self, points: ArrayLike, origin: ArrayLike) -> Fused:
         """Update the map by the points (n, 3) that a sensor at ``origin`` (3,) measured, metres in the map's frame.

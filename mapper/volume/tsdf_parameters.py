@@ -30,8 +30,8 @@ TSDF_PARAMETERS: tuple[Parameter, ...] = (
     Parameter("drop_off", "Drop off", "tsdf", "flag", False,
               "Whether the weight falls to 0 from one voxel behind the surface to the truncation."),
     Parameter("carve", "Carve", "tsdf", "flag", True,
-              "Whether known voxels farther before the surface than the truncation are updated by it, so that what is "
-              "seen through goes away."),
+              "Whether voxels of the map's blocks farther before the surface than the truncation are updated too, as "
+              "free, so that what is seen through goes away."),
     Parameter("range_max", "Longest range", "tsdf", "number", 0.0,
               "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5),
 )  # fmt: skip

@@ -54,11 +54,12 @@ def info(
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Print the contents of a log, a recording, a point cloud, a scan graph, a folder of depth images or an octree."""
+    """Print the contents of a log, a recording, a point cloud, a scan graph, depth images, an octree or a mesh."""
     from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
     from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
+    from server.cli.surface import describe_mesh  # noqa: PLC0415 - start-up
 
-    if describe_octree(log, as_json=as_json):
+    if describe_octree(log, as_json=as_json) or describe_mesh(log, as_json=as_json):
         return
     from mapper.io.logs.summary import summarise  # noqa: PLC0415 - start-up
 

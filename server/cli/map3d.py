@@ -10,6 +10,7 @@ import typer
 
 from mapper.core.errors import ConfigError, MapperError
 from mapper.volume.parameters import VOLUME_PARAMETERS, VolumeConfig
+from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
 from server.cli.app import app
 from server.cli.common import (
     AsJson,
@@ -21,16 +22,18 @@ from server.cli.common import (
     value_of,
     with_parameter_options,
 )
+from server.cli.surface import MESHES, map_surface, write_mesh_file
 
 if TYPE_CHECKING:
     from mapper.volume import OccupancyVolume, Octree, OctreeFile
 
 _ROWS = {row.name: row for row in VOLUME_PARAMETERS}
 KINDS = (".bt", ".ot")
+OF_SURFACES = tuple(row for row in TSDF_PARAMETERS if row.name not in _ROWS)  # the parameters that octrees lack
 
 
 @app.command()
-@with_parameter_options(more=VOLUME_PARAMETERS)
+@with_parameter_options(more=(*VOLUME_PARAMETERS, *OF_SURFACES))
 def map3d(
     inputs: Annotated[
         list[Path],
@@ -41,7 +44,11 @@ def map3d(
         ),
     ],
     out: Annotated[
-        list[Path], typer.Option(metavar="PREFIX.bt|.ot", help="Write an octree of OctoMap; may be repeated.")
+        list[Path],
+        typer.Option(
+            metavar="PREFIX.bt|.ot|.ply|.glb",
+            help="Write an octree of OctoMap, or a mesh: of the occupied voxels, or of the surface; may be repeated.",
+        ),
     ],
     projection: Annotated[
         Path | None,
@@ -62,24 +69,36 @@ def map3d(
             metavar="X,Y,Z", help="Where the sensor of a cloud's file was (m, m, m), if the file does not say it."
         ),
     ] = None,
+    tsdf: Annotated[
+        bool, typer.Option("--tsdf", help="Fuse a surface of truncated signed distances instead of occupied voxels.")
+    ] = False,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - the table's
 ) -> None:
-    """Map point clouds in three dimensions, as OctoMap does, and write the octree."""
+    """Map point clouds in three dimensions: occupied voxels as OctoMap does, or with --tsdf a surface as a mesh."""
     import numpy as np  # noqa: PLC0415 - start-up
 
     from mapper.volume import OccupancyVolume, Octree  # noqa: PLC0415 - start-up
     from mapper.volume.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
+    from mapper.volume.voxel_mesh import voxel_mesh  # noqa: PLC0415 - start-up
 
-    for path in out:
-        if path.suffix not in KINDS:
-            fail(f"--out must end in {' or '.join(KINDS)}, not {path.name!r:.80}.")
     heights = None if band is None else numbers("--band", "two numbers, LOW,HIGH in metres", 2, band)
     place = None if sensor is None else np.array(numbers("--sensor", "three numbers, X,Y,Z in metres", 3, sensor))
+    typed = {name: value for name, value in parameters.items() if value is not None}
+    if tsdf:
+        if projection is not None or band is not None:
+            fail("--map and --band are of occupied voxels and have no meaning with --tsdf.")
+        map_surface(inputs, out, typed, topic=topic, sensor=place, as_json=as_json)
+        return
+    endings = (*KINDS, *MESHES)
+    for path in out:
+        if path.suffix not in endings:
+            fail(f"--out must end in {', '.join(endings[:-1])} or {endings[-1]}, not {path.name!r:.80}.")
+    for row in OF_SURFACES:
+        if row.name in typed:
+            fail(f"--{row.name.replace('_', '-')} is of surfaces: it needs --tsdf.")
     given: dict[str, Any] = {
-        name: value_of(_ROWS[name], value) if isinstance(value, str) else value
-        for name, value in parameters.items()
-        if value is not None
+        name: value_of(_ROWS[name], value) if isinstance(value, str) else value for name, value in typed.items()
     }
     began = time.process_time()
     read = _first_octree(inputs[0])
@@ -97,7 +116,9 @@ def map3d(
     scans, notes = Insertion(), []
     rest = inputs if read is None else inputs[1:]
     with refusing(inputs[0]):
-        from_tree = read is not None and (rest or projection is not None)  # a tree may be larger than a map may be
+        meshes = any(path.suffix in MESHES for path in out)
+        # A tree may be larger than a map may be.
+        from_tree = read is not None and (rest or projection is not None or meshes)
         volume = read.tree.volume(config) if read is not None and from_tree else OccupancyVolume(config)
     for path in rest:
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
@@ -105,7 +126,12 @@ def map3d(
             insert_all(volume, source, scans, bar)
         notes += [f"{path.name}: {note}" for note in source.notes]
     tree = read.tree if read is not None and not rest else Octree.of(volume)
-    files = [_write(path, tree, config, read if not rest else None) for path in out]
+    files = [
+        write_mesh_file(voxel_mesh(volume), path)
+        if path.suffix in MESHES
+        else _write(path, tree, config, read if not rest else None)
+        for path in out
+    ]
     if projection is not None:
         files += _write_projection(volume, projection, heights, inputs[0])
     facts: dict[str, Any] = {

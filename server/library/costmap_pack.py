@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mapper.io.costmaps import CostmapStream
 
 VERSION = 1
+MOST_LOOKED_AT = 50
 _KIND = "costmaps"
 
 
@@ -78,8 +79,13 @@ def read_costmap_pack(path: Path) -> dict[str, CostmapStream]:
 
 
 def costmap_codes(streams: Mapping[str, CostmapStream]) -> UInt8Array:
-    """Return the codes of a picture of the last costmap of the topic with most of them, for its card."""
-    costs = max(streams.values(), key=len)[-1].costs
+    """Return the codes of a picture for the card: of the topic with most costmaps the one with most obstacles.
+
+    Of a long recording :data:`MOST_LOOKED_AT` costmaps, spread evenly over it, are looked at.
+    """
+    stream = max(streams.values(), key=len)
+    at = np.unique(np.linspace(0, len(stream) - 1, min(len(stream), MOST_LOOKED_AT)).round().astype(int))
+    costs = max((stream[int(k)].costs for k in at), key=lambda one: np.count_nonzero(one == LETHAL))
     return cells_overview(costs < INSCRIBED, (costs == INSCRIBED) | (costs == LETHAL))
 
 

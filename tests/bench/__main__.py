@@ -37,6 +37,7 @@ from tests.bench.sharing import sharing
 from tests.bench.size import size
 from tests.bench.slam import slam
 from tests.bench.terrain import terrain
+from tests.bench.tsdf import tsdf
 from tests.bench.volume import volume
 
 RANGE_MAX = 30.0
@@ -217,6 +218,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "localization": localization,
     "costmap": costmap,
     "volume": volume,
+    "tsdf": tsdf,
     "terrain": terrain,
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),

@@ -14,7 +14,8 @@ from tests.browser.looking import SECONDS, frame, open_group, settled_digest, un
 
 
 def opened(page: Page, server: str, name: str, data: bytes) -> None:
-    """Upload a log and open its map."""
+    """Upload a log and open its map, which does not play: drawing it takes more time than healing it."""
+    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
     expect(page.get_by_role("tab", name="Heal")).to_be_visible()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group
+from tests.browser.looking import centre, open_group
 
 _MESSAGE = "() => gridbloom.connection.store.localization.peek()"
 _FOUND = f"() => {{ const m = ({_MESSAGE})(); return m?.is_converged && m.error_m < 0.5; }}"
@@ -31,6 +31,25 @@ def test_the_robot_is_kidnapped_by_a_click_and_found_again(open_lab: Callable[..
     page.wait_for_function(_FOUND)
     page.get_by_role("switch", name="Likelihood field").click()
     page.wait_for_function("() => gridbloom.connection.store.layers.grid('likelihood_field').map.peek() !== null")
-    page.get_by_role("button", name="End").click()
+    # The sensor model is grabbed: the filter that runs goes on with it, and the field follows.
+    panel = page.get_by_role("tabpanel", name="Localize")
+    panel.locator("summary", has_text="Sensor model").click()
+    sigma = panel.get_by_role("slider", name="sigma_hit", exact=True)
+    updates = page.evaluate(f"() => ({_MESSAGE})().n_updates")
+    x, y = centre(sigma)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y, steps=4)
+    page.mouse.up()
+    page.wait_for_function(f"() => ({_MESSAGE})().values.sigma_hit > 0.4")
+    assert page.evaluate(f"() => ({_MESSAGE})().n_updates") >= updates
+    sigma.press("Home")
+    page.wait_for_function(f"() => ({_MESSAGE})().values.sigma_hit === 0.005")
+    panel.locator("summary", has_text="Motion model").click()
+    dots = panel.locator(".motion-fan .dots")
+    before = dots.get_attribute("d")
+    panel.get_by_role("button", name="End of the motion").press("ArrowUp")
+    expect(dots).not_to_have_attribute("d", before or "")
+    page.get_by_role("button", name="End", exact=True).click()
     page.wait_for_function(f"() => !({_MESSAGE})().is_on")
     expect(page.get_by_text("Found", exact=True)).to_have_count(0)

@@ -33,6 +33,7 @@ def drag(page: Page, *places: tuple[float, float]) -> None:
 
 def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Page], tmp_path: Path) -> None:
     page = open_lab()
+    page.emulate_media(reduced_motion="reduce")
     open_group(page, "Path")
     # A table in the corridor of the office: the path leads around it, until its lifetime is over.
     page.get_by_role("button", name="Put a table in the way").click()

@@ -39,7 +39,17 @@ POINTS = {
     "matching": r"end points lie on the walls",
     "graph": r"each wall is drawn once",
     "file": r"[1-9]\d* cells occupied, [\d,]+ free, the others unknown",
-    "next": r"the starting point of localization",
+    "particles": r"4,000 poses anywhere, .* N_eff = \d+",
+    "sensor-models": r"Here log q = −52\.\d, at the ring log q = −19",
+    "kidnapping": r"carried away 4 scans ago\. 0 % of the belief",
+    "layers": r"Under the cross: cost 1\d\d\.",
+    "inflation": r"In the middle of the right door: \d+\. Drag",
+    "path": r"[\d,]+ cells expanded; .* 14\.8 m long",
+    "lifetime": r"12 seconds ago\. 3\d lethal cells of it are in the obstacle layer, and the path is 1\.2\d m longer",
+    "stack": r"Nav2: a path of \d\.\d m",
+    "octree": r"At 0\.45 m above the floor .* low table is not in this plane",
+    "terrain": r"a patch has a plane",
+    "next": r"one of several kinds of maps",
     "log": r"77 scans with 240 readings each",
 }
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group
+from tests.browser.looking import open_group, until
 
 _STORE = "gridbloom.connection.store"
 
 
 def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")  # the log stands at its end: most of the time would go to its drawing
     page.goto(f"{server}/logs.html")
     page.get_by_role("button", name="Open map").first.click()
     page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
@@ -39,10 +40,12 @@ def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None
     page.wait_for_function(f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
     expect(panel.get_by_text("Found: the poses in the map")).to_be_visible()
     panel.get_by_role("button", name="Show the start").click()
-    page.wait_for_function(
-        f"() => {_STORE}.localization.peek()?.n_updates === 1 && {_STORE}.layers.content('particles').peek()"
-    )
-    particles = page.evaluate(f"() => [...{_STORE}.layers.content('particles').peek().columns[0]]")
-    assert len(particles) > 99
-    assert abs(sum(particles) / len(particles) - start[0]) < 0.5
+    page.wait_for_function(f"() => {_STORE}.localization.peek()?.n_updates === 1")
+
+    def particles() -> list[float]:
+        """The particles' x; a layer comes after the message of the same moment."""
+        return list(page.evaluate(f"() => [...{_STORE}.layers.content('particles').peek()?.columns[0] ?? []]"))
+
+    until("the first particles", lambda: (xs := particles()) and abs(sum(xs) / len(xs) - start[0]) < 0.5)
+    assert len(particles()) > 99
     expect(panel.get_by_text("Entropy of the particles")).to_be_visible()

@@ -118,3 +118,10 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     page.get_by_text("Another log or map").click()
     page.get_by_label("The other log").select_option(label="A better room (map)")
     expect(page.locator(".heal").get_by_text("8.5 × 4.0 m")).to_be_visible()
+    # And its costmap lies over it, with the zone.
+    open_group(page, "Costmap")
+    costs = f"{_STORE}.layers.grid('costmap').map.peek()"
+    page.wait_for_function(f"() => {costs}")
+    page.evaluate(f"() => {_STORE}.setNavigation({{ map: 'given', obstacle_layer: false, dynamic_layer: false }})")
+    page.wait_for_function(f"() => {costs}?.geometry.rows === 40 && {costs}.cells.at(10, 15) === 255")
+    assert taken(page, "pgm", tmp_path).read_bytes().startswith(b"P5\n85 40\n255\n")

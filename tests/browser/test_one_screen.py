@@ -40,6 +40,13 @@ def empty_scene(route: Route) -> None:
     route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
 
 
+def prepare(page: Page) -> None:
+    """Have the page stand still, without a canvas in 3D, and stay where it is when its map is to be edited."""
+    page.emulate_media(reduced_motion="reduce")
+    page.route("**/scenes/*/plain/**", empty_scene)
+    page.route("**/kept-map", lambda route: route.fulfill(json={"message": "The map is kept by another test."}))
+
+
 def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
     """Open each group of the dock and use its controls."""
     for tab in page.get_by_role("tab").all():
@@ -55,8 +62,7 @@ def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
 
 @each_look
 def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> None:
-    page.emulate_media(reduced_motion="reduce")
-    page.route("**/scenes/*/plain/**", empty_scene)
+    prepare(page)
     open_lab(scans=15)
     screen = Screen(page, ".lab .picture", ".dock-group")
     turns = Turns(len(looks))
@@ -77,8 +83,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
 
 @each_look
 def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None:
-    page.emulate_media(reduced_motion="reduce")
-    page.route("**/scenes/*/plain/**", empty_scene)
+    prepare(page)
     camera = image(np.full((48, 64), 200, dtype=np.uint8), "mono8", T0 + recorded.SECOND // 2)
     (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes([*robot(3), camera]))
     page.goto(f"{server}/logs.html")

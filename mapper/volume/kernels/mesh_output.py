@@ -127,11 +127,11 @@ def write_triangles(
             x = 0
             while mixed != 0:
                 if mixed & 1:
-                    case = 0
+                    case = np.int64(0)
                     for corner in range(8):
                         px, py, pz = x + (corner & 1), (row & 7) + (corner >> 1 & 1), (row >> 3) + (corner >> 2)
                         slot = near[i, (pz >> 3) * 4 + (py >> 3) * 2 + (px >> 3)]
-                        case |= (int(blocks.negative[slot, pz & 7, py & 7]) >> (px & 7) & 1) << corner
+                        case |= (np.int64(blocks.negative[slot, pz & 7, py & 7]) >> (px & 7) & 1) << corner
                     for k in range(3 * np.int64(tables.counts[case])):
                         edge = np.int64(tables.edges[case, k])
                         first = int(tables.firsts[edge])

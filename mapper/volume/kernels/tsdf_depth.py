@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Int32Array
+from mapper.core.array_types import BoolArray, Float32Array, Int32Array, UInt8Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.types import Box, DepthView, Fusion
 
@@ -49,7 +49,7 @@ def _mark_pyramid(
 
 
 @jit
-def depth_span(depth: Float32Array, far: np.float32) -> tuple[int, float]:
+def depth_span(depth: Float32Array, far: np.float32) -> tuple[int, np.float32]:
     """Return how many depths (n,) are positive and at most ``far``, and the greatest of them, 0 without any."""
     zero, count, greatest = np.float32(0.0), 0, np.float32(0.0)
     for i in range(depth.shape[0]):
@@ -115,9 +115,9 @@ def mark_surface(
 @jit
 def fuse_depth(
     view: DepthView, fusion: Fusion, corners: Float32Array, offsets: Float32Array, slots: Int32Array,
-    distances: Float32Array, weights: Float32Array, out_touched: BoolArray,
+    distances: Float32Array, weights: Float32Array, out_touched: UInt8Array,
 ) -> None:  # fmt: skip
-    """Update the voxels of blocks by a depth image, and write which blocks (n,) have changed.
+    """Update the voxels of blocks by a depth image; write 1 for each that changed (n,), 3 where by the surface itself.
 
     ``corners`` (n, 3) are the first voxels' centres, u z, v z, z, in pixels and metres of the camera; ``offsets``
     (3, 512) what the others have more. ``distances`` and ``weights`` (slots, 512) are the map.
@@ -156,10 +156,10 @@ def fuse_depth(
             inverse = np.divide(one, z)
             w = inverse * inverse if inverse_square else one
             w = w * ((band + distance) * fall) if distance < -near else w
-            update = (d > zero) & (d <= far) & (distance > -band) & (~before | (carve & (sure > zero)))
+            update = (d > zero) & (d <= far) & (distance > -band) & (carve | ~before)
             total = sure + w
             mean = np.divide(sure * old + w * (band if before else distance), total)
             line[k] = mean if update else old
             weight[k] = min(total, most) if update else sure
-            touched |= np.int32(update)
-        out_touched[i] = touched != 0
+            touched |= np.int32(update) | (np.int32(update & ~before) << np.int32(1))
+        out_touched[i] = touched

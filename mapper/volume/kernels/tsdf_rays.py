@@ -75,8 +75,8 @@ def fuse_beams(
     """Update the voxels that beams pass, in the order of the beams, and write which blocks (slots,) have changed.
 
     ``origin`` (3,) and ``ends`` (n, 3) are in keys; ``distances`` and ``weights`` (slots, 512) are the map. A voxel is
-    updated by each beam that passes it: within the truncation of its end, and farther before it where it is known
-    already and ``fusion.carve``.
+    updated by each beam that passes it: within the truncation of its end and, if ``fusion.carve``, farther before it
+    too, in the blocks of the table.
     """
     band, near = np.float64(fusion.truncation), np.float64(fusion.near)
     most = np.float64(fusion.max_weight)
@@ -104,7 +104,7 @@ def fuse_beams(
                 along = (ends[i, 0] - x) * dx + (ends[i, 1] - y) * dy + (ends[i, 2] - z) * dz
                 distance = along * resolution * resolution / length
                 sure = np.float64(weights[slot, cell])
-                if distance > -band and (distance <= band or (fusion.carve and sure > 0.0)):
+                if distance > -band and (distance <= band or fusion.carve):
                     w = base * (band + distance) / (band - near) if distance < -near else base
                     mean = (sure * np.float64(distances[slot, cell]) + w * min(distance, band)) / (sure + w)
                     distances[slot, cell] = mean

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address, while_connected
 from server.http.routes.pages import page_file
@@ -75,7 +76,12 @@ async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> dict[str, 
     look = None if wanted.look is None else wanted.look.model_dump()
     first = asdict(recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
-    view = {"view": asdict(seen), "look": look, "count": recording.log.n_scans, "changed": changed}
+    costed = of_log.session.model.costed
+    async with of_log.session.locked():
+        navigation = [] if costed is None else costed.commands()
+    view = {
+        "view": asdict(seen), "look": look, "count": recording.log.n_scans, "changed": changed, "navigation": navigation
+    }  # fmt: skip
     return _public(sessions, await library.links.make(of_log.owner, record, view))
 
 
@@ -149,6 +155,7 @@ async def begin(
     except LinkGoneError:  # revoked in the meantime
         await sessions.close(session.id)
         raise
+    await _restore(session, library, link)
     return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
 
@@ -164,6 +171,18 @@ async def page(request: Request, library: Logs, token: str) -> Response:
         if response.status_code == 200:
             response.status_code = 404
     return response
+
+
+async def _restore(session: SessionHost, library: Library, link: Link) -> None:
+    """Begin the costmap of a link, over the map that its log is localized in where it was that."""
+    commands: list[dict[str, Any]] = link.view.get("navigation", [])
+    if commands and commands[0]["values"].get("map") == "given":
+        try:
+            session.enqueue({"type": "show_given_map", "map": await library.maps.get(link.owner, link.log_id)})
+        except MapperError:  # it is gone: the log's own map
+            commands = [commands[0] | {"values": commands[0]["values"] | {"map": "belief"}}, *commands[1:]]
+    for command in commands:
+        session.enqueue(command)
 
 
 def _record_name(library: Library, link: Link) -> str:

@@ -119,6 +119,10 @@ class CostmapsModel(SessionModel):
         """Return a scan without readings."""
         return NO_READINGS
 
+    def commands(self) -> list[dict[str, Any]]:
+        """Return none: what is shown is recorded."""
+        return []
+
     def present_costs(self) -> RecordedCostmap:
         """Return the present costmap."""
         return self._now

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,6 +18,7 @@ from mapper.costmap import (
     InflationLayer,
     KeepoutLayer,
     LayeredCostmap,
+    Mask,
     ObstacleLayer,
     StaticConfig,
     StaticLayer,
@@ -27,10 +28,8 @@ from mapper.costmap.observing import observation_of_scan
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
-from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.worlds import World
-from server.sessions.models.lab_navigation_parameters import LAYERS, LabParameters
+from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError
 
@@ -65,6 +64,14 @@ def strokes_of(given: Sequence[dict[str, object]]) -> tuple[Stroke, ...]:
     return strokes
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class StaticMap:
+    """A map for the static layer in the place of the belief; ``keepout`` (rows, cols) int8 is its mask, 0 … 100."""
+
+    grid: OccupancyGrid
+    keepout: Int8Array | None = None
+
+
 class LabCostmap:
     """Layers of costs over the map of a simulation, or over the plan of its world; each is a grid of the session.
 
@@ -72,8 +79,9 @@ class LabCostmap:
     :meth:`paint` the keepout zones; :meth:`update` brings the costs up to date.
     """
 
-    def __init__(self, grid: OccupancyGrid, world: World | None, parameters: LabParameters) -> None:
-        self._world, self._plan = world, _plan_of(world, parameters)
+    def __init__(self, grid: OccupancyGrid, plan: Callable[[], StaticMap], parameters: LabParameters) -> None:
+        """Lay layers over ``grid``, or over what ``plan`` returns if the parameter ``map`` says so."""
+        self._plan = plan() if parameters.values["map"] in PLANNED else None
         self.parameters = parameters
         self.strokes: tuple[Stroke, ...] = ()
         names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
@@ -84,13 +92,17 @@ class LabCostmap:
 
     def begin(self, grid: OccupancyGrid) -> None:
         """Make all layers anew over the present map; what was painted stays."""
-        map_ = self._plan or grid
+        map_ = grid if self._plan is None else self._plan.grid
         self.geometry = map_.geometry
         parameters, general = self.parameters, self.parameters.general
         self._static = StaticLayer(self.geometry, map_.classify(), StaticConfig(), general)
         self._obstacle = ObstacleLayer(self.geometry, parameters.obstacle, general)
         self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
         self._keepout = KeepoutLayer(self.geometry)
+        self._zones = None
+        if self._plan is not None and self._plan.keepout is not None:
+            zones = np.where(self._plan.keepout > 0, self._plan.keepout, -1).astype(np.int8)
+            self._zones = KeepoutLayer(self.geometry, Mask(self.geometry, zones), "map_keepout")
         for stroke in self.strokes:
             self._paint(stroke)
         self._stack()
@@ -100,6 +112,8 @@ class LabCostmap:
         parameters = self.parameters
         layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._keepout)
         below = [layer for name, layer in zip(LAYERS, layers, strict=False) if parameters.is_on(name)]
+        if self._zones is not None and parameters.is_on("keepout_filter"):
+            below.append(self._zones)
         inflation = None
         if parameters.is_on("inflation_layer"):
             inflation = InflationLayer(self.geometry, parameters.inflation, parameters.outline.inscribed_radius)
@@ -139,7 +153,12 @@ class LabCostmap:
         self._obstacle.observe(observation)
         self._dynamic.observe(observation)
 
-    def change(self, parameters: LabParameters, grid: OccupancyGrid, world: World | None) -> None:
+    def renew_plan(self, plan: StaticMap, grid: OccupancyGrid) -> None:
+        """Use another map in the place of the belief."""
+        self._plan = plan
+        self.begin(grid)
+
+    def change(self, parameters: LabParameters, grid: OccupancyGrid, plan: Callable[[], StaticMap]) -> None:
         """Use other parameters. Raises :class:`ConfigError`, and nothing has changed then."""
         before, old_plan = self.parameters, self._plan
         try:
@@ -147,7 +166,7 @@ class LabCostmap:
             wanted, unknown = parameters.values["map"], parameters.values["track_unknown_space"]
             if wanted != before.values["map"] or unknown != before.values["track_unknown_space"]:
                 if wanted != before.values["map"]:
-                    self._plan = _plan_of(world, parameters)
+                    self._plan = plan() if wanted in PLANNED else None
                 self.begin(grid)
                 return
             self._obstacle.configure(parameters.obstacle)
@@ -218,11 +237,6 @@ class LabCostmap:
         """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
         row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
         return self.costmap.why(row, col)
-
-
-def _plan_of(world: World | None, parameters: LabParameters) -> OccupancyGrid | None:
-    """Return the plan of the world if the static map is to be that; None for a map of the robot's own."""
-    return plan_map(world) if world is not None and parameters.values["map"] == "plan" else None
 
 
 def _continues(before: Stroke, after: Stroke) -> bool:

@@ -20,17 +20,23 @@ from mapper.mapping.integrate import Change
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.live_map import LiveMap
+from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
-from server.sessions.models.lab_costmap import LabCostmap, strokes_of
-from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2
+from server.sessions.models.lab_costmap import LabCostmap, StaticMap, strokes_of
+from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2, rows_with
 from server.sessions.models.lab_path import LabPath
-from server.sessions.models.navigation_messages import cost_message, costmap_message
+from server.sessions.models.navigation_messages import commands_of, cost_message, costmap_message
 from server.sessions.models.simulation_commands import act
 from server.sessions.tick import TickResult
 from server.sessions.view import as_pose
 from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError, number, text, values
 
+ROWS = rows_with(
+    "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
+    "3D map from above or the classes of its terrain, as long as there are such.",
+    ("belief", "plan", "map_3d", "terrain"),
+)
 CONTROL_S = 0.2  #: simulated time between two decisions of the follower of a path
 
 
@@ -111,6 +117,10 @@ class LabNavigation:
             result.slot(self.messages()[0])
             result.slot(self.messages()[1])
 
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap and goal."""
+        return commands_of(self._costmap, self._path)
+
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""
         return None if self._costmap is None else self._costmap.recorded(self._mapper.simulation.time, None)
@@ -144,9 +154,12 @@ class LabNavigation:
         if not command.get("value", True):
             self.end(result)
             return
-        mapper, costmap = self._mapper, self._costmap
+        costmap = self._costmap
         parameters = LabParameters() if costmap is None else costmap.parameters
-        parameters = parameters.with_values(values({"values": {}} | command))
+        wanted = values({"values": {}} | command)
+        if wanted.get("map") == "given":
+            raise ConfigError("costmap.map", "A simulation has no given map: its static map is the belief or the plan.")
+        parameters = parameters.with_values(wanted)
         corners = command.get("footprint")
         if corners is not None:
             if len(corners) > MOST_CORNERS:
@@ -154,14 +167,17 @@ class LabNavigation:
             parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
         strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
         if costmap is None:
-            self._costmap = costmap = LabCostmap(self._map(parameters), mapper.simulation.world, parameters)
+            self._costmap = costmap = LabCostmap(self._map(parameters), self._plan, parameters)
             self._seen = None
         elif parameters != costmap.parameters:
-            costmap.change(parameters, self._map(parameters), mapper.simulation.world)
+            costmap.change(parameters, self._map(parameters), self._plan)
         if strokes is not None:
             costmap.paint(strokes)
         self._is_new = self._is_stale = True
         result.slot(self.messages()[0])
+
+    def _plan(self) -> StaticMap:
+        return StaticMap(plan_map(self._mapper.simulation.world))
 
     def _exchange(self, costmap: LabCostmap, command: dict[str, Any], result: TickResult) -> None:
         """Answer with the parameters as Nav2's yaml, or take them from one."""
@@ -174,7 +190,7 @@ class LabNavigation:
         found = from_nav2(
             costmap.parameters, parse_nav2_costmap(data), parse_nav2_planner(data), parse_nav2_pursuit(data)
         )
-        costmap.change(found, self._map(found), self._mapper.simulation.world)
+        costmap.change(found, self._map(found), self._plan)
         self._is_new = self._is_stale = True
         result.slot(self.messages()[0])
         result.answer({"type": "nav2", "text": None})

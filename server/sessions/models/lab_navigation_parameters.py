@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from mapper.core.parameter import Parameter, check_names
@@ -32,7 +32,8 @@ def _layer(name: str, label: str, sentence: str) -> Parameter:
 
 
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
-MAPS = ("belief", "plan", "map_3d", "terrain")
+MAPS = ("belief", "plan", "map_3d", "terrain", "given")
+PLANNED = ("plan", "given")  #: maps that do not change by themselves
 
 TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
@@ -42,8 +43,8 @@ TABLE: tuple[Parameter, ...] = (
     _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),
     Parameter(
         "map", "Static map", "static", "choice", "belief",
-        "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
-        "3D map from above or the classes of the terrain, as long as there are such.",
+        "Which map the static layer has: the belief as it changes, the plan of the world, the 3D map, the terrain or a "
+        "given map.",
         choices=MAPS,
     ),
     _row(COSTMAP_PARAMETERS, "track_unknown_space", initial=True, group="static"),
@@ -58,6 +59,14 @@ TABLE: tuple[Parameter, ...] = (
     _row(PURSUIT_PARAMETERS, "desired_linear_vel", high=1.0),
     _row(PURSUIT_PARAMETERS, "lookahead_dist", low=0.1, high=3.0),
 )  # fmt: skip
+
+
+def rows_with(map_sentence: str, maps: tuple[str, ...], without: tuple[str, ...] = ()) -> list[dict[str, Any]]:
+    """Return the table for pages: with these choices of the static map, and without some rows."""
+    rows = [replace(row, choices=maps, sentence=map_sentence) if row.name == "map" else row for row in TABLE]
+    return [asdict(row) for row in rows if row.name not in without]
+
+
 _ROWS = {row.name: row for row in TABLE}
 INITIAL: Mapping[str, Any] = {row.name: row.initial for row in TABLE}
 

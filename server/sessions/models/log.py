@@ -114,7 +114,7 @@ class LogModel(SessionModel):
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)
-        self._navigation = self.costed = LogNavigation(self.recording)
+        self._navigation = self.costed = LogNavigation(self.recording, lambda: self.localization.given)
         self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)

@@ -57,6 +57,11 @@ class LogLocalization:
         shown = self._shown
         return shown[1] if shown is not None and shown[0] == self._recording.trajectory else None
 
+    @property
+    def given(self) -> GivenMap | None:
+        """The map that the log is localized in, None before one was shown."""
+        return self._given
+
     def show_map(self, given: GivenMap) -> None:
         """Write a map into its layer."""
         from mapper.io.maps.reading import grid_of_values  # noqa: PLC0415 - few sessions localize

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mapper.core.array_types import Int8Array
@@ -11,21 +12,27 @@ from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import CellBox
 from mapper.io.costmaps import RecordedCostmap
+from mapper.io.maps.reading import grid_of_values
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
-from server.sessions.models.lab_costmap import LabCostmap, strokes_of
-from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, TABLE, LabParameters, from_nav2
+from server.sessions.models.lab_costmap import LabCostmap, StaticMap, strokes_of
+from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2, rows_with
 from server.sessions.models.lab_path import LabPath
-from server.sessions.models.navigation_messages import COMMANDS, cost_message, costmap_message
+from server.sessions.models.navigation_messages import COMMANDS, commands_of, cost_message, costmap_message
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError, number, text, values
 
 if TYPE_CHECKING:
+    from server.library.given_map import GivenMap
     from server.sessions.models.log_recording import LogRecording
 
 MOST_CELLS = 4_000_000  #: of the map: each costmap holds a dozen grids of its size
-_OF_THE_LAB = ("map", "desired_linear_vel", "lookahead_dist")  #: there is no plan of the world, and nothing drives
-ROWS = [asdict(row) for row in TABLE if row.name not in _OF_THE_LAB]
+_OF_THE_LAB = ("desired_linear_vel", "lookahead_dist")  #: nothing drives
+ROWS = rows_with(
+    "Which map the static layer has: the log's own, or the map of the group Localize, for poses in that map.",
+    ("belief", "given"),
+    _OF_THE_LAB,
+)
 
 
 class LogNavigation:
@@ -34,8 +41,10 @@ class LogNavigation:
     The path begins at the robot of the newest scan in the map.
     """
 
-    def __init__(self, recording: LogRecording) -> None:
-        self._recording = recording
+    def __init__(self, recording: LogRecording, given_map: Callable[[], GivenMap | None]) -> None:
+        """``given_map`` returns the map that the log is localized in."""
+        self._recording, self._given_map = recording, given_map
+        self._given: GivenMap | None = None  #: which the static layer has
         self._costmap: LabCostmap | None = None
         self._path = LabPath()
         self._index = -1  #: of the scan that the layers of obstacles saw last
@@ -87,8 +96,10 @@ class LogNavigation:
                 raise ConfigError("costmap.too_large", message)
             parameters = LabParameters() if costmap is None else costmap.parameters
             wanted = values({"values": {}} | command)
-            if wanted.get("map", "belief") != "belief":
-                raise ConfigError("costmap.map", "A log has no plan of its world: its static map is its own map.")
+            if wanted.get("map", "belief") not in ("belief", "given"):
+                raise ConfigError(
+                    "costmap.map", "A log has no plan of its world: its static map is its own or a given one."
+                )
             parameters = parameters.with_values(wanted)
             corners = command.get("footprint")
             if corners is not None:
@@ -97,15 +108,26 @@ class LogNavigation:
                 parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
             strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
             if costmap is None:
-                self._costmap = costmap = LabCostmap(grid, None, parameters)
+                self._costmap = costmap = LabCostmap(grid, self._plan, parameters)
                 self._index = -1
             elif parameters != costmap.parameters:
-                costmap.change(parameters, grid, None)
+                costmap.change(parameters, grid, self._plan)
             if strokes is not None:
                 costmap.paint(strokes)
         self._is_new = True
         for told in self.messages():
             result.slot(told)
+
+    def _plan(self) -> StaticMap:
+        """Return the map that the log is localized in."""
+        given = self._given_map()
+        if given is None:
+            raise ConfigError("costmap.no_given_map", "There is no given map: choose one in the group Localize.")
+        if given.values.size > MOST_CELLS:
+            message = f"The given map has {given.values.size} cells, and a costmap at most {MOST_CELLS}."
+            raise ConfigError("costmap.too_large", message)
+        self._given = given
+        return StaticMap(grid_of_values(given.geometry, given.values), given.keepout)
 
     def _exchange(self, costmap: LabCostmap, command: dict[str, Any], result: TickResult) -> None:
         """Answer with the parameters as Nav2's yaml, or take them from one."""
@@ -118,7 +140,7 @@ class LogNavigation:
         found = from_nav2(
             costmap.parameters, parse_nav2_costmap(data), parse_nav2_planner(data), parse_nav2_pursuit(data)
         )
-        costmap.change(found, self._recording.replay.grid, None)
+        costmap.change(found, self._recording.replay.grid, self._plan)
         self._is_new = True
         result.slot(self.messages()[0])
         result.answer({"type": "nav2", "text": None})
@@ -128,6 +150,9 @@ class LogNavigation:
         costmap, replay = self._costmap, self._recording.replay
         if costmap is None:
             return
+        if costmap.parameters.values["map"] == "given" and self._given is not self._given_map():
+            costmap.renew_plan(self._plan(), replay.grid)
+            self._is_new = True
         if replay.index < self._index:
             costmap.begin(replay.grid)  # what later scans marked is not known yet
         else:
@@ -146,6 +171,10 @@ class LogNavigation:
         self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
         result.changed = True
         result.slot(self._path.message())
+
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap and goal."""
+        return commands_of(self._costmap, self._path)
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""

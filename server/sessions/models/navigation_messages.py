@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from mapper.costmap import CellReason
 from server.sessions.models.lab_costmap import LabCostmap
-from server.sessions.models.lab_navigation_parameters import LabParameters
+from server.sessions.models.lab_navigation_parameters import INITIAL, LabParameters
+from server.sessions.models.lab_path import LabPath
+from server.stream.protocol import ProtocolError, decode_command
 
 COMMANDS = ("costmap", "goal", "cost", "nav2")
 
@@ -34,3 +38,25 @@ def cost_message(x: float, y: float, reasons: list[CellReason]) -> dict[str, Any
     """Return the message ``cost`` of the place (x, y), metres."""
     layers = [{"layer": one.layer, "cost": one.cost, "master": one.master, "sentence": one.sentence} for one in reasons]
     return {"type": "cost", "x": round(x, 4), "y": round(y, 4), "layers": layers}
+
+
+def commands_of(costmap: LabCostmap | None, path: LabPath) -> list[dict[str, Any]]:
+    """Return the commands from which another session gets the same costmap and goal; none without a costmap."""
+    if costmap is None:
+        return []
+    message = costmap_message(costmap)
+    values = {name: value for name, value in message["values"].items() if value != INITIAL[name]}
+    begun = {"type": "costmap", "values": values, "footprint": message["footprint"], "keepout": message["keepout"]}
+    if path.goal is None:
+        return [begun]
+    x, y = path.goal
+    return [begun, {"type": "goal", "x": x, "y": y, "drives": path.drives}]
+
+
+def checked_commands(given: Iterable[object]) -> Iterator[dict[str, Any]]:
+    """Yield the commands of :func:`commands_of` that a story from outside holds. Raises :class:`ProtocolError`."""
+    for one in given:
+        command = decode_command(json.dumps(one))
+        if command["type"] not in ("costmap", "goal"):
+            raise ProtocolError("story.navigation", f"A story cannot hold the command {command['type']!r:.80}.")
+        yield command

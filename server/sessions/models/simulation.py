@@ -26,11 +26,10 @@ from server.sessions.map_drawings import map_drawings
 from server.sessions.mapping_parameters import MappingParameters
 from server.sessions.messages import parameters_message
 from server.sessions.model import Footprint, SessionModel
-from server.sessions.models.lab_navigation import LabNavigation, believed_now
-from server.sessions.models.lab_navigation_parameters import TABLE
+from server.sessions.models.lab_navigation import ROWS, LabNavigation, believed_now
 from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.localization_view import LocalizationView
-from server.sessions.models.navigation_messages import COMMANDS
+from server.sessions.models.navigation_messages import COMMANDS, checked_commands
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
@@ -63,18 +62,18 @@ class SimulationModel(SessionModel):
         self._mapper = mapper
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
-        self.story = SimulationStory(host, mapper, self.playback, max_story_s)
+        self._volume = VolumeView(host, mapper, self.playback)
+        self._terrain = TerrainView(self._volume)
+        self._navigation = self.costed = LabNavigation(
+            mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
+        )
+        self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.commands)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
         self._map = GridLayer("map", "Map")
         self._map.update(mapper.grid, mapper.config, None, whole=True)
         self._second: GridLayer | None = None
         self._localization = LocalizationView()
-        self._volume = VolumeView(host, mapper, self.playback)
-        self._navigation = self.costed = LabNavigation(
-            mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
-        )
-        self._terrain = TerrainView(self._volume)
         self._slam = SlamView()
         self._forgetting: tuple[Vanishing | None, int] = (None, 0)  #: the last `forgetting` message
 
@@ -204,7 +203,7 @@ class SimulationModel(SessionModel):
             "sensor": {"table": [asdict(row) for row in SENSOR_PARAMETERS], "values": asdict(self.sensor)},
             "world": self.world.name,
             "seed": self._mapper.seed,
-            "navigation": [asdict(row) for row in TABLE],
+            "navigation": ROWS,
             "map3d": [*(asdict(row) for row in MAP_3D), *self._terrain.table],
         }
 
@@ -258,12 +257,14 @@ class SimulationModel(SessionModel):
     # -- computing ------------------------------------------------------------------------------------------------
 
     def resume(self, story: dict[str, Any]) -> None:
-        """Set playing and speed as in a story. Raises :class:`ConfigError` for a speed out of range."""
+        """Set playing, speed and the costmap as in a story. Raises :class:`ConfigError`, :class:`ProtocolError`."""
         low, high = self.playback.speeds
         speed = story.get("speed") or self.playback.speed
         if not low <= speed <= high:
             raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
         self.playback.speed, self.playback.playing = float(speed), bool(story.get("playing", True))
+        for command in checked_commands(story.get("navigation") or ()):
+            self.obey(command, TickResult())
 
     def _remake(self, config: MappingConfig, result: TickResult) -> None:
         self._mapper.remake(config)

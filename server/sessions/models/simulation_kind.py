@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from mapper.core.errors import ConfigError
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
+from server.stream.protocol import ProtocolError
 from server.work.scheduler import URGENT_S
 
 if TYPE_CHECKING:
@@ -35,6 +37,9 @@ class Story(BaseModel):
     auto: bool = Field(True, description="Whether the robot explores by itself then.")
     parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from the initial ones.")
     faults: dict[str, Any] = Field({}, description="The robot's faults.")
+    navigation: list[dict[str, Any]] = Field(
+        [], max_length=2, description="The commands that begin the costmap and set the goal of its path."
+    )
     playing: bool = Field(True, description="Whether the session plays.")
     speed: float | None = Field(None, description="Simulated seconds per second.")
 
@@ -79,7 +84,10 @@ def simulation_plan(
 
         mapper = replayed(begun, limits=host.limits, wanted=making.may_continue, report=making.report)
         model = SimulationModel(host, mapper, max_story_s)
-        model.resume(story)
+        try:
+            model.resume(story)
+        except ProtocolError as error:
+            raise ConfigError(error.code, error.message) from error
         return model
 
     return Plan(make, name=name, interactive=cost_s <= URGENT_S, playing=playing)

@@ -28,16 +28,28 @@ MAX_STORY_S = 600.0  #: longest simulated time that is replayed, seconds
 
 
 class SimulationStory:
-    """The story of a session: that of its simulation, playing, and speed. ``max_s`` as in :func:`story_of`."""
+    """The story of a session: that of its simulation, playing, speed, the costmap. ``max_s`` as in :func:`story_of`.
 
-    def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback, max_s: float) -> None:
+    ``navigation`` returns the commands that begin the costmap and set its goal.
+    """
+
+    def __init__(
+        self,
+        host: ModelHost,
+        mapper: LiveMap,
+        playback: Playback,
+        max_s: float,
+        navigation: Callable[[], list[dict[str, Any]]] = list,
+    ) -> None:
         self._host, self._mapper, self._playback, self._most_s = host, mapper, playback, max_s
+        self._navigation = navigation
 
     async def current(self) -> dict[str, Any]:
         """Return the story, between two ticks."""
         async with self._host.locked():
             story = story_of(self._mapper, self._most_s)
-            return story | {"speed": self._playback.speed, "playing": self._playback.playing}
+            playback = {"speed": self._playback.speed, "playing": self._playback.playing}
+            return story | playback | {"navigation": self._navigation()}
 
 
 def story_of(mapper: LiveMap, max_s: float = math.inf) -> dict[str, Any]:

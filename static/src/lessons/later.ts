@@ -11,6 +11,8 @@ import { PathControls } from "./navigation/PathControls";
 import { Stack } from "./navigation/Stack";
 import { inflationScene, layersScene, lifetimeScene, pathScene } from "./navigation/scenes";
 import { stackScene } from "./navigation/stackScene";
+import { Octree } from "./octree/Octree";
+import { octreeScene } from "./octree/octreeScene";
 import type { Later, LaterId } from "./stage/later";
 
 export const LATER: Readonly<Record<LaterId, Later>> = {
@@ -22,4 +24,5 @@ export const LATER: Readonly<Record<LaterId, Later>> = {
   path: { scene: pathScene, figure: PathControls },
   lifetime: { scene: lifetimeScene, figure: Lifetime },
   stack: { scene: stackScene, figure: Stack },
+  octree: { scene: octreeScene, figure: Octree },
 };

@@ -34,6 +34,7 @@ import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
 import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
+import { OctreeSection } from "./lecture/OctreeSection";
 import { OdometrySection } from "./lecture/OdometrySection";
 import { ParticlesSection } from "./lecture/ParticlesSection";
 import { PathSection } from "./lecture/PathSection";
@@ -103,6 +104,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   path: PathSection,
   lifetime: LifetimeSection,
   stack: StackSection,
+  octree: OctreeSection,
   terrain: TerrainSection,
   next: NextSection,
   log: LogSection,

@@ -49,7 +49,7 @@ def test_bad_input_is_one_sentence(run: Run, tmp_path: Path) -> None:
     cut = tmp_path / "cut.bt"
     cut.write_bytes(tree.read_bytes()[:-3])
     for arguments, said in (
-        ((graph, "--out", tmp_path / "a.las"), "--out must end in .bt or .ot, not 'a.las'"),
+        ((graph, "--out", tmp_path / "a.las"), "--out must end in .bt, .ot, .ply or .glb, not 'a.las'"),
         ((graph, "--out", tree, "--resolution", "1e-9"), "Resolution (resolution) must be between"),
         ((tree, "--out", tree, "--resolution", "0.2"), "The voxels of a.bt are of 0.1 m, not 0.2 m"),
         ((cut, "--out", tree), "before its tree does"),

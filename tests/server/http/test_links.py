@@ -102,6 +102,9 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 25)
         await watcher.settle()
         theirs = watcher.log_odds()
+        await watcher.send("costmap", values={"inflation_radius": 0.8, "obstacle_layer": False})
+        await watcher.send("goal", x=1.0, y=0.5)
+        await watcher.until(lambda: watcher.newest.get("path", {}).get("goal") == [1.0, 0.5])
     look = {"x": 1.5, "y": -2.25, "scale": 0.125, "width": 800.0, "height": 600.0}
     link = linked(ann, session, look=look)
     assert (link["address"], link["index"], link["count"]) == (f"/shared/{link['token']}", 25, 40)
@@ -120,6 +123,9 @@ async def test_a_guest_sees_this_very_view_and_nothing_else(
         assert (frame["index"], frame["playing"]) == (25, False)
         assert watcher.newest["hello"]["parameters"]["values"]["log_odds_hit"] == ODDS
         assert watcher.log_odds().tobytes() == theirs.tobytes()
+        await watcher.until(lambda: watcher.newest["costmap"]["is_on"] and watcher.newest["path"]["goal"])
+        assert watcher.newest["costmap"]["values"]["inflation_radius"] == 0.8
+        assert watcher.newest["path"]["goal"] == [1.0, 0.5]
         # They may scrub, retune and ask why.
         await watcher.send("seek", index=3)
         await watcher.until(lambda: watcher.newest["frame"]["index"] == 3)

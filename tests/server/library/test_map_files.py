@@ -11,6 +11,9 @@ from mapper.core.errors import ReadError
 from mapper.editing import EditedMap, parse_operation
 from mapper.editing.files import map_files
 from mapper.grid import GridGeometry
+from mapper.io.costmaps import RecordedCostmap
+from mapper.io.costmaps.reading import CostmapStream
+from server.library.costmap_pack import costmap_codes
 from server.library.given_map import read_given_map
 from server.library.map_files import archived, is_map, read_map
 from server.library.map_pack import map_codes, summarise_map
@@ -91,3 +94,12 @@ def test_what_is_refused(tmp_path: Path) -> None:
     ):
         with pytest.raises(ReadError, match=said):
             read_map(upload(tmp_path, files), "map", tmp_path)
+
+
+def test_the_picture_of_recorded_costmaps_has_their_obstacles() -> None:
+    stream = CostmapStream("/costmap_raw")
+    for k, cost in enumerate((0, 254, 0)):
+        costs = np.zeros((2, 3), np.uint8)
+        costs[0, 0], costs[1, 2] = cost, 255
+        stream.add(RecordedCostmap(k, k, "odom", "master", GridGeometry(0.1, 2, 3), costs))
+    assert costmap_codes({"/costmap_raw": stream}).tolist() == [[1, 1, 0], [2, 1, 1]]

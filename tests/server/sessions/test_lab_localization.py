@@ -73,7 +73,7 @@ def test_it_is_given_another_map_than_the_plan() -> None:
     for given in ("plan", "moved", "other"):
         mapper = LiveMap(WORLDS["room"], seed=2)
         one = LabLocalization(simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, FEW, given)
-        found = drive(mapper, one, 8.0)
+        found = drive(mapper, one, 14.0)
         assert found["map"] == given
         errors[given], fits[given] = found["error_m"], found["fit"]
     assert max(errors["plan"], errors["moved"]) < 0.5 < errors["other"]
@@ -133,3 +133,24 @@ async def test_another_world_ends_it(registry: SessionRegistry) -> None:
         model.obey({"type": "localize", "value": True, "values": FEW}, result)
         model.obey({"type": "world", "name": "maze"}, result)
         assert len(model.layers) == 1
+
+
+def test_a_running_filter_goes_on_with_other_parameters() -> None:
+    mapper = LiveMap(WORLDS["room"], seed=2)
+    one = lab_localization(mapper, FEW)
+    before = drive(mapper, one, 6.0)
+    particles, field = one.layers
+    field.publish()
+    one.change(FEW | {"sigma_hit": 0.03, "laser_likelihood_max_dist": 0.5})
+    after = one.message()
+    assert after["values"]["sigma_hit"] == 0.03
+    assert (after["n_updates"], after["n_particles"]) == (before["n_updates"], before["n_particles"])
+    # The colours tell how the newest scan weighs the particles by the new model: not all alike.
+    particles.publish()
+    count, parts = particles.body  # type: ignore[attr-defined]
+    value = np.frombuffer(b"".join(parts), dtype=np.float32)[-count:]
+    assert value.max() == 1.0
+    assert value.min() < 0.5
+    with pytest.raises(ConfigError):
+        one.change({"sigma_hit": -1.0})
+    assert one.message()["values"]["sigma_hit"] == 0.03

@@ -240,3 +240,22 @@ async def test_parameters_go_out_as_nav2_yaml_and_come_back(lab: Lab) -> None:
             lab.do(type="nav2", text=wrong)
         assert lab.costmap["values"] == values
     assert Footprint(tuple(map(tuple, outline))).inscribed_radius > 0.19
+
+
+async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
+    """Its parameters, outline, zones and goal; what is no costmap in a story is refused."""
+    corners = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
+    zones = [{"width": 0.4, "erases": False, "points": [[9.0, 7.0], [9.5, 7.0]]}]
+    assert lab.model._navigation.commands() == []
+    lab.do(type="costmap", values={"inflation_radius": 0.8}, footprint=corners, keepout=zones)
+    lab.do(type="goal", x=BEYOND[0], y=BEYOND[1], drives=True)
+    commands = lab.model._navigation.commands()
+    lab.do(type="costmap", value=False)
+    assert not lab.costmap["is_on"]
+    lab.model.resume({"navigation": commands})
+    lab.model.draw(TickResult())
+    assert (lab.costmap["values"]["inflation_radius"], lab.costmap["footprint"]) == (0.8, corners)
+    assert lab.costmap["keepout"] == zones
+    assert (lab.path["goal"], lab.path["drives"]) == ([BEYOND[0], BEYOND[1]], True)
+    with pytest.raises(ProtocolError, match="A story cannot hold the command 'drive'"):
+        lab.model.resume({"navigation": [{"type": "drive", "linear": 1, "angular": 0}]})

@@ -9,7 +9,9 @@ import pytest
 
 from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, cost_of_distance
+from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
+from server.library.given_map import GivenMap
 from server.sessions import SessionRegistry
 from server.sessions.models import log_navigation
 from server.sessions.models.lab_navigation_parameters import LabParameters
@@ -101,6 +103,27 @@ async def test_the_path_begins_at_the_robot_and_ends_at_the_goal(log: Log) -> No
     assert log.model.messages()[-2]["values"]["inflation_radius"] == 0.8
     assert log.do(type="costmap", value=False)["goal"] is None
     assert log.model._navigation.layers == ()
+
+
+async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log) -> None:
+    """Cell for cell; another map replaces it, and a map without zones has none."""
+    log.do(type="seek", index=150)
+    with pytest.raises(ConfigError, match="choose one in the group Localize"):
+        log.do(type="costmap", values=STATIC_ONLY | {"map": "given"})
+    rng = np.random.default_rng(3)
+    x, y = log.model.recording.robot_state().pose[:2]
+    for rows, keepout in ((40, True), (50, False)):
+        geometry = GridGeometry(0.1, rows, 60, (x - 3.0, y - 2.0, 0.0))
+        values = rng.choice(np.array([0, 100, -1], np.int8), geometry.shape)
+        zones = rng.choice(np.array([0, 50], np.int8), geometry.shape) if keepout else None
+        log.model.localization.show_map(GivenMap("given", geometry, values, (), zones))
+        log.do(type="costmap", values=STATIC_ONLY | {"map": "given", "inflation_layer": False})
+        costs = np.select([values == 100, values == 0], [254, 0], 255)
+        if zones is not None:
+            costs = np.where((zones > 0) & ((costs == 255) | (costs < 127)), 127, costs)
+        np.testing.assert_array_equal(log.costs, costs)
+    log.do(type="costmap", values={"map": "belief"})
+    assert log.costs.shape == log.model.grid.geometry.shape
 
 
 async def test_what_a_log_cannot_have_is_refused(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,9 @@ import { paintCells } from "../stage/paintCells";
 import { distances, FIELD_GEOMETRY, MIXTURE } from "./field";
 import { fieldDensity } from "./filter";
 
+/** Radius of a dot, CSS pixels, on a stage with so many pixels for a metre; smaller on a smaller one. */
 const DOT = 2.2;
+const LARGE = 50;
 
 interface CloudStyle {
   readonly weights: Float64Array;
@@ -15,7 +17,7 @@ interface CloudStyle {
   readonly random: number;
 }
 
-/** Poses as dots: those with more weight are larger, random ones have another colour and a line for their heading. */
+/** Poses as dots with their heading: those with more weight are larger, random ones are rings of another colour. */
 export function paintCloud(
   context: CanvasRenderingContext2D,
   at: Projection,
@@ -24,18 +26,22 @@ export function paintCloud(
 ): void {
   const most = weights.reduce((a, b) => Math.max(a, b), 0);
   const colours = { kept: tokenRgb("--beam"), random: tokenRgb("--hit") };
+  const size = Math.min(1, Math.max(0.55, at.metre / LARGE));
+  context.lineWidth = size;
   poses.forEach(([x, y, yaw], i) => {
     const share = most > 0 ? Math.sqrt((weights[i] ?? 0) / most) : 0;
-    const [r, g, b] = i >= poses.length - random ? colours.random : colours.kept;
+    const isRandom = i >= poses.length - random;
+    const [r, g, b] = isRandom ? colours.random : colours.kept;
     const [px, py] = [at.x(x), at.y(y)];
-    context.globalAlpha = 0.3 + 0.6 * share;
+    context.globalAlpha = isRandom ? 0.85 : 0.3 + 0.6 * share;
     context.fillStyle = context.strokeStyle = `rgb(${r} ${g} ${b})`;
     context.beginPath();
-    context.arc(px, py, DOT * (1 + 1.4 * share), 0, 2 * Math.PI);
-    context.fill();
+    context.arc(px, py, size * DOT * (1 + 1.4 * share), 0, 2 * Math.PI);
+    if (isRandom) context.stroke();
+    else context.fill();
     context.beginPath();
     context.moveTo(px, py);
-    context.lineTo(px + (5 + 6 * share) * Math.cos(yaw), py - (5 + 6 * share) * Math.sin(yaw));
+    context.lineTo(px + size * (5 + 6 * share) * Math.cos(yaw), py - size * (5 + 6 * share) * Math.sin(yaw));
     context.stroke();
   });
   context.globalAlpha = 1;

@@ -12,7 +12,8 @@ export type LaterId =
   | "inflation"
   | "path"
   | "lifetime"
-  | "stack";
+  | "stack"
+  | "octree";
 
 /** What a section of these has: the scene of the stage, and its figure or what stands beside its picture. */
 export interface Later {

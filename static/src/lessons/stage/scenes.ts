@@ -316,6 +316,7 @@ export const SCENES = {
   path: () => laterScene("path"),
   lifetime: () => laterScene("lifetime"),
   stack: () => laterScene("stack"),
+  octree: () => laterScene("octree"),
   terrain: () =>
     scene({
       scans: 77,

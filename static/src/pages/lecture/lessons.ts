@@ -3,7 +3,7 @@ export type Reserve = readonly [wide: number, full: number, middle: number, narr
 
 /**
  * The lessons in their order: the anchor of each on the page, its title, and the height of its figure. Sections on
- * 3D maps and terrain belong between `file` and `next`; they come with their rooms.
+ * terrain and on other 3D maps belong between `file` and `next`; they come with their rooms.
  */
 export const LESSONS = [
   { id: "landmarks", title: "Landmarks or a grid", reserve: [395, 328, 350, 574] },
@@ -32,16 +32,17 @@ export const LESSONS = [
   { id: "matching", title: "Matching two scans", reserve: [495, 543, 467, 907] },
   { id: "graph", title: "From matching to a graph", reserve: [745, 917, 816, 690] },
   { id: "file", title: "The file that Nav2 reads", reserve: [718, 673, 746, 1595] },
-  { id: "particles", title: "From a belief to particles", reserve: [500, 500, 500, 800] },
-  { id: "sensor-models", title: "Two sensor models", reserve: [700, 700, 700, 800] },
-  { id: "kidnapping", title: "The kidnapped robot", reserve: [400, 400, 400, 600] },
-  { id: "layers", title: "Layers of costs", reserve: [450, 450, 450, 600] },
-  { id: "inflation", title: "Inflation", reserve: [330, 330, 330, 400] },
-  { id: "path", title: "A path", reserve: [300, 300, 300, 400] },
-  { id: "lifetime", title: "What the moving table teaches", reserve: [200, 200, 200, 300] },
-  { id: "stack", title: "The whole stack", reserve: [400, 400, 400, 500] },
+  { id: "particles", title: "From a belief to particles", reserve: [505, 434, 505, 811] },
+  { id: "sensor-models", title: "Two sensor models", reserve: [714, 667, 714, 826] },
+  { id: "kidnapping", title: "The kidnapped robot", reserve: [448, 404, 404, 565] },
+  { id: "layers", title: "Layers of costs", reserve: [506, 479, 479, 534] },
+  { id: "inflation", title: "Inflation", reserve: [296, 296, 296, 296] },
+  { id: "path", title: "A path", reserve: [269, 197, 267, 337] },
+  { id: "lifetime", title: "What the moving table teaches", reserve: [150, 82, 126, 228] },
+  { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 534] },
+  { id: "octree", title: "Why a plane is not enough", reserve: [314, 314, 314, 455] },
   { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
-  { id: "next", title: "Other maps", reserve: [336, 292, 292, 493] },
+  { id: "next", title: "Other maps", reserve: [329, 217, 307, 486] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
 

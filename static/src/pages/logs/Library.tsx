@@ -52,8 +52,9 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
         </p>
         <p class="quiet">
           CARMEN, CMU, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. For a recording
-          in several files, drop its folder. In 3D: PCD, PLY, XYZ, VTK, LAS, LAZ, OctoMap (.graph, .bt, .ot), folders
-          and zips of depth images (7-Scenes, TUM). Your logs are visible in this browser only, unless you share a view.
+          in several files, drop its folder. A map’s yaml and image together are a map to edit. In 3D: PCD, PLY, XYZ,
+          VTK, LAS, LAZ, OctoMap (.graph, .bt, .ot), folders and zips of depth images (7-Scenes, TUM). Your logs are
+          visible in this browser only, unless you share a view.
         </p>
       </Dropzone>
       {uploads.value.map((one) => (

@@ -11,10 +11,12 @@ interface DetailsProps {
   readonly name: string;
   /** The titles of the groups. */
   readonly titles: Readonly<Record<string, string>>;
+  /** Figures of groups, above their rows. */
+  readonly figures?: Readonly<Record<string, ComponentChildren>>;
   readonly children?: ComponentChildren;
 }
 
-export function ParameterDetails({ parameters, name, titles, children }: DetailsProps) {
+export function ParameterDetails({ parameters, name, titles, figures = {}, children }: DetailsProps) {
   const table = parameters.table.value;
   const count = Object.keys(parameters.changed()).length;
   const groups = [...new Set(table.map((row) => row.group))];
@@ -29,6 +31,7 @@ export function ParameterDetails({ parameters, name, titles, children }: Details
       {groups.map((group) => (
         <section key={group} aria-label={titles[group] ?? group}>
           <h3>{titles[group] ?? group}</h3>
+          {figures[group]}
           <ParameterRows
             rows={table.filter((row) => row.group === group)}
             values={parameters.values}

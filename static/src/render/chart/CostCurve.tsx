@@ -50,7 +50,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
     return next !== null;
   };
   return (
-    <figure class="cost-curve" ref={box} aria-label="Cost over the distance from an obstacle">
+    <section class="cost-curve" ref={box} aria-label="Cost over the distance from an obstacle">
       <svg role="presentation" width={width} height={HEIGHT}>
         {COSTS.map((cost) => (
           <g key={cost} class="tick">
@@ -129,13 +129,13 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
           <rect class="handle-mark" x={x(radius) - 5} y={BOTTOM - 15} width={10} height={30} rx={5} />
         </Handle>
       </svg>
-      <figcaption>
+      <p>
         cost = 252 · e
         <sup>
           −{written(factor, 1)} (d − {written(inscribed, 2)})
         </sup>{" "}
         up to {written(radius, 2)} m
-      </figcaption>
-    </figure>
+      </p>
+    </section>
   );
 }

@@ -8,15 +8,16 @@ import { written } from "../../ui/numbers";
 import { useWidth } from "../../ui/useWidth";
 import { zoomOf } from "../../ui/zoom";
 import type { Values } from "../../wire/protocol";
+import "./localization.css";
 
 const HEIGHT = 220;
 const SAMPLES = 400;
 /** Metres that the figure shows in its height, and where the robot stands in its width. */
-const METRES = 2.4;
+const METRES = 1.2;
 const START = 0.16;
 const STEP = 0.05;
 const TURN = Math.PI / 36;
-const FIRST: Pose3 = [1.5, 0.35, 0.4];
+const FIRST: Pose3 = [0.6, 0.12, 0.3];
 const ARROW = 24;
 
 const KEYS: Readonly<Record<string, readonly [x: number, y: number]>> = {
@@ -52,7 +53,7 @@ export function MotionFan({ values }: { readonly values: Values }) {
   const place = ([px, py, a]: Pose3): void => {
     const inside = (v: number, low: number, high: number): number => Math.min(high, Math.max(low, v));
     const far = (0.96 - START) * width;
-    end.value = [inside(px, (-START * width + 8) / scale, far / scale), inside(py, -1.1, 1.1), a];
+    end.value = [inside(px, (-START * width + 8) / scale, far / scale), inside(py, -0.45 * METRES, 0.45 * METRES), a];
   };
   const grabbed = (turns: boolean) => ({
     onPointerDown: (event: PointerEvent & { currentTarget: SVGGElement }) => {

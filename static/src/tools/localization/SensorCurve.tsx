@@ -15,13 +15,14 @@ import { keyed, type Range, snap, written } from "../../ui/numbers";
 import { useWidth } from "../../ui/useWidth";
 import type { Parameter, Values } from "../../wire/protocol";
 import { distances, type LogScale, logScale } from "./sensorAxes";
+import "./localization.css";
 
 const HEIGHT = 230;
 const [LEFT, RIGHT, TOP, BOTTOM] = [46, 42, 14, HEIGHT - 36];
 const DECADES = [-4, -3, -2, -1, 0, 1];
 /** Of the longest range, where the map has something in the figure of the beam model. */
 const EXPECTED = 0.6;
-const FLOOR_AT = 0.86;
+const FLOOR_AT = 0.84;
 
 export interface CurveProps {
   readonly values: Values;
@@ -228,7 +229,7 @@ function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale
       tone: "tone-miss",
       unit: "",
       of: (pixel) => ys.of(pixel) * longest,
-      text: [0, -13, "middle"],
+      text: [0, 22, "middle"],
     },
     {
       name: "z_max",
@@ -239,7 +240,7 @@ function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale
       tone: "tone-range",
       unit: "",
       of: (pixel) => ys.of(pixel),
-      text: [26, -13, "end"],
+      text: [20, -13, "end"],
     },
   ];
 }

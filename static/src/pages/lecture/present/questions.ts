@@ -274,6 +274,14 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes:
       "Play it once from the start. Then stop in the last part and drag the goal. Point at the crate: it is in the costmap, and not in the map.",
   },
+  octree: {
+    question: "A building in cells of 5 cm instead of 10 cm, in 3D: how much more memory?",
+    options: ["2 times as much", "4 times as much", "8 times, or 4 with an octree"],
+    right: 2,
+    answer: "A dense grid grows with the volume, an octree with the surfaces: large empty regions are one node.",
+    notes:
+      "Move the cut from the floor to the ceiling: low table, open doors, lintels. Then the cells from 40 cm to 5 cm: watch the two bars change places.",
+  },
   next: {
     question: "Which other maps are there, and what do they give up?",
     answer: "Octrees keep free space in 3D; distance fields keep surfaces; clouds and splats do not know free space.",

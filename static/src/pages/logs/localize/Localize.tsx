@@ -4,11 +4,14 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { AmclYaml } from "../../../tools/localization/AmclYaml";
+import { MotionFan } from "../../../tools/localization/MotionFan";
 import { GIVEN_MAP } from "../../../tools/localization/model";
+import { SensorCurve } from "../../../tools/localization/SensorCurve";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { Toggle } from "../../../ui/Toggle";
+import type { Values } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { ParameterDetails } from "../ParameterDetails";
@@ -113,7 +116,12 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
                 }}
               />
             )}
-            <ParameterDetails parameters={localizing.parameters} name="the filter" titles={TITLES}>
+            <ParameterDetails
+              parameters={localizing.parameters}
+              name="the filter"
+              titles={TITLES}
+              figures={figuresOf(store, localizing)}
+            >
               <AmclYaml
                 values={() => localizing.parameters.changed()}
                 onOpen={(values) => {
@@ -144,6 +152,31 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
       </div>
     </Panel>
   );
+}
+
+/** The longest range in the figure of the sensor model where the log does not say it, m. */
+const LONGEST = 12;
+
+/** The sensor model and the motion model, to grab. */
+function figuresOf(store: Store, { parameters }: Localizing) {
+  const rows = parameters.table.value;
+  if (rows.length === 0) return {};
+  const values = { ...Object.fromEntries(rows.map((row) => [row.name, row.initial])), ...parameters.values.value };
+  const said = store.frame.value?.range_max ?? LONGEST;
+  const set = (changed: Values): void => {
+    for (const [name, value] of Object.entries(changed)) parameters.set(name, value);
+  };
+  return {
+    sensor: (
+      <SensorCurve
+        values={values}
+        rows={rows}
+        range_max={Number.isFinite(said) && said > 0 ? said : LONGEST}
+        set={set}
+      />
+    ),
+    motion: <MotionFan values={values} />,
+  };
 }
 
 const TITLES: Readonly<Record<string, string>> = {

@@ -1,6 +1,6 @@
 /** Requests about the localization of a log in a map. Each rejects with the server's sentence. */
 
-import type { Parameter, Pose, Values } from "../../../wire/protocol";
+import type { Pose, Values } from "../../../wire/protocol";
 import { AWAY, sentence } from "../library";
 import { request } from "../request";
 import { tarred } from "../tar";
@@ -83,9 +83,6 @@ export async function chooseFiles(session: string, files: readonly File[]): Prom
   const body = files.length === 1 && !/\.ya?ml$/i.test(title) ? files[0] : tarred(files, title);
   return (await sent<{ map: GivenMap }>(`${of(session)}/map-files?name=${encodeURIComponent(title)}`, body)).map;
 }
-
-export const parameterTable = async (): Promise<readonly Parameter[]> =>
-  (await request<{ table: readonly Parameter[] }>("/api/localization/parameters")).table;
 
 async function sent<T>(address: string, body: BodyInit | undefined): Promise<T> {
   let answer: Response;

@@ -4,6 +4,7 @@ import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { GIVEN_MAP, PARTICLES } from "../../../tools/localization/model";
+import { filterTable } from "../../../tools/localization/table";
 import type { Point, Pose } from "../../../wire/protocol";
 import { JobParameters } from "../jobParameters";
 import * as api from "./api";
@@ -32,7 +33,7 @@ export class Localizing {
   readonly badge: ReadonlySignal<string | null> = computed(() =>
     this.isUnderWay.value ? `${Math.floor(100 * (this.job.value?.fraction ?? 0))} %` : null,
   );
-  readonly parameters = new JobParameters(api.parameterTable);
+  readonly parameters = new JobParameters(filterTable);
   #timer = 0;
 
   constructor(

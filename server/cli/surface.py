@@ -1,0 +1,140 @@
+"""``map3d --tsdf``: a surface of truncated signed distances as a mesh; and what a mesh's file holds."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from mapper.core.errors import MapperError, ReadError
+from mapper.volume.tsdf_parameters import TSDF_PARAMETERS, TsdfConfig
+from server.cli.common import fail, print_json, progress_bar, refusing, value_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from mapper.volume import Mesh
+
+ROWS = {row.name: row for row in TSDF_PARAMETERS}
+MESHES = (".ply", ".glb")  #: endings of the files
+
+
+def map_surface(
+    inputs: list[Path],
+    out: list[Path],
+    values: dict[str, Any],
+    *,
+    topic: str | None,
+    sensor: NDArray[Any] | None,
+    as_json: bool,
+) -> None:
+    """Fuse what the inputs hold, write the surface and print what was done."""
+    from mapper.volume import TsdfVolume, surface_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume.surface_sources import Fusions, fuse_all  # noqa: PLC0415 - start-up
+
+    others = sorted(values.keys() - ROWS.keys())
+    if others:
+        fail(f"--{others[0].replace('_', '-')} is of occupied voxels and has no meaning with --tsdf.")
+    for path in out:
+        if path.suffix not in MESHES:
+            fail(f"--out must end in {' or '.join(MESHES)} with --tsdf, not {path.name!r:.80}.")
+    began = time.process_time()
+    given: dict[str, Any] = {
+        name: value_of(ROWS[name], value) if isinstance(value, str) else value for name, value in values.items()
+    }
+    try:
+        config = TsdfConfig(**given)
+    except MapperError as error:
+        fail(error.message)
+    volume, did, notes = TsdfVolume(config), Fusions(), []
+    for path in inputs:
+        with refusing(path), progress_bar(f"Fusing {path.name}") as bar:
+            fuse_all(volume, path, did, topic=topic, sensor=sensor, progress=bar)
+        notes += [f"{path.name}: {note}" for note in did.notes]
+        did.notes.clear()
+    mesh = surface_mesh(volume)
+    facts: dict[str, Any] = {
+        "inputs": [str(path) for path in inputs],
+        "scans": did.scans,
+        "used": did.used,
+        "resolution": config.resolution,
+        "truncation": round(float(config.band), 6),
+        "blocks": volume.blocks.count,
+        **mesh_facts(mesh),
+        "files": [str(write_mesh_file(mesh, path)) for path in out],
+        "cpu_seconds": round(time.process_time() - began, 3),
+        "notes": notes,
+    }
+    if as_json:
+        print_json(facts)
+        return
+    typer.echo(f"{did.scans} scans, {did.used} depths used")
+    typer.echo(f"  {facts['blocks']} blocks of voxels of {config.resolution:g} m, truncation {facts['truncation']:g} m")
+    print_mesh(facts)
+    typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")
+    for name in facts["files"]:
+        typer.echo(f"  wrote {name}")
+    for note in notes:
+        typer.echo(f"  note: {note}")
+
+
+def write_mesh_file(mesh: Mesh, path: Path) -> Path:
+    """Write a mesh, or end the command with an error."""
+    from mapper.volume.mesh_files import write_mesh  # noqa: PLC0415 - start-up
+
+    with refusing(path):
+        write_mesh(mesh, path)
+    return path
+
+
+def mesh_facts(mesh: Mesh) -> dict[str, Any]:
+    """Return the numbers of a mesh: vertices, triangles, their area in m², and the box around them in metres."""
+    some = len(mesh.vertices) > 0
+    return {
+        "vertices": len(mesh.vertices),
+        "triangles": len(mesh.triangles),
+        "area_m2": round(mesh.area, 4),
+        "low": [round(float(v), 6) for v in mesh.vertices.min(axis=0)] if some else None,
+        "high": [round(float(v), 6) for v in mesh.vertices.max(axis=0)] if some else None,
+    }
+
+
+def print_mesh(facts: dict[str, Any]) -> None:
+    """Print the numbers of a mesh in words."""
+    typer.echo(f"  {facts['triangles']} triangles of {facts['vertices']} vertices, {facts['area_m2']:.2f} m²")
+    if facts["low"] is not None:
+        corners = [", ".join(f"{value:.2f}" for value in facts[end]) for end in ("low", "high")]
+        typer.echo(f"  from {corners[0]} m to {corners[1]} m")
+
+
+def describe_mesh(path: Path, *, as_json: bool) -> bool:
+    """Print what a PLY file with faces holds; return whether the file is one."""
+    from mapper.io.clouds.ply_faces import NOT_TRIANGLES, has_faces, read_ply_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume import Mesh  # noqa: PLC0415 - start-up
+
+    if not path.is_file():
+        return False
+    with refusing(path):
+        if not has_faces(path):
+            return False
+    with refusing(path):
+        try:
+            vertices, normals, triangles = read_ply_mesh(path)
+        except ReadError as error:
+            if error.code == NOT_TRIANGLES:  # its vertices are described as a cloud
+                return False
+            raise
+    facts = {
+        "name": path.name,
+        "format": "PLY mesh",
+        "normals": normals is not None,
+        **mesh_facts(Mesh(vertices, vertices if normals is None else normals, triangles)),
+    }
+    if as_json:
+        print_json(facts)
+        return True
+    typer.echo(f"{path.name}: PLY mesh" + (" with normals" if facts["normals"] else ""))
+    print_mesh(facts)
+    return True

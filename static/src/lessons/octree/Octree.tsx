@@ -1,0 +1,82 @@
+import { Choice } from "../../ui/Choice";
+import { bytes, written } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
+import { BYTES, CEILING, denseCells, POINTS, treeBytes } from "./model";
+import { height, resolution, tree } from "./state";
+import "./octree.css";
+
+const RESOLUTIONS = [0.4, 0.2, 0.1, 0.05].map((metres) => ({
+  value: String(metres),
+  label: `${written(100 * metres, 0)} cm`,
+}));
+const LASER = 0.45;
+
+/** The memory of a dense grid, of an octree and of the points, at the chosen resolution. */
+export function Octree() {
+  const now = tree.value;
+  const cells = denseCells(resolution.value);
+  const dense = cells * BYTES.cell;
+  const rows = [
+    { name: "dense grid", count: `${cells.toLocaleString("en")} cells`, size: dense },
+    {
+      name: "octree",
+      count: `${now.leaves.toLocaleString("en")} leaves, ${now.inner.toLocaleString("en")} inner nodes`,
+      size: treeBytes(now),
+    },
+    { name: "points, kept raw", count: `${POINTS.toLocaleString("en")} points`, size: POINTS * BYTES.point },
+  ];
+  const most = Math.max(...rows.map(({ size }) => size));
+  return (
+    <div class="octree-controls">
+      <div class="figure-controls no-print">
+        <Choice
+          label="Finest cells"
+          options={RESOLUTIONS}
+          value={String(resolution.value)}
+          sentence="Side of the finest cells of the octree, and of all cells of the dense grid."
+          onChange={(value) => {
+            resolution.value = Number(value);
+          }}
+        />
+        <Slider
+          label="Height of the cut"
+          sentence="Height above the floor at which the stage shows the leaves."
+          value={height.value}
+          initial={LASER}
+          low={0.05}
+          high={CEILING - 0.1}
+          step={0.05}
+          unit="m"
+          onInput={(value) => {
+            height.value = value;
+          }}
+        />
+      </div>
+      <table class="plain-table">
+        <thead>
+          <tr>
+            <th scope="col">map</th>
+            <th scope="col">holds</th>
+            <th scope="col">memory</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(({ name, count, size }) => (
+            <tr key={name}>
+              <th scope="row">{name}</th>
+              <td>{count}</td>
+              <td class="octree-size">
+                {bytes(size)}
+                <span class="octree-bar" style={{ width: `${(100 * size) / most}%` }} />
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <p class="quiet">
+        Counted for this floor with {BYTES.cell} bytes for a cell, {BYTES.leaf} for a leaf, {BYTES.inner} for an inner
+        node with eight pointers, {BYTES.point} for a point of a drive with 16 rings.
+      </p>
+    </div>
+  );
+}

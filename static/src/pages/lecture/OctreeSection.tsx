@@ -1,0 +1,41 @@
+import { LaterFigure } from "./LaterFigure";
+import { OnStage } from "./OnStage";
+import { Section, type SectionHead } from "./Section";
+import { SectionLink } from "./SectionLink";
+
+export function OctreeSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="octree" label="The floor as an octree, cut at a height">
+          <LaterFigure id="octree" />
+        </OnStage>
+      }
+      sources={[["octomap", ""]]}
+      after={
+        <>
+          <p>
+            In a dense grid half the side makes <b>eight</b> times as many cells, most of them in empty rooms. An{" "}
+            <b>octree</b> stores eight cells of one state as a single node, and where nobody has looked it has no nodes:
+            it grows with the surfaces, about <b>four</b> times. The price is a descent from the root for each cell that
+            is read or changed, and nodes that are larger than cells: in a building as small and flat as this one the
+            tree pays only for fine cells.
+          </p>
+          <p>
+            A <b>point cloud</b> keeps each reading and does not depend on the side of a cell; it grows with each scan,
+            however often the robot has been there, and it does not say what is free.
+          </p>
+        </>
+      }
+    >
+      <p>
+        The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a
+        lintel looks open to a robot that is too tall. A map of <b>cells in three dimensions</b> has both. Move the cut
+        through the building, then make the cells finer and compare what each map costs.
+      </p>
+    </Section>
+  );
+}

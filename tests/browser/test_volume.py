@@ -1,0 +1,162 @@
+"""Maps in 3D on the logs page: a cloud, a zip of depth images and a recording, uploaded, drawn, asked and compared."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, WebSocket, expect
+
+from mapper.io.clouds import read_cloud
+from mapper.volume import OccupancyVolume, VolumeConfig
+from tests.browser.looking import until
+from tests.mapper.io.logs.recorded import SECOND, cloud, transform, written
+
+T0 = 1000 * SECOND
+DONE = """() => {
+  const { volume, frame } = window.gridbloom?.connection.store ?? {};
+  const [now, at] = [volume?.peek(), frame?.peek()];
+  return Boolean(now && at && at.index === at.count && now.pending === 0 && now.nodes !== null && now.chunks > 0);
+}"""
+VOLUME = "() => gridbloom.connection.store.volume.peek()"
+
+
+def opened(page: Page, server: str, *paths: Path) -> dict[str, Any]:
+    """Upload files as one, open it in 3D, and wait until all of its scans are drawn."""
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", [str(path) for path in paths])
+    page.wait_for_function("() => window.gridbloom?.connection.store.volume.peek()")
+    page.evaluate(
+        "() => { const { store } = gridbloom.connection;"
+        " store.send({ type: 'seek', index: store.frame.peek()?.count ?? 1 }); }"
+    )
+    page.wait_for_function(DONE)
+    return dict(page.evaluate(VOLUME))
+
+
+def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
+    page: Page, server: str, data_file: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder = data_file("depth/camera-intrinsics.txt").parent
+    path = tmp_path / "room.zip"
+    frames = sorted(folder.glob("*.depth.png"))[:2]
+    with zipfile.ZipFile(path, "w") as archive:
+        for file in [folder / "camera-intrinsics.txt", *frames]:
+            archive.write(file, file.name)
+        for file in frames:
+            pose = file.name.replace(".depth.png", ".pose.txt")
+            archive.write(folder / pose, pose)
+    received = 0
+
+    def count(socket: WebSocket) -> None:
+        def add(data: str | bytes) -> None:
+            nonlocal received
+            received += len(data)
+
+        if "/scenes/" in socket.url:
+            socket.on("framereceived", add)
+
+    page.on("websocket", count)
+    volume = opened(page, server, path)
+    assert volume["has_free"]
+    assert volume["free"] > 5 * volume["occupied"] > 0
+    until("the chunks are in the browser", lambda: received > volume["occupied"])
+    expect(page.locator(".volume-facts")).to_have_attribute("data-chunks", str(volume["chunks"]))
+    assert volume["quads"] < volume["occupied"]
+    # Each chunk is sent once, with what viser says of it, and old ones are not sent to who connects later.
+    assert received < 8 * volume["occupied"] + 2000 * volume["chunks"] + 100_000
+
+    box = page.locator("iframe.volume-scene").bounding_box()
+    assert box is not None
+    page.get_by_role("tab", name="Why").click()
+    clicks = iter([(0.5, 0.5), (0.4, 0.5), (0.6, 0.45), (0.5, 0.4), (0.35, 0.45), (0.65, 0.5), (0.5, 0.6)] * 20)
+
+    def asked() -> bool:
+        right, down = next(clicks)
+        page.mouse.click(box["x"] + right * box["width"], box["y"] + down * box["height"])
+        page.wait_for_timeout(200)
+        return bool(page.evaluate("() => gridbloom.connection.store.voxel.peek()?.centre"))
+
+    until("a voxel is asked about", asked)
+    answer = page.locator("[data-voxel]")
+    expect(answer).to_have_attribute("data-voxel", "occupied")
+    assert int(answer.get_attribute("data-hits") or 0) >= 1
+    expect(answer.get_by_text("ended in it").first).to_be_visible()
+
+
+def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
+    page: Page, server: str, tmp_path: Path
+) -> None:
+    """Two recordings of one room: in the second the box is gone. A slice, a cut, and what vanished."""
+    rng = np.random.default_rng(0)
+    away = rng.normal(size=(3000, 3))
+    away /= np.linalg.norm(away, axis=1)[:, None]
+    walls = np.min(np.array([3.0, 2.5, 1.5]) / np.abs(away), axis=1)
+    ahead = (away[:, 0] > 0) & (np.abs(away[:, 1:]) < 0.3 * away[:, :1]).all(axis=1)
+    paths = []
+    for name, ranges in (("box", np.where(ahead, 1.5, walls)), ("empty", walls)):
+        said = [transform(T0, "base_link", "velodyne", 0.0, 0.0, z=0.0, topic="/tf_static")]
+        for k in range(3):
+            stamp = T0 + k * SECOND
+            said += [transform(stamp, "odom", "base_link", 0.0, 0.0), cloud(stamp, away * ranges[:, None])]
+        (tmp_path / name).mkdir()
+        paths.append(written(tmp_path / name, said, "mcap"))
+    page.emulate_media(reduced_motion="reduce")
+    ids = []
+    for path in paths:
+        answer = page.request.put(f"{server}/api/logs?name={path.parent.name}.mcap", data=path.read_bytes())
+        ids.append(answer.json()["id"])
+    page.goto(f"{server}/logs.html")
+    card = page.locator(".log-card", has_text="box.mcap")
+    card.get_by_role("button", name="Open in 3D").click()
+    page.wait_for_function("() => window.gridbloom?.connection.store.volume.peek()")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
+    page.wait_for_function(DONE)
+    whole = page.evaluate(VOLUME)
+
+    page.get_by_label("Cut above, as a number").fill("0")
+    page.get_by_label("Cut above, as a number").press("Enter")
+    page.wait_for_function(
+        f"() => {{ const now = ({VOLUME})(); return now.pending === 0 && now.quads < {whole['quads']}; }}"
+    )
+    page.get_by_role("tab", name="From above").click()
+    page.get_by_role("button", name="Slice in the middle").click()
+    until("the slice is shown", lambda: page.evaluate("() => gridbloom.cells().occupied") > 0)
+    with page.expect_download() as download:
+        page.locator(".volume-above").get_by_role("link", name="pgm").click()
+    assert Path(download.value.path()).read_bytes().startswith(b"P5")
+    page.get_by_role("tab", name="Download").click()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="bt", exact=True).click()
+    assert Path(download.value.path()).read_bytes().startswith(b"# Octomap OcTree binary file")
+
+    page.goto(f"{server}/logs.html?log={ids[1]}&volume={ids[0]}")
+    page.wait_for_function("() => window.gridbloom?.connection.store.volume.peek()")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
+    page.wait_for_function(f"() => ({VOLUME})()?.compared && ({DONE})()")
+    page.get_by_role("tab", name="Compare").click()
+    changes = page.locator(".volume-changes")
+    assert int(changes.get_attribute("data-vanished") or 0) > 20
+    assert int(changes.get_attribute("data-appeared") or 0) == 0
+
+
+@pytest.mark.parametrize("name", ["pointclouds/room_scan1.pcd"])
+def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
+    name: str, page: Page, server: str, data_file: Callable[[str], Path]
+) -> None:
+    path = data_file(name)
+    volume = opened(page, server, path)
+    cloud = read_cloud(path)
+    assert (volume["points"], volume["free"]) == (int(cloud.finite.sum()), 0)
+    resolution = page.evaluate("() => gridbloom.connection.store.hello.peek().parameters.values.resolution")
+    expected = OccupancyVolume(VolumeConfig(resolution=resolution))
+    expected.insert_scan(cloud.points[cloud.finite], None)
+    assert volume["occupied"] == expected.n_known
+    page.get_by_role("radio", name="points", exact=True).check(force=True)
+    page.wait_for_function(f"() => ({VOLUME})().chunks === 0")
+    expect(page.locator(".volume-facts")).to_contain_text("112,586 points")
