@@ -155,16 +155,19 @@ class Terrain:
         return layer
 
 
-def assess(patches: Patches, config: PatchConfig | None = None, *, occupied: Patches | None = None) -> Terrain:
+def assess(
+    patches: Patches, config: PatchConfig | None = None, *, occupied: Patches | None = None, reach: int = 0
+) -> Terrain:
     """Return the classes of ``patches``, made of ground points, by the weighted sum of slope, roughness and step.
 
-    ``occupied`` are the same patches with all points: one that has points but no ground is unsafe. Raises
-    :class:`ConfigError` for patches of another grid.
+    ``occupied`` are the same patches with all points: one that has points but no ground is unsafe. The plane
+    of a patch is that of the window that reaches ``reach`` patches around it, as :meth:`Patches.planes` has it. Raises
+    :class:`ConfigError` for patches of another grid and for a negative reach.
     """
     config = config or PatchConfig()
     if occupied is not None and occupied.moments.shape != patches.moments.shape:
         raise ConfigError("terrain.shape", "The patches with all points must be those of the ground's grid.")
-    planes = patches.planes(min_points=round(config.min_points))
+    planes = patches.planes(reach, round(config.min_points))
     steps = patches.steps(planes)
     score = (
         config.slope_weight * (planes[..., 5] / np.radians(config.max_slope))

@@ -124,6 +124,15 @@ class Map3dCommand(Struct, tag_field="type", tag="map3d"):
     values: Annotated[Values, Meta(description="parameters of the sensor and the map to change; the others stay")] = {}
 
 
+class TerrainCommand(Struct, tag_field="type", tag="terrain"):
+    """Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end."""
+
+    value: Annotated[bool, Meta(description="whether it is assessed")] = True
+    values: Annotated[Values, Meta(description="parameters to change; the others stay")] = {}
+    x: Annotated[Number | None, Meta(description="x of a place in the patch that is asked about, m; null: none")] = None
+    y: Annotated[Number | None, Meta(description="y of that place, m")] = None
+
+
 class CostmapCommand(Struct, tag_field="type", tag="costmap"):
     """Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays."""
 
@@ -279,6 +288,7 @@ Command = (
     | TeleportCommand
     | LocalizeCommand
     | Map3dCommand
+    | TerrainCommand
     | CostmapCommand
     | GoalCommand
     | CostCommand

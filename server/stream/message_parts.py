@@ -112,6 +112,18 @@ class Block(Part):
     high: Annotated[float, Meta(description="height of the highest point of its top, m")]
 
 
+class TerrainPatch(Part):
+    """A patch of terrain that was asked about."""
+
+    x: Annotated[float, Meta(description="the place that was asked about, m")]
+    y: Annotated[float, Meta(description="the place that was asked about, m")]
+    moments: Annotated[
+        list[float], Meta(description="P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre")
+    ]
+    why: Annotated[str, Meta(description="why it has its class, one sentence")]
+    state: Annotated[str, Meta(description="safe, unsafe or unknown")]
+
+
 class Compared(Part):
     """The parameters of the second map of a session that differ from those of the first."""
 

@@ -28,6 +28,7 @@ from server.stream.message_parts import (
     Pose,
     Segment,
     Table,
+    TerrainPatch,
     TrajectoryInfo,
     Values,
     VolumeChanges,
@@ -64,7 +65,7 @@ class Hello(Struct, tag_field="type", tag="hello"):
         UNSET
     )
     map3d: Annotated[
-        list[Parameter] | UnsetType, Meta(description="simulations: parameters of the 3D sensor and its map")
+        list[Parameter] | UnsetType, Meta(description="parameters of the 3D sensor, its map and the terrain")
     ] = UNSET
 
 
@@ -244,6 +245,25 @@ class Map3dMessage(Struct, tag_field="type", tag="map3d"):
     dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
 
 
+class TerrainMessage(Struct, tag_field="type", tag="terrain"):
+    """The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`."""
+
+    is_on: Annotated[bool, Meta(description="whether it is assessed")]
+    values: Annotated[Values, Meta(description="its parameters")]
+    points: Annotated[int, Meta(description="points that it is made of")]
+    ground: Annotated[int, Meta(description="those that the filter takes for ground")]
+    kappa: Annotated[
+        float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
+    ]
+    total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
+    safe: Annotated[int, Meta(description="patches that are safe")]
+    unsafe: Annotated[int, Meta(description="patches that are unsafe")]
+    unknown: Annotated[int, Meta(description="patches with too few points")]
+    size: Annotated[float, Meta(description="side of a patch, m")]
+    patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
+    problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
+
+
 class CostmapMessage(Struct, tag_field="type", tag="costmap"):
     """The costmap over the map of a simulation or a log."""
 
@@ -408,6 +428,7 @@ ServerMessage = (
     | Forgetting
     | LocalizationMessage
     | Map3dMessage
+    | TerrainMessage
     | CostmapMessage
     | PathMessage
     | CostMessage

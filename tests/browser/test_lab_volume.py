@@ -35,6 +35,16 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable
     # The 3D view shows it: its layers are those of the scene, and there is a canvas.
     expect(panel.get_by_role("button", name="3D map", exact=True)).to_be_visible()
     expect(panel.frame_locator("iframe").locator("canvas").first).to_be_visible()
+    # Its points make a terrain: patches are classified, and a click on the map asks about one.
+    terrain = open_group(page, "Terrain")
+    page.wait_for_function(f"() => {_STORE}.terrain.message.peek()?.safe > 100")
+    page.wait_for_function(f"() => {_STORE}.layers.grid('terrain_costs').map.peek() !== null")
+    page.evaluate(f"() => {{ {_STORE}.pinned.value = [3.0, 4.4]; }}")
+    asked = terrain.get_by_label("The patch that was clicked")
+    expect(asked).to_contain_text("Patch of 0.25 m at (3.0, 4.4)")
+    n = page.evaluate(f"() => {_STORE}.terrain.message.peek().patch.moments[0]")
+    expect(asked.get_by_role("cell").first).to_have_text(f"{n:.0f}")
+    panel = open_group(page, "3D map")
     # Coarser voxels need less memory, live.
     page.evaluate(f"() => {_STORE}.send({{ type: 'pause' }})")
     fine = page.evaluate(_MESSAGE)

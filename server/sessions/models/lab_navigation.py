@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -34,8 +34,8 @@ from server.stream.protocol import ProtocolError, number, text, values
 
 ROWS = rows_with(
     "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
-    "3D map from above, in its band of heights, as long as there is one.",
-    ("belief", "plan", "map_3d"),
+    "3D map from above or the classes of its terrain, as long as there are such.",
+    ("belief", "plan", "map_3d", "terrain"),
 )
 CONTROL_S = 0.2  #: simulated time between two decisions of the follower of a path
 
@@ -52,11 +52,14 @@ def believed_now(mapper: LiveMap) -> PoseTuple:
 class LabNavigation:
     """The costmap and the path of a simulation, from its command ``costmap`` on until the same command ends them."""
 
-    def __init__(self, mapper: LiveMap, projection: Callable[[], OccupancyGrid | None] = lambda: None) -> None:
-        """``projection`` returns the 3D map from above, another object when it has changed; None for no 3D map."""
+    def __init__(self, mapper: LiveMap, others: Mapping[str, Callable[[], OccupancyGrid | None]] | None = None) -> None:
+        """``others`` return maps that the static layer may have by name, another object when one has changed.
+
+        None is returned where there is no such map.
+        """
         self._mapper = mapper
-        self._projection = projection
-        self._followed: OccupancyGrid | None = None  #: the projection that the static layer has
+        self._others = others or {}
+        self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
         self._costmap: LabCostmap | None = None
         self._path = LabPath()
         self._seen: RangeScan | None = None
@@ -193,9 +196,9 @@ class LabNavigation:
         result.answer({"type": "nav2", "text": None})
 
     def _map(self, parameters: LabParameters) -> OccupancyGrid:
-        """Return the map of the static layer: the belief, or the 3D map from above where that is chosen and there."""
-        projection = self._projection() if parameters.values["map"] == "map_3d" else None
-        return self._mapper.grid if projection is None else projection
+        """Return the map of the static layer: the belief, or another one where that is chosen and there."""
+        other = self._others.get(parameters.values["map"], lambda: None)()
+        return self._mapper.grid if other is None else other
 
     # -- what is shown --------------------------------------------------------------------------------------------
 

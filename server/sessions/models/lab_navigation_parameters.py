@@ -32,7 +32,7 @@ def _layer(name: str, label: str, sentence: str) -> Parameter:
 
 
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
-MAPS = ("belief", "plan", "map_3d", "given")
+MAPS = ("belief", "plan", "map_3d", "terrain", "given")
 PLANNED = ("plan", "given")  #: maps that do not change by themselves
 
 TABLE: tuple[Parameter, ...] = (
@@ -43,7 +43,8 @@ TABLE: tuple[Parameter, ...] = (
     _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),
     Parameter(
         "map", "Static map", "static", "choice", "belief",
-        "Which map the static layer has: the belief as it changes, the plan of the world, the 3D map, or a given map.",
+        "Which map the static layer has: the belief as it changes, the plan of the world, the 3D map, the terrain or a "
+        "given map.",
         choices=MAPS,
     ),
     _row(COSTMAP_PARAMETERS, "track_unknown_space", initial=True, group="static"),

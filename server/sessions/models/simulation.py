@@ -33,6 +33,7 @@ from server.sessions.models.navigation_messages import COMMANDS, checked_command
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
+from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_view import VolumeView
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
@@ -62,7 +63,10 @@ class SimulationModel(SessionModel):
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
         self._volume = VolumeView(host, mapper, self.playback)
-        self._navigation = self.costed = LabNavigation(mapper, lambda: self._volume.projection)
+        self._terrain = TerrainView(self._volume)
+        self._navigation = self.costed = LabNavigation(
+            mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
+        )
         self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.commands)
         self._questions = CellQuestions(self._explained)
         self._report = RobotReport()
@@ -79,7 +83,7 @@ class SimulationModel(SessionModel):
     def layers(self) -> Sequence[Layer]:
         """The map, the second map if there is one, and those of what else is on."""
         second = () if self._second is None else (self._second,)
-        more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers)
+        more = (*self._navigation.layers, *self._slam.layers, *self._volume.layers, *self._terrain.layers)
         return (self._map, *second, *self._localization.layers, *more)
 
     @property
@@ -105,7 +109,7 @@ class SimulationModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of the map, of what the robot is localized in, of its costmap, and of its 3D map."""
-        parts = (self._navigation, self._volume, self._localization)
+        parts = (self._navigation, self._volume, self._terrain, self._localization)
         return Footprint(cells=int(self.grid.log_odds.size) + sum(part.cells for part in parts))
 
     @property
@@ -200,7 +204,7 @@ class SimulationModel(SessionModel):
             "world": self.world.name,
             "seed": self._mapper.seed,
             "navigation": ROWS,
-            "map3d": [asdict(row) for row in MAP_3D],
+            "map3d": [*(asdict(row) for row in MAP_3D), *self._terrain.table],
         }
 
     def messages(self) -> list[dict[str, Any]]:
@@ -210,6 +214,7 @@ class SimulationModel(SessionModel):
             self._world_message(),
             *self._navigation.messages(),
             self._volume.message(),
+            self._terrain.message(),
             self._localization.message(),
         ]
 
@@ -281,6 +286,7 @@ class SimulationModel(SessionModel):
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self._localization.look(self._mapper, result)
         self._volume.draw(result)
+        self._terrain.draw(result)
         self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
@@ -308,6 +314,8 @@ class SimulationModel(SessionModel):
                 self._navigation.obey(command, result)
             case "map3d":
                 self._volume.obey(command, result)
+            case "terrain":
+                self._terrain.obey(command, result)
             case "step":
                 self._step(command, result)
             case "faults":

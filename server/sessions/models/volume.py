@@ -24,6 +24,8 @@ from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.drawings import Drawing, Point
 from server.sessions.model import Footprint, SessionModel
+from server.sessions.models.cloud_terrain import CloudPoints
+from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_look import LOOK_PARAMETERS
@@ -75,6 +77,8 @@ class VolumeModel(SessionModel):
         self._stale_grid = True
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
+        points = CloudPoints(source if isinstance(source, ScanSequence) else None, self._low, self._high)
+        self._terrain = TerrainView(points, points.first)
         duration = float(self._times[-1])
         speeds = (0.1, max(100.0, duration / 5.0))
         super().__init__(
@@ -91,8 +95,8 @@ class VolumeModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map from above."""
-        return (self._layer,)
+        """The map from above, and the terrain while it is on."""
+        return (self._layer, *self._terrain.layers)
 
     @property
     def title(self) -> str:
@@ -117,7 +121,7 @@ class VolumeModel(SessionModel):
     def footprint(self) -> Footprint:
         """The voxels of the map, of the one that it is compared with, and the points."""
         points = 3 * len(self._source.points) if isinstance(self._source, ScanSequence) else self._source.tree.n_nodes
-        return Footprint(self._map.n_cells + self._comparison.n_cells + points)
+        return Footprint(self._map.n_cells + self._comparison.n_cells + points + self._terrain.cells)
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -129,6 +133,7 @@ class VolumeModel(SessionModel):
         scans = self._source if isinstance(self._source, ScanSequence) else None
         rows = [] if scans is None else [asdict(row) for row in VOLUME_PARAMETERS]
         return {
+            "map3d": self._terrain.table if rows else [],
             "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
             "log": {
                 "id": self._log_id,
@@ -146,7 +151,12 @@ class VolumeModel(SessionModel):
 
     def messages(self) -> list[dict[str, Any]]:
         """Return what the map has, its parameters, and that no voxel is chosen."""
-        return [self._message(), self._parameters(), voxel_message(None, self._config.resolution)]
+        return [
+            self._message(),
+            self._parameters(),
+            self._terrain.message(),
+            voxel_message(None, self._config.resolution),
+        ]
 
     def _parameters(self) -> dict[str, Any]:
         return {"type": "parameters", "values": asdict(self._config), "sensor": None}
@@ -191,6 +201,8 @@ class VolumeModel(SessionModel):
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         match command["type"]:
+            case "terrain":
+                self._terrain.obey(command, result)
             case "seek":
                 index = integer(command, "index")
                 if not 0 <= index <= self._map.count:
@@ -276,6 +288,10 @@ class VolumeModel(SessionModel):
     def fraction(self) -> float | None:
         """The share of the wanted scans that is in the map."""
         return self._map.index / self._target if self._target and self.is_catching_up else None
+
+    def draw(self, result: TickResult) -> None:
+        """Assess the terrain if it has to be."""
+        self._terrain.draw(result)
 
     def advance(self, dt: float, result: TickResult) -> None:
         """Play, and put scans into the map for a tenth of a second."""

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from mapper.core.array_types import BoolArray, Float64Array
 from mapper.grid import OccupancyGrid
 from mapper.simulation.live_map import LiveMap
 from mapper.volume.faces import CENTRE, ChunkKey, VoxelFaces, chunks_of, face_rule
 from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.models.lab_navigation import believed_now
+from server.sessions.models.lab_terrain import points_of, true_ground
 from server.sessions.models.lab_volume import LabVolume, only_in_3d
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 from server.sessions.models.simulation_commands import flag
@@ -60,6 +62,17 @@ class VolumeView:
     def is_on(self) -> bool:
         """Whether there is a 3D map."""
         return self._map is not None
+
+    @property
+    def count(self) -> int:
+        """How many scans are recorded; none while it is off."""
+        return 0 if self._map is None else len(self._map.scans)
+
+    def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
+        """Return the points of the scans (n, 3), the world's bounds, and which points lie on its floor and ramps."""
+        world = self._mapper.simulation.world
+        points = points_of(() if self._map is None else self._map.scans)
+        return points, world.bounds, true_ground(world, points)
 
     @property
     def is_behind(self) -> bool:

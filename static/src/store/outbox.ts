@@ -6,12 +6,11 @@ import type { Command, Value, Values } from "../wire/protocol";
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
-/** A change of the costmap, or of what is shown in 3D, has several parts, of which the newest is sent each. */
+/** Of a change that has several parts, such as that of the costmap, the newest of each part is sent. */
 function joined(before: Command | undefined, command: Command): Command {
-  if (command.type === "costmap" && before?.type === "costmap")
-    return { ...before, ...command, values: { ...before.values, ...command.values } };
-  if (command.type === "volume_look" && before?.type === "volume_look")
-    return { ...command, values: { ...before.values, ...command.values } };
+  for (const type of ["costmap", "map3d", "terrain", "volume_look"] as const)
+    if (command.type === type && before?.type === type)
+      return { ...before, ...command, values: { ...before.values, ...command.values } } as Command;
   return command;
 }
 

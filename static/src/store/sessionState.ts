@@ -41,6 +41,7 @@ import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import type { Stepping } from "./stepping";
 import type { Receiver } from "./stream";
+import { Terrain } from "./terrain";
 
 interface Notice {
   readonly kind: "note" | "error";
@@ -168,6 +169,8 @@ export class SessionState implements Receiver {
   readonly voxel = signal<VoxelMessage | null>(null);
   /** The 3D map of the simulated robot. */
   readonly map3d = new Map3d();
+  /** The terrain of its points. */
+  readonly terrain = new Terrain();
   /** What the user does with a map that is edited. */
   readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
@@ -369,6 +372,9 @@ export class SessionState implements Receiver {
       case "map3d":
         this.map3d.take(message);
         return;
+      case "terrain":
+        this.terrain.take(message);
+        return;
       case "path":
         this.navigation.path.value = message;
         return;
@@ -412,15 +418,8 @@ export class SessionState implements Receiver {
       case "error":
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
-        for (const values of [
-          this.mapping,
-          this.sensor,
-          this.robot,
-          this.look,
-          this.navigation.values,
-          this.map3d.values,
-        ])
-          values.refuse();
+        for (const values of [this.mapping, this.sensor, this.robot, this.look]) values.refuse();
+        for (const part of [this.navigation, this.map3d, this.terrain]) part.values.refuse();
         this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;

@@ -86,6 +86,17 @@ export class Store extends SessionState {
     );
   }
 
+  /** Set a parameter of the terrain. */
+  setTerrain(values: Values): void {
+    const now = this.terrain.values.values.peek();
+    const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
+    this.#change(
+      `terrain ${Object.keys(values).join(" ")}`,
+      [{ type: "terrain", values: old }],
+      [{ type: "terrain", values }],
+    );
+  }
+
   /** Set the outline of the robot: corners in its frame, m. */
   setFootprint(footprint: readonly Point[]): void {
     const old = this.navigation.costmap.peek()?.footprint ?? footprint;
@@ -203,8 +214,9 @@ export class Store extends SessionState {
     } else if (command.type === "localize") {
       this.filter.note(command);
       this.sendSoon(command);
-    } else if (command.type === "map3d") {
-      for (const [name, value] of Object.entries(command.values ?? {})) this.map3d.values.set(name, value);
+    } else if (command.type === "map3d" || command.type === "terrain") {
+      const { values } = command.type === "map3d" ? this.map3d : this.terrain;
+      for (const [name, value] of Object.entries(command.values ?? {})) values.set(name, value);
       this.sendSoon(command);
     } else if (command.type === "teleport") this.sendSoon(command);
     else {

@@ -189,6 +189,20 @@ export interface Block {
   readonly high: number;
 }
 
+/** A patch of terrain that was asked about. */
+export interface TerrainPatch {
+  /** the place that was asked about, m */
+  readonly x: number;
+  /** the place that was asked about, m */
+  readonly y: number;
+  /** P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre */
+  readonly moments: readonly number[];
+  /** why it has its class, one sentence */
+  readonly why: string;
+  /** safe, unsafe or unknown */
+  readonly state: string;
+}
+
 /** A stroke of the brush that paints keepout zones. */
 export interface KeepoutStroke {
   /** width of the brush, m */
@@ -368,7 +382,7 @@ export interface Hello {
   readonly seed?: number;
   /** parameters of the costmap and the path */
   readonly navigation?: readonly Parameter[];
-  /** simulations: parameters of the 3D sensor and its map */
+  /** parameters of the 3D sensor, its map and the terrain */
   readonly map3d?: readonly Parameter[];
 }
 
@@ -603,6 +617,35 @@ export interface Map3dMessage {
   readonly block_bytes: number;
   /** a dense grid of the world, 4 bytes for each voxel */
   readonly dense_bytes: number;
+}
+
+/** The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`. */
+export interface TerrainMessage {
+  readonly type: "terrain";
+  /** whether it is assessed */
+  readonly is_on: boolean;
+  /** its parameters */
+  readonly values: Values;
+  /** points that it is made of */
+  readonly points: number;
+  /** those that the filter takes for ground */
+  readonly ground: number;
+  /** Cohen's kappa of ground and objects, %; null: the truth is not known */
+  readonly kappa: number | null;
+  /** points that are classified wrongly, %; null: as above */
+  readonly total_error: number | null;
+  /** patches that are safe */
+  readonly safe: number;
+  /** patches that are unsafe */
+  readonly unsafe: number;
+  /** patches with too few points */
+  readonly unknown: number;
+  /** side of a patch, m */
+  readonly size: number;
+  /** the patch that was asked about; null: none was */
+  readonly patch: TerrainPatch | null;
+  /** why it cannot be assessed, one sentence; null: it is */
+  readonly problem: string | null;
 }
 
 /** The costmap over the map of a simulation or a log. */
@@ -963,6 +1006,19 @@ export interface Map3dCommand {
   readonly values?: Values;
 }
 
+/** Simulations with a 3D map, and clouds: begin to assess their terrain, change that, ask about a patch, or end. */
+export interface TerrainCommand {
+  readonly type: "terrain";
+  /** whether it is assessed */
+  readonly value?: boolean;
+  /** parameters to change; the others stay */
+  readonly values?: Values;
+  /** x of a place in the patch that is asked about, m; null: none */
+  readonly x?: number | null;
+  /** y of that place, m */
+  readonly y?: number | null;
+}
+
 /** Simulations and logs: begin a costmap over the robot's map, change it, or end it. What is left out stays. */
 export interface CostmapCommand {
   readonly type: "costmap";
@@ -1281,6 +1337,7 @@ export type ServerMessage =
   | Forgetting
   | LocalizationMessage
   | Map3dMessage
+  | TerrainMessage
   | CostmapMessage
   | PathMessage
   | CostMessage
@@ -1313,6 +1370,7 @@ export type Command =
   | TeleportCommand
   | LocalizeCommand
   | Map3dCommand
+  | TerrainCommand
   | CostmapCommand
   | GoalCommand
   | CostCommand
@@ -1429,6 +1487,13 @@ const isBlock: Check = isObject({
   outline: isListOf(isPoint),
   low: isNumber,
   high: isNumber,
+});
+const isTerrainPatch: Check = isObject({
+  x: isNumber,
+  y: isNumber,
+  moments: isListOf(isNumber),
+  why: isText,
+  state: isText,
 });
 const isKeepoutStroke: Check = isObject({
   width: isPositive,
@@ -1646,6 +1711,20 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     octree_bytes: isInteger,
     block_bytes: isInteger,
     dense_bytes: isInteger,
+  },
+  terrain: {
+    is_on: isFlag,
+    values: isValues,
+    points: isInteger,
+    ground: isInteger,
+    kappa: oneOf(isNumber, isNull),
+    total_error: oneOf(isNumber, isNull),
+    safe: isInteger,
+    unsafe: isInteger,
+    unknown: isInteger,
+    size: isNumber,
+    patch: oneOf(isTerrainPatch, isNull),
+    problem: oneOf(isText, isNull),
   },
   costmap: {
     is_on: isFlag,

@@ -47,6 +47,8 @@ export type {
   Pose,
   ServerMessage,
   Table,
+  TerrainMessage,
+  TerrainPatch,
   Trajectory,
   Value,
   Values,

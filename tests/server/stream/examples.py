@@ -24,6 +24,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "faults", "values": {"drift": True, "specular": False}},
     {"type": "compare", "values": None},
     {"type": "localize", "value": True, "values": {"sigma_hit": 0.05}, "map": "moved", "keep": True},
+    {"type": "terrain", "value": True, "values": {"patch": 0.25}, "x": 1.5, "y": -0.5},
     {"type": "map3d", "value": True, "values": {"voxel": 0.1, "sensor": "depth_camera"}},
     {
         "type": "costmap",
@@ -210,6 +211,21 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
     ),
     messages.Map3dMessage(False, {}, 0, 0, 0, "Full.", 0, 0, 0, 0, 0, 0),
+    messages.TerrainMessage(
+        True,
+        {"patch": 0.25},
+        900,
+        700,
+        91.5,
+        3.25,
+        400,
+        90,
+        30,
+        0.25,
+        parts.TerrainPatch(1.0, 2.0, [3.0] + [0.5] * 15, "Terrain: safe.", "safe"),
+        None,
+    ),
+    messages.TerrainMessage(False, {}, 0, 0, 0.0, 0.0, 0, 0, 0, 0.0, None, "Too wide."),
     messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},

@@ -48,15 +48,14 @@ export function Matrix({ moments, before }: MatrixProps) {
 
 interface ResultProps {
   readonly plane: Plane | null;
-  readonly limits: Limits;
+  /** What is just safe; without them no class is shown. */
+  readonly limits?: Limits;
 }
 
 /** The plane, its residual, its slope, and the class that follows. */
 export function Result({ plane, limits }: ResultProps) {
   if (!plane) return <p>These points give no plane.</p>;
   const { a, b, c, n, meanHeight, residual, roughness, slope } = plane;
-  const score = scoreOf(plane, limits);
-  const isSafe = score <= 1;
   return (
     <div class="patch-result">
       <dl>
@@ -92,11 +91,19 @@ export function Result({ plane, limits }: ResultProps) {
           <dd>{written(slopeWithoutRoot(plane) * DEGREE, 1)}°, not the angle of the plane</dd>
         </div>
       </dl>
-      <p class={`patch-class ${isSafe ? "safe" : "unsafe"}`} role="status">
-        <b>{isSafe ? "Safe" : "Unsafe"}</b>: {written(slope / limits.slope, 2)} for the slope +{" "}
-        {written(roughness / limits.roughness, 2)} for the roughness = {written(score, 2)},{" "}
-        {isSafe ? "at most" : "above"} 1
-      </p>
+      {limits && <Class plane={plane} limits={limits} />}
     </div>
+  );
+}
+
+function Class({ plane, limits }: { readonly plane: Plane; readonly limits: Limits }) {
+  const score = scoreOf(plane, limits);
+  const isSafe = score <= 1;
+  return (
+    <p class={`patch-class ${isSafe ? "safe" : "unsafe"}`} role="status">
+      <b>{isSafe ? "Safe" : "Unsafe"}</b>: {written(plane.slope / limits.slope, 2)} for the slope +{" "}
+      {written(plane.roughness / limits.roughness, 2)} for the roughness = {written(score, 2)},{" "}
+      {isSafe ? "at most" : "above"} 1
+    </p>
   );
 }

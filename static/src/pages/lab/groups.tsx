@@ -21,6 +21,7 @@ const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGro
 const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
+const TerrainGroup = lazy(async () => (await import("./terrain/TerrainGroup")).TerrainGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
@@ -149,6 +150,12 @@ const GROUPS: readonly Group[] = [
     purpose: "An octree, filled by a 3D sensor while the robot drives",
     badge: ({ store }) => (store.map3d.message.value?.is_on ? "on" : null),
     content: ({ store, session }) => <Map3dGroup store={store} session={session} />,
+  },
+  {
+    id: "terrain",
+    title: "Terrain",
+    purpose: "Patches of the 3D map's points: planes, and where it is safe to drive",
+    content: ({ store }) => <TerrainGroup store={store} />,
   },
   {
     id: "share",

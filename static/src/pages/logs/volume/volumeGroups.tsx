@@ -9,6 +9,7 @@ import { VolumeAbove } from "./VolumeAbove";
 import { VolumeCompare } from "./VolumeCompare";
 import { VolumeDownloads } from "./VolumeDownloads";
 import { VolumeMapGroup } from "./VolumeMapGroup";
+import { VolumeTerrain } from "./VolumeTerrain";
 
 /** What the groups show. */
 export interface VolumeView {
@@ -50,6 +51,12 @@ const GROUPS: readonly Group[] = [
     title: "From above",
     purpose: "The map of a robot that drives: a cell is occupied where a voxel of its column is, in a band of heights.",
     content: ({ store, session }) => <VolumeAbove store={store} session={session} />,
+  },
+  {
+    id: "terrain",
+    title: "Terrain",
+    purpose: "Patches of the points: which are ground, their planes, and where it is safe to drive.",
+    content: ({ store }) => <VolumeTerrain store={store} />,
   },
   {
     id: "compare",

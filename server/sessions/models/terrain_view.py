@@ -1,0 +1,136 @@
+"""What a session shows of the terrain of its points: grids of patches, and a message with the numbers."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.errors import MapperError
+from mapper.grid import OccupancyGrid
+from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed, patch_at
+from server.sessions.models.simulation_commands import flag
+from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer, Layer
+from server.stream.protocol import ProtocolError, number, values
+
+SCANS_BETWEEN = 8  #: scans of the 3D sensor between two assessments
+
+
+class TerrainPoints(Protocol):
+    """Points of which a terrain is made."""
+
+    @property
+    def count(self) -> int:
+        """How many scans there are; 0 for no points."""
+
+    def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
+        """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""
+
+
+class TerrainView:
+    """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points."""
+
+    def __init__(self, source: TerrainPoints, first: TerrainParameters | None = None) -> None:
+        """``first`` are the parameters to begin with."""
+        self._source, self._first = source, first or TerrainParameters()
+        self._parameters: TerrainParameters | None = None
+        self._costs = GridLayer("terrain_costs", "Terrain", "costs")
+        self._values = GridLayer("terrain_values", "Property of the terrain")
+        self._found: Assessed | None = None
+        self._taken = -1  #: scans when it was assessed last; −1: it has to be assessed
+        self._asked: tuple[float, float] | None = None
+        self._problem: str | None = None
+        self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
+
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """The rows of its parameters, with the values that they begin with."""
+        return [asdict(replace(row, initial=self._first.values[row.name])) for row in TABLE]
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """Costs and the chosen property; none while it is off."""
+        return () if self._parameters is None else (self._costs, self._values)
+
+    @property
+    def cells(self) -> int:
+        """Cells that it holds: ten moments of each patch among them."""
+        return 0 if self._found is None else 24 * self._found.terrain.classes.size
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+        """Begin the terrain, change it, ask about a patch, or end it. Raises :class:`ConfigError`."""
+        if not flag({"value": True} | command, "value"):
+            self._parameters = self._found = self.grid = self._asked = self._problem = None
+            result.slot(self.message())
+            return
+        if not self._source.count:
+            raise ProtocolError("terrain.no_points", "There are no points yet: begin the 3D map first.")
+        parameters = (self._parameters or self._first).with_values(values({"values": {}} | command))
+        if parameters != self._parameters:
+            self._parameters, self._taken = parameters, -1
+        if command.get("x") is not None:
+            self._asked = number(command, "x"), number(command, "y")
+        result.slot(self.message())
+
+    def draw(self, result: TickResult) -> None:
+        """Assess the terrain again if there are enough new scans or other parameters."""
+        if self._parameters is None:
+            return
+        count = self._source.count
+        if not count:
+            self._parameters = self._found = self.grid = self._asked = None
+            result.slot(self.message())
+            return
+        if self._taken >= 0 and 0 <= count - self._taken < SCANS_BETWEEN:
+            return
+        self._taken = count
+        try:
+            points, bounds, truth = self._source.read()
+            self._found = assessed(points, bounds, self._parameters, truth)
+            self._problem = None
+        except MapperError as error:
+            self._found, self._problem = None, error.message
+        self.grid = None if self._found is None else self._found.grid()
+        if self._found is not None:
+            self._show(self._found, self._parameters.values["shown"])
+        result.changed = True
+        result.slot(self.message())
+
+    def _show(self, found: Assessed, name: str) -> None:
+        geometry = found.terrain.patches.geometry
+        if name in ("costs", "costmap"):
+            costs = found.terrain.costs() if name == "costs" else found.costmap.costs
+            self._costs.set_bytes(geometry, np.ascontiguousarray(costs))
+        else:
+            shown, most = found.shown(name)
+            self._values.set(geometry, shown, 0.0, most)
+
+    def message(self) -> dict[str, Any]:
+        """Return the message ``terrain``."""
+        found, patch = self._found, None
+        if found is not None and self._asked is not None:
+            try:
+                patch = patch_at(found, *self._asked)
+            except MapperError:
+                self._asked = None
+        counts = {"safe": 0, "unsafe": 0, "unknown": 0} if found is None else found.terrain.counts()
+        return {
+            "type": "terrain",
+            "is_on": self._parameters is not None,
+            "values": dict((self._parameters or self._first).values),
+            "points": 0 if found is None else found.points,
+            "ground": 0 if found is None else found.ground,
+            "kappa": _rounded(None if found is None else found.kappa),
+            "total_error": _rounded(None if found is None else found.total_error),
+            **counts,
+            "size": 0.0 if found is None else found.terrain.patches.size,
+            "patch": patch,
+            "problem": self._problem,
+        }
+
+
+def _rounded(percent: float | None) -> float | None:
+    return None if percent is None else round(percent, 2)

@@ -1,0 +1,143 @@
+/** The terrain of what the robot's 3D sensor measured: classes over the map, κ, windows, and a patch that is asked about. */
+
+import { useEffect, useMemo } from "preact/hooks";
+import { type Moments, planeOf } from "../../../lessons/terrain/model";
+import { Matrix, Result } from "../../../lessons/terrain/PatchNumbers";
+import type { Store } from "../../../store/store";
+import { useMap3dRows } from "../../../tools/map3d/Sensor3d";
+import { ParameterRows } from "../../../tools/parameters/ParameterRows";
+import { Button } from "../../../ui/Button";
+import { SwitchChip } from "../../../ui/SwitchChip";
+import type { TerrainMessage, Value } from "../../../wire/protocol";
+import "../../../lessons/terrain/terrain.css";
+import "./terrainGroup.css";
+
+const COSTS = "terrain_costs";
+const VALUES = "terrain_values";
+const isProperty = (shown: Value | undefined): boolean => shown !== "costs" && shown !== "costmap";
+
+interface GroupProps {
+  readonly store: Store;
+  /** Of a file, whose points are there; otherwise they are those of the lab's 3D map. */
+  readonly isFile?: boolean;
+}
+
+export function TerrainGroup({ store, isFile = false }: GroupProps) {
+  const { terrain, map3d, layers } = store;
+  const message = terrain.message.value;
+  const isOn = message?.is_on === true;
+  const hasPoints = isFile ? message !== null : (map3d.message.value?.taken ?? 0) > 0;
+  const isEnded = terrain.isEnded.value;
+  const view = useMap3dRows(store, "terrain_view");
+  const patches = useMap3dRows(store, "terrain_patches");
+  const ground = useMap3dRows(store, "terrain_ground");
+  const set = useMemo(() => (name: string, value: Value) => store.setTerrain({ [name]: value }), [store]);
+  const shown = isProperty(terrain.values.values.value.shown) ? VALUES : COSTS;
+  useEffect(() => {
+    if (isEnded || isOn) return;
+    if (hasPoints) store.send({ type: "terrain" });
+    else if (map3d.message.peek()?.is_on === false) store.send({ type: "map3d" });
+  }, [store, isOn, isEnded, hasPoints, map3d.message.value === null]);
+  useEffect(() => {
+    if (!isOn) return undefined;
+    store.underlay.value = shown;
+    const end = layers.subscribe(shown);
+    return () => {
+      store.underlay.value = null;
+      end();
+    };
+  }, [store, isOn, shown]);
+  // A click on the map asks about the patch there.
+  const pinned = store.pinned.value;
+  useEffect(() => {
+    if (isOn && pinned) store.send({ type: "terrain", x: pinned[0], y: pinned[1] });
+  }, [store, isOn, pinned]);
+  if (!isOn || !message) return <Begin store={store} />;
+  const { values } = terrain.values;
+  return (
+    <div class="terrain-group">
+      <Numbers message={message} />
+      <ParameterRows rows={view} values={values} set={set} />
+      <Asked message={message} />
+      {!isFile && <CostmapChoice store={store} />}
+      <h3>Patches</h3>
+      <ParameterRows rows={patches} values={values} set={set} />
+      <h3>Ground</h3>
+      <ParameterRows rows={ground} values={values} set={set} />
+      <Button
+        kind="quiet"
+        onClick={() => {
+          terrain.isEnded.value = true;
+          store.send({ type: "terrain", value: false });
+        }}
+      >
+        End the assessment
+      </Button>
+    </div>
+  );
+}
+
+function Begin({ store }: { readonly store: Store }) {
+  if (!store.terrain.isEnded.value) return <p class="quiet">The 3D sensor measures the first points …</p>;
+  return (
+    <Button
+      kind="primary"
+      onClick={() => {
+        store.terrain.isEnded.value = false;
+      }}
+    >
+      Assess the terrain
+    </Button>
+  );
+}
+
+function Numbers({ message }: { readonly message: TerrainMessage }) {
+  const { points, ground, kappa, total_error, safe, unsafe, problem } = message;
+  if (problem !== null) return <p role="alert">{problem}</p>;
+  return (
+    <div role="status" class="terrain-numbers">
+      <p>
+        <b>{safe.toLocaleString("en")}</b> patches are safe, <b>{unsafe.toLocaleString("en")}</b> are not (dark).
+      </p>
+      <p class="quiet">
+        {ground.toLocaleString("en")} of {points.toLocaleString("en")} points are taken for ground.
+        {kappa !== null &&
+          total_error !== null &&
+          ` Against the true world: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+      </p>
+    </div>
+  );
+}
+
+/** The patch that was clicked: P, its plane, and why it has its class. */
+function Asked({ message }: { readonly message: TerrainMessage }) {
+  const { patch, size } = message;
+  if (!patch) return <p class="quiet">Click a patch on the map: its P, its plane and its class are shown here.</p>;
+  const moments: Moments = patch.moments;
+  return (
+    <section class="terrain-asked" aria-label="The patch that was clicked">
+      <p>
+        Patch of {size.toFixed(2)} m at ({patch.x.toFixed(1)}, {patch.y.toFixed(1)}): <b>{patch.state}</b>. {patch.why}
+      </p>
+      <Matrix moments={moments} before={moments} />
+      <Result plane={planeOf(moments)} />
+    </section>
+  );
+}
+
+/** Whether the costmap stands on the classes. */
+function CostmapChoice({ store }: { readonly store: Store }) {
+  const { navigation } = store;
+  const isOn = navigation.costmap.value?.is_on === true && navigation.values.values.value.map === "terrain";
+  return (
+    <SwitchChip
+      label="Costmap over the terrain"
+      title="Unsafe patches are the lethal cells of the static layer; the group Costmap shows it, Path plans on it."
+      checked={isOn}
+      onChange={(wanted) => {
+        if (wanted) navigation.isEnded.value = false;
+        store.setNavigation({ map: wanted ? "terrain" : "belief" });
+      }}
+    />
+  );
+}

@@ -1,0 +1,167 @@
+"""Terrain in the lab: its classes of the room with steps, beside what the world is, and the costs that follow."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError
+from mapper.simulation import WORLDS
+from mapper.terrain import Patches, assess, find_ground
+from mapper.terrain.textbook import moments_of, plane_of
+from mapper.volume.scan_sequence import ScanSequence
+from server.sessions import SessionRegistry
+from server.sessions.models.cloud_terrain import CloudPoints
+from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, patch_at, true_ground
+from server.sessions.models.terrain_view import TerrainView
+from server.sessions.tick import TickResult
+from server.stream.protocol import ProtocolError
+from tests.server.begin import new_simulation
+from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
+
+LEVELS = WORLDS["levels"]
+
+
+def message_of(lab: Lab) -> dict[str, object]:
+    return next(one for one in lab.model.messages() if one["type"] == "terrain")
+
+
+@pytest.fixture
+async def lab(registry: SessionRegistry) -> AsyncIterator[Lab]:
+    session = await new_simulation(registry, "me", "levels", 3, playing=False)
+    async with session.locked():
+        yield Lab(session.model)
+
+
+def surface(n: int = 40_000) -> np.ndarray:
+    """Points on what one sees of the room with steps from above."""
+    rng = np.random.default_rng(1)
+    points = rng.uniform((0.3, 0.3, 0.0), (13.7, 5.8, 0.0), (n, 3))
+    for block in LEVELS.blocks:
+        low, high = block.outline.min(axis=0), block.outline.max(axis=0)
+        inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
+        a, b, c = block.top
+        points[inside, 2] = np.maximum(points[inside, 2], a + points[inside, :2] @ (b, c))
+    points[:, 2] += rng.normal(0.0, 0.005, n)
+    return points
+
+
+def test_floor_and_ramp_are_safe_and_the_edges_of_stairs_and_tables_are_not() -> None:
+    points = surface()
+    found = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "max_slope": 25.0}))
+    assert found is not None
+    state = {name: patch_at(found, *place)["state"] for name, place in (
+        ("floor", (2.0, 5.0)), ("ramp", (11.0, 2.5)), ("stairs", (11.1, 0.8)), ("edge of the table", (3.35, 3.0)),
+    )}  # fmt: skip
+    assert state == {"floor": "safe", "ramp": "safe", "stairs": "unsafe", "edge of the table": "unsafe"}
+    steep = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "max_slope": 10.0}))
+    assert steep is not None
+    assert patch_at(steep, 11.0, 2.5)["state"] == "unsafe"
+    # The costmap has the terrain as its layer, inflated.
+    row, col = found.terrain.patches.geometry.world_to_cell((11.1, 0.8))
+    assert found.costmap.costs[row, col] == 254
+    with pytest.raises(ConfigError, match="outside"):
+        patch_at(found, -5.0, 0.0)
+
+
+def test_a_patch_has_the_moments_and_the_plane_of_its_points() -> None:
+    points = surface()
+    found = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "level": 1.0}))
+    assert found is not None
+    patches = found.terrain.patches
+    assert patches.size == pytest.approx(0.5)  # four patches of 0.25 m
+    row, col = (int(v) for v in patches.geometry.world_to_cell((11.0, 2.5)))
+    centre = patches.geometry.cell_to_world((row, col))
+    mine = points[(np.abs(points[:, :2] - centre) < 0.25).all(axis=1)]
+    expected = moments_of((mine - (*centre, 0.0)).tolist())
+    np.testing.assert_allclose(np.reshape(patch_at(found, 11.0, 2.5)["moments"], (4, 4)), expected, atol=1e-5)
+    assert found.terrain.planes[row, col, 5] == pytest.approx(plane_of(expected).slope, abs=1e-6)
+    wider = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "reach": 2.0}))
+    assert wider is not None
+    near = (np.abs(points[:, :2] - wider.terrain.patches.geometry.cell_to_world((4, 8))) < 0.625).all(axis=1)
+    about = points[near] - (*wider.terrain.patches.geometry.cell_to_world((4, 8)), 0.0)
+    np.testing.assert_allclose(wider.terrain.planes[4, 8, 4], plane_of(moments_of(about.tolist())).roughness, rtol=1e-5)
+
+
+def test_the_ground_filter_is_judged_by_the_world() -> None:
+    points = surface()
+    points = points[points[:, 0] < 9.8]  # without the platform, whose stairs make it a part of the ground
+    truth = true_ground(LEVELS, points)
+    x, y = LOW_TABLE
+    on_table = (np.abs(points[:, :2] - (x, y)) < (0.7, 0.4)).all(axis=1)
+    assert not truth[on_table].any()
+    every = surface()
+    assert true_ground(LEVELS, every)[(np.abs(every[:, :2] - (11.0, 2.5)) < 0.3).all(axis=1)].all()
+    found = assessed(points, LEVELS.bounds, TerrainParameters(), truth)
+    assert found is not None
+    assert found.kappa is not None
+    assert found.kappa > 95.0
+    everything = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False}), truth)
+    assert everything is not None
+    assert everything.kappa == pytest.approx(0.0, abs=1e-9)
+    assert everything.total_error == pytest.approx(100.0 * (~truth).mean())
+    assert assessed(points[:2], LEVELS.bounds, TerrainParameters()) is None
+
+
+async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab: Lab) -> None:
+    with pytest.raises(ProtocolError, match="begin the 3D map first"):
+        lab.do(type="terrain")
+    lab.do(type="map3d")
+    lab.look_around()
+    lab.do(type="terrain")
+    made = lab.model._terrain._found
+    assert made is not None
+    n = made.terrain.patches.moments[..., 0]
+    x, y = made.terrain.patches.geometry.cell_to_world(np.unravel_index(int(np.argmax(n)), n.shape))
+    lab.do(type="terrain", x=float(x), y=float(y))
+    message = message_of(lab)
+    assert message["is_on"]
+    assert message["safe"] > 100  # type: ignore[operator]
+    assert message["patch"]["state"] == "safe"  # type: ignore[index]
+    assert message["patch"]["moments"][0] == n.max()  # type: ignore[index]
+    assert message["kappa"] > 50.0  # type: ignore[operator]
+    assert {"terrain_costs", "terrain_values"} <= {layer.name for layer in lab.model.layers}
+    for shown in ("slope", "roughness", "step", "costmap", "costs"):
+        lab.do(type="terrain", values={"shown": shown})
+    lab.do(type="costmap", values={"map": "terrain"})
+    costmap = lab.model._navigation._costmap
+    assert costmap is not None
+    assert costmap.geometry.resolution == pytest.approx(0.25)
+    for row in TABLE:
+        with pytest.raises(ConfigError):
+            lab.do(type="terrain", values={row.name: "no" if row.kind != "number" else row.high + 1.0})
+    lab.do(type="terrain", value=False)
+    assert not message_of(lab)["is_on"]
+    lab.do(type="terrain")
+    lab.do(type="map3d", value=False)
+    lab.pass_time(0.1)
+    assert not message_of(lab)["is_on"]
+
+
+def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() -> None:
+    points = surface().astype(np.float32)
+    none = np.full((1, 3), np.nan)
+    scans = ScanSequence("pcd", points, np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3))
+    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
+    source = CloudPoints(scans, low, high)
+    view = TerrainView(source, source.first)
+    side = view.table[1]["initial"]
+    assert view.table[1]["name"] == "patch"
+    assert side == pytest.approx(np.sqrt(10.0 * np.prod((high - low)[:2]) / len(points)), abs=0.05)
+    result = TickResult()
+    view.obey({"type": "terrain", "values": {"patch": 0.5}}, result)
+    view.draw(result)
+    message = result.slots["terrain"]
+    assert message["points"] == len(points)
+    assert message["kappa"] is None
+    ground = points[find_ground(points).is_ground]
+    expected = assess(Patches(np.zeros((11, 27, 10)), 0.5, np.array([low[0], low[1], 0.0])).with_points(ground))
+    assert message["safe"] == pytest.approx(expected.counts()["safe"], abs=0.1 * expected.counts()["safe"])
+    nothing = TerrainView(CloudPoints(None, low, high))
+    with pytest.raises(ProtocolError, match="no points"):
+        nothing.obey({"type": "terrain"}, TickResult())
+    view.obey({"type": "terrain", "values": {"patch": 0.01}}, result)
+    view.draw(result)
+    assert "take greater ones" in str(result.slots["terrain"]["problem"])
