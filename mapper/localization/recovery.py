@@ -16,7 +16,7 @@ MOST_PATIENCE = (
     64  #: and before a later one, at most: each reset doubles their number, each scan that fits takes one off
 )
 INTERVAL = 2  #: updates from one comparison to the next
-LOST, SEARCHING = 0.5, 0.05  #: weight of the particles that are added: once the robot is lost, and before convergence
+LOST, SEARCHING = 0.5, 0.1  #: weight of the particles that are added: once the robot is lost, and before convergence
 
 
 class Recovery:
