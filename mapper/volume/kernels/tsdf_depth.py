@@ -49,7 +49,7 @@ def _mark_pyramid(
 
 
 @jit
-def depth_span(depth: Float32Array, far: np.float32) -> tuple[int, float]:
+def depth_span(depth: Float32Array, far: np.float32) -> tuple[int, np.float32]:
     """Return how many depths (n,) are positive and at most ``far``, and the greatest of them, 0 without any."""
     zero, count, greatest = np.float32(0.0), 0, np.float32(0.0)
     for i in range(depth.shape[0]):
