@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from server.stream.messages import ServerMessage
-from tests.server.service import Service, Watcher
+from tests.server.service import Service, Watcher, once_read
 
 
 async def messages_of_a_world(service: Service) -> set[str]:
@@ -71,7 +71,31 @@ async def messages_of_a_log(service: Service) -> set[str]:
         return set(watcher.newest)
 
 
+async def messages_of_an_edited_map(service: Service) -> set[str]:
+    world = await asyncio.to_thread(service.begin, kind="simulation", world="room", playing=False)
+    answer = await asyncio.to_thread(service.http.post, f"/api/sessions/{world}/kept-map", json={"name": "Room"})
+    return await messages_of_an_upload(service, answer.json()["id"], "map_edits", kind="log")
+
+
+async def messages_of_a_volume(service: Service) -> set[str]:
+    cloud = b"0 0 0\n0.5 0 0\n0 0.5 1\n"
+    answer = await asyncio.to_thread(service.http.put, "/api/logs", params={"name": "cloud.xyz"}, content=cloud)
+    return await messages_of_an_upload(service, answer.json()["id"], "volume", kind="volume")
+
+
+async def messages_of_an_upload(service: Service, log: str, awaited: str, kind: str) -> set[str]:
+    await asyncio.to_thread(once_read, service.http, log)
+    async with service.connect(await asyncio.to_thread(service.begin, kind=kind, log=log)) as socket:
+        watcher = Watcher(socket)
+        await watcher.answer(awaited)
+        if kind == "volume":
+            await watcher.send("voxel", x=0.0, y=0.0, z=0.0)
+            await watcher.answer("voxel")
+        return set(watcher.newest)
+
+
 async def test_every_message_is_as_it_is_stated(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.sessions.long_work.SHOWN_AFTER_S", 0.0)  # whatever is computed is shown
     seen = await messages_of_a_world(service) | await messages_of_a_log(service)
+    seen |= await messages_of_an_edited_map(service) | await messages_of_a_volume(service)
     assert seen == {cls.__struct_config__.tag for cls in get_args(ServerMessage)}
