@@ -14,7 +14,7 @@ import pytest
 from websockets.asyncio.client import ClientConnection
 from websockets.exceptions import ConnectionClosed
 
-from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at
+from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at, until_closed
 
 TOKEN = "long enough"
 
@@ -161,6 +161,29 @@ async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, 
     assert guest.http.get(class_path).status_code == 404
     assert lecturer.http.get(f"/api/sessions/{again}").status_code == 404  # it has ended with the class
     assert guest.http.get(f"/class/{code}").headers["location"] == "/join?refused=class.unknown"
+
+
+async def test_a_session_that_is_not_shown_any_more_is_not_seen(lecturer: Person, guest: Person) -> None:
+    session, code = lab_of(lecturer), lecturer.http.post("/api/classes").json()["code"]
+    path = f"/api/classes/{code}"
+
+    async with lecturer.stream(f"{path}/stream") as front, guest.stream(f"{path}/stream") as back:
+        teacher, pupil = Seat(front), Seat(back)
+        for stage in (1, 3):
+            await teacher.send("show", view={"page": "lab"}, session=session)
+            while (await pupil.until("view"))["stage"] != stage:
+                del pupil.newest["view"]
+            async with guest.stream(f"{path}/session") as socket:
+                watcher = Watcher(socket)
+                while not watcher.complete:
+                    await watcher.read()
+                if stage == 1:
+                    await teacher.send("show", view={"page": "other"})
+                else:
+                    lecturer.http.delete(path)
+                await until_closed(socket)
+                assert socket.close_code == 4410
+    assert lecturer.http.get(f"/api/sessions/{session}").status_code == 200
 
 
 async def test_a_follower_who_comes_back_is_the_same_and_a_locked_class_takes_nobody_else(
