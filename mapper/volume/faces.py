@@ -141,20 +141,6 @@ def triangles_of(quads: UInt8Array) -> tuple[UInt8Array, UInt32Array]:
     return corners.reshape(-1, 3), faces.reshape(-1, 3).astype(np.uint32)
 
 
-def mesh_of(faces: VoxelFaces, resolution: float) -> tuple[Float32Array, UInt32Array]:
-    """Return the vertices (V, 3), metres in the map's frame, and the triangles (F, 3) of all rectangles."""
-    vertices, triangles, count = [], [], 0
-    for key, quads in faces.chunks.items():
-        corners, ones = triangles_of(quads)
-        place = (corners + (np.array(key) * CHUNK - CENTRE)) * resolution
-        vertices.append(place.astype(np.float32))
-        triangles.append(ones + np.uint32(count))
-        count += len(corners)
-    if not vertices:
-        return np.empty((0, 3), np.float32), np.empty((0, 3), np.uint32)
-    return np.concatenate(vertices), np.concatenate(triangles)
-
-
 def first_face(
     volume: OccupancyVolume, rule: FaceRule, origin: Float32Array, direction: Float32Array
 ) -> tuple[int, int, int] | None:

@@ -12,7 +12,6 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mapper.core.errors import MapperError
 from mapper.io.contents.model import Contents
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
@@ -23,6 +22,7 @@ from server.library.inspections import Inspections
 from server.library.jobs import Jobs
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
+from server.library.log_errors import LogNotFoundError, LogReadOnlyError
 from server.library.log_reader import Reader
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.old_pictures import OldPictures
@@ -36,7 +36,7 @@ from server.library.storage import private_folder
 from server.library.upload_receiver import Part, UploadReceiver
 from server.library.upload_slots import UploadSlots
 from server.library.uploads import Declared, Places, Sender, Uploads
-from server.library.workers import worker_at
+from server.library.workers import Worker, worker_at
 from server.settings import Settings
 
 if TYPE_CHECKING:
@@ -44,31 +44,6 @@ if TYPE_CHECKING:
     from server.library.added import Added
     from server.library.given_map import GivenMap
     from server.library.volume_pack import VolumeSource
-
-
-class LogNotFoundError(MapperError):
-    """There is no such log for this visitor: it never existed, was deleted, or belongs to another visitor."""
-
-
-class LogReadOnlyError(MapperError):
-    """The log is not the visitor's to delete."""
-
-
-def check_stores(settings: Settings) -> None:
-    """Open the stores of a library, bring them up to date and close them. Raises :class:`StorageError`."""
-    from server.library.database import Database  # noqa: PLC0415
-    from server.library.store_identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
-
-    root = settings.data_dir / "library"
-    private_folder(root)
-    blobs = Blobs.at(settings.blobs, root)
-    database = Database.open(settings.database_url, root)
-    try:
-        check_store_identity(database, blobs)
-    finally:
-        database.close()
-    if settings.executor is not None:
-        worker_at(settings.executor, 0, root).close()
 
 
 class Library:
@@ -103,11 +78,15 @@ class Library:
         for folder in (root, root / "packs", root / "pictures", scratch):
             private_folder(folder)
         memory = self._limits.read_memory_bytes
+
+        def new_worker() -> Worker:
+            return worker_at(settings.executor, memory, scratch)
+
         self._reader = reader or Reader(
             timeout_s=self._limits.read_timeout_s,
             memory_bytes=memory,
             cpu_s=self._limits.read_cpu_s,
-            worker=worker_at(settings.executor, memory, scratch),
+            worker=new_worker(),
         )
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
@@ -116,24 +95,17 @@ class Library:
         self.notes = Notes(self._database)
         self.tags = Tags(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
-        max_bytes = settings.max_upload_bytes
-        self._intake = UploadReceiver(blobs, max_bytes=max_bytes)
+        self._intake = UploadReceiver(blobs, max_bytes=settings.max_upload_bytes)
         self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
         self._sample = Sample(self._cache, self._catalogue.picture(SAMPLE_ID))
         self._jobs = Jobs(self._catalogue, self._reader, self._room)
-        places = Places(self._limits, max_bytes, self._slots, self._room)
+        places = Places(self._limits, settings.max_upload_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
-        self.slam = PoseJobs(
-            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "slam", SlamKind()
-        )
-        self.maps = GivenMaps(self, lambda: worker_at(settings.executor, memory, scratch), root / "maps", self._room)
-        self.localization = PoseJobs(
-            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "localization",
-            LocalizationKind(self.maps),
-        )  # fmt: skip
-        self.merges = MergeJobs(
-            self._database, self, lambda: worker_at(settings.executor, memory, scratch), root / "merges"
-        )
+        self.slam = PoseJobs(self._database, self, new_worker, root / "slam", SlamKind())
+        self.maps = GivenMaps(self, new_worker, root / "maps", self._room)
+        kind = LocalizationKind(self.maps)
+        self.localization = PoseJobs(self._database, self, new_worker, root / "localization", kind)
+        self.merges = MergeJobs(self._database, self, new_worker, root / "merges")
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         self._inspections = Inspections(
             self._catalogue,

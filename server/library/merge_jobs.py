@@ -22,11 +22,13 @@ from mapper.core.errors import ConfigError, LimitError, MapperError
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
 from server.library.following import followed
+from server.library.job_record import load_job_records, put_job_record
 from server.library.merge_job import ENDINGS, LOG, NAME, STAGE, MergeJob
-from server.library.merge_record import MergeRecord, load_merge_records, put_merge_record
+from server.library.merge_record import MergeRecord
 from server.library.pose_jobs import MOST_ATTEMPTS, JobLimits, Logs, emptied, packed
 from server.library.records import Failure, Record
 from server.library.storage import StorageError, private_folder
+from server.library.tables import merge_jobs
 from server.library.trajectories import NewTrajectory
 from server.library.workers import Worker
 from server.work.fair_lock import FairLock
@@ -73,7 +75,8 @@ class MergeJobs:
         Raises :class:`StorageError`.
         """
         await asyncio.to_thread(emptied, self._folder)
-        for record in await self._database.run(load_merge_records):
+        records = await self._database.run(lambda connection: load_job_records(connection, merge_jobs, MergeRecord))
+        for record in records:
             self._records[record.owner, record.log_id] = record
             if not record.is_unfinished:
                 continue
@@ -103,10 +106,13 @@ class MergeJobs:
             raise LimitError("merge.too_many", "You have a merge under way: wait, or cancel it.")
         if len(self._running) >= MOST:
             raise LimitError("merge.busy", "Too many merges are under way; try again later.")
-        record = MergeRecord(first[0], owner, first[1], second[0], second[1], "queued", time.time())
+        record = MergeRecord(
+            log_id=first[0], owner=owner, topic=first[1], other=second[0], other_topic=second[1], state="queued",
+            created_s=time.time(),
+        )  # fmt: skip
         self._queue(record).done.append(done)
         try:
-            await self._database.run(lambda connection: put_merge_record(connection, log, record))
+            await self._database.run(lambda connection: put_job_record(connection, merge_jobs, log, record))
         except StorageError:
             await self.cancel(owner, first[0])
             raise
@@ -115,7 +121,7 @@ class MergeJobs:
     def state(self, owner: str, log_id: str) -> dict[str, Any]:
         """Return what the HTTP interface shows of the newest merge of a log; state "none": there was none."""
         self._logs.get(owner, log_id)
-        record = self._records.get((owner, log_id)) or MergeRecord(log_id, owner, None, "", None, "none", 0.0)
+        record = self._records.get((owner, log_id)) or MergeRecord(log_id=log_id, owner=owner)
         running = self._running.get((owner, log_id))
         worker = self._worker if record.state == "running" else None
         return record.public() | {
@@ -211,7 +217,7 @@ class MergeJobs:
         self._records[record.owner, record.log_id] = record
         with contextlib.suppress(MapperError):  # the log is gone
             log = self._logs.get(record.owner, record.log_id)
-            written = self._database.run(lambda connection: put_merge_record(connection, log, record))
+            written = self._database.run(lambda connection: put_job_record(connection, merge_jobs, log, record))
             written.add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
 
     async def close(self) -> None:

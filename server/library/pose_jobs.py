@@ -27,8 +27,9 @@ from mapper.sensors.scan import ScanLog
 from server.library.database import Database
 from server.library.following import followed
 from server.library.job import WorkerJob
+from server.library.job_record import load_job_records, put_job_record
 from server.library.log_pack import write_pack
-from server.library.pose_job_record import PoseJobRecord, load_job_records, put_job_record
+from server.library.pose_job_record import PoseJobRecord
 from server.library.records import Failure, Record
 from server.library.storage import StorageError, private_folder
 from server.library.trajectories import NewTrajectory, Trajectories
@@ -148,7 +149,8 @@ class PoseJobs(Generic[P, T]):
         Raises :class:`StorageError`.
         """
         await asyncio.to_thread(emptied, self._folder)
-        for record in await self._database.run(lambda connection: load_job_records(connection, self._kind.table)):
+        table = self._kind.table
+        for record in await self._database.run(lambda connection: load_job_records(connection, table, PoseJobRecord)):
             self._records[record.owner, record.log_id] = record
             if not record.is_unfinished:
                 continue
@@ -198,7 +200,10 @@ class PoseJobs(Generic[P, T]):
                 raise LimitError(f"{kind.name}.too_many", message)
             if len(self._running) >= MOST:
                 raise LimitError(f"{kind.name}.busy", f"Too many {kind.title} jobs are under way; try again later.")
-            record = PoseJobRecord(log_id, owner, topic, trajectory, "queued", time.time(), parameters=checked, cut=cut)
+            record = PoseJobRecord(
+                log_id=log_id, owner=owner, topic=topic, trajectory=trajectory, state="queued", created_s=time.time(),
+                parameters=checked, cut=cut,
+            )  # fmt: skip
             self._queue(record)
             try:
                 await self._database.run(lambda connection: put_job_record(connection, kind.table, log_record, record))
@@ -210,7 +215,7 @@ class PoseJobs(Generic[P, T]):
     def state(self, owner: str, log_id: str) -> dict[str, Any]:
         """Return what the HTTP interface shows of the newest job; its state is "none" where there was none."""
         self._logs.get(owner, log_id)
-        record = self._records.get((owner, log_id)) or PoseJobRecord(log_id, owner, None, None, "none", 0.0)
+        record = self._records.get((owner, log_id)) or PoseJobRecord(log_id=log_id, owner=owner)
         running = self._running.get((owner, log_id))
         newest = None if running is None else running.newest
         began = None if running is None else running.began

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mapper.mapping import textbook
+from mapper.mapping import textbook, textbook_deskew
 from mapper.mapping.provenance import provenance
 from mapper.sensors.scan import LaserScan, RangeScan
 from tests.agreement.inputs import MappingCase
@@ -53,7 +53,7 @@ def provenance_by_textbook(case: MappingCase) -> tuple[Any, ...]:
 
 def beams_and_poses(case: MappingCase) -> list[tuple[LaserScan, np.ndarray]]:
     """Every beam of the log by itself, and the pose that it was measured from."""
-    return [one for t in range(case.log.n_scans) for one in textbook.deskewed(case.log, t, case.config)]
+    return [one for t in range(case.log.n_scans) for one in textbook_deskew.deskewed(case.log, t, case.config)]
 
 
 def provenance_of_sweeps_by_kernel(case: MappingCase) -> tuple[Any, ...]:

@@ -29,7 +29,7 @@ from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.lab_navigation import ROWS, LabNavigation, believed_now
 from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.localization_view import LocalizationView
-from server.sessions.models.navigation_messages import COMMANDS, checked_commands
+from server.sessions.models.navigation_messages import checked_commands
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
@@ -305,13 +305,13 @@ class SimulationModel(SessionModel):
         """Carry out a command."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
+        if self._navigation.obey(command, result):
+            return
         match command["type"]:
             case kind if kind in ACTIONS:
                 self._act(command, result)
             case "localize":
                 self._localization.obey(command, self._mapper, result)
-            case kind if kind in COMMANDS:
-                self._navigation.obey(command, result)
             case "map3d":
                 self._volume.obey(command, result)
             case "terrain":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -10,16 +9,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.parameter import check_names
 from mapper.grid import OccupancyGrid
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
 from mapper.volume.blocks import BLOCK
-from mapper.volume.faces import first_face
-from mapper.volume.occupancy import centres_of, keys_of
-from mapper.volume.provenance import why_voxel
+from mapper.volume.faces import FaceRule
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.drawings import Drawing, Point
@@ -30,13 +26,14 @@ from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_look import LOOK_PARAMETERS
-from server.sessions.models.volume_messages import look_table, update_fields, volume_message, voxel_message
+from server.sessions.models.volume_messages import look_table, volume_message, voxel_message
 from server.sessions.models.volume_start import bounds_of, first_look, first_resolution, times_of
+from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer, number, values
+from server.stream.protocol import ProtocolError, integer, values
 
 if TYPE_CHECKING:
     from server.library.volume_pack import VolumeSource
@@ -70,6 +67,7 @@ class VolumeModel(SessionModel):
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
         self.volume = self
         self._drawn = VolumeDrawings(source, self._low, self._high)
+        self._questions = VoxelQuestions(host, self._drawn)
         self._target = self._map.count if self._map.count == 1 else 0
         self._layer = GridLayer("map", "Map from above")
         self._stale_grid = True
@@ -185,6 +183,9 @@ class VolumeModel(SessionModel):
     def _has_free(self) -> bool:
         return not isinstance(self._source, ScanSequence) or self._source.has_origins
 
+    def _rule(self) -> FaceRule:
+        return self._drawn.rule(self._map.volume, self._look, has_free=self._has_free)
+
     def _message(self) -> dict[str, Any]:
         more = {
             "look": look_table(self._first_look, self._look, self._low, self._high),
@@ -198,6 +199,9 @@ class VolumeModel(SessionModel):
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
+        if self._questions.obey(command, self._map, self._rule, result):
+            result.changed = True
+            return
         match command["type"]:
             case "terrain":
                 self._terrain.obey(command, result)
@@ -225,10 +229,6 @@ class VolumeModel(SessionModel):
                 if command.get("value", True) is True:
                     self._comparison.keep(self._map)
                 result.slot(self._message())
-            case "voxel":
-                self._ask(self._key_at(_place(command)), result)
-            case "voxel_ray":
-                self._ask(self._met(command["origin"], command["direction"]), result)
             case other:
                 raise ProtocolError("command.unknown", f"A session in 3D has no command {other!r:.80}.")
         result.changed = True
@@ -263,7 +263,7 @@ class VolumeModel(SessionModel):
         self._comparison.note_change()
         self._drawn.faces.clear()
         self._drawn.show_changes(None, config.resolution)
-        self._clear_chosen(result)
+        self._questions.clear(config.resolution, result)
         result.slot(self._parameters())
 
     def _set_look(self, wanted: dict[str, Any]) -> None:
@@ -361,49 +361,3 @@ class VolumeModel(SessionModel):
         except MapperError as error:
             self._comparison.end()
             result.notice(error.code, error.message)
-
-    # -- a voxel --------------------------------------------------------------------------------------------------
-
-    def _met(self, origin: Any, direction: Any) -> Int64Array | None:  # noqa: ANN401 - checked by the command's type
-        rule = self._drawn.rule(self._map.volume, self._look, has_free=self._has_free)
-        key = first_face(self._map.volume, rule, np.array(origin, dtype=np.float64), np.array(direction, np.float64))
-        return None if key is None else np.array(key)
-
-    def _clear_chosen(self, result: TickResult) -> None:
-        self._drawn.choose(None, 0.0, ())
-        result.slot(voxel_message(None, self._config.resolution))
-
-    def _key_at(self, place: Float64Array | None) -> Int64Array | None:
-        if place is None:
-            return None
-        keys, inside = keys_of(place[None].astype(np.float32), self._config.resolution)
-        if not inside[0]:
-            raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map's lattice.")
-        return np.asarray(keys[0])
-
-    def _ask(self, key: Int64Array | None, result: TickResult) -> None:
-        """Answer why a voxel is as it is; None chooses none."""
-        if key is None:
-            self._clear_chosen(result)
-            return
-        updates = []
-        if isinstance(self._source, ScanSequence):
-            scans = map(self._source.scan, range(self._map.index))
-            with self._host.cancellable():
-                updates = why_voxel(scans, self._config, key, self._host.may_continue)
-        centre = centres_of(key[None], self._config.resolution)[0]
-        self._drawn.choose(centre, self._config.resolution, updates)
-        value = float(self._map.volume.log_odds_of(key[None])[0])
-        known = not math.isnan(value)
-        state = "unknown" if not known else "occupied" if value >= self._config.log_odds_occupied else "free"
-        result.slot(
-            voxel_message(centre, self._config.resolution)
-            | {"log_odds": value if known else None, "state": state, "index": self._map.index}
-            | update_fields(updates)
-        )
-
-
-def _place(command: dict[str, Any]) -> Float64Array | None:
-    if command.get("x") is None:
-        return None
-    return np.array([number(command, name) for name in "xyz"])

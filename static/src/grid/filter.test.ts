@@ -1,34 +1,99 @@
-import { expect, test } from "vitest";
+import { describe, expect, it } from "vitest";
+import type { Pose } from "../wire/protocol";
 import vectors from "./filter.vectors.json";
-import { type Alphas, type Normals, type Pose3, sampleDifferential, sampleOmni } from "./motionModel";
-import { beamDensity, fieldLikelihood, type RangeMixture } from "./rangeModels";
+import {
+  type Alphas,
+  type Normals,
+  type OmniAlphas,
+  odometryControl,
+  odometrySigmas,
+  sampleMotion,
+  sampleOmni,
+} from "./motionModel";
+import { augmentedShare, effectiveNumber, independentSampler, lowVarianceSampler } from "./particleFilter";
+import { seeded } from "./random";
+import { type BeamMixture, beamDensity, beamParts, fieldLikelihood } from "./rangeModels";
 
-const mixtureOf = (row: readonly number[]): RangeMixture => {
-  const [z_hit = 0, z_short = 0, z_max = 0, z_rand = 0, sigma_hit = 0, lambda_short = 0] = row;
-  return { z_hit, z_short, z_max, z_rand, sigma_hit, lambda_short };
+const near = (found: readonly number[], wanted: readonly number[]): void => {
+  expect(found).toHaveLength(wanted.length);
+  found.forEach((value, i) => {
+    expect(value).toBeCloseTo(wanted[i] ?? Number.NaN, 9);
+  });
 };
 
-test("the beam model is the library's", () => {
-  for (const { z, expected, range_max, mixture, p } of vectors.beams)
-    expect(beamDensity(z, expected, range_max, mixtureOf(mixture))).toBeCloseTo(p, 9);
-});
-
-test("the likelihood field is the library's, and level beyond its reach", () => {
-  for (const { distance, range_max, mixture, p } of vectors.fields)
-    expect(fieldLikelihood(distance, 2, range_max, mixtureOf(mixture))).toBeCloseTo(p, 9);
-  const mixture = mixtureOf([0.5, 0, 0, 0.5, 0.2, 1]);
-  expect(fieldLikelihood(9, 0.3, 8, mixture)).toBe(fieldLikelihood(0.3, 0.3, 8, mixture));
-});
-
-test("samples of a motion are the library's", () => {
-  const models = { differential: sampleDifferential, omni: sampleOmni };
-  for (const row of vectors.motions) {
-    for (const name of ["differential", "omni"] as const) {
-      const [end, alphas, normals] = [row.end, row.alphas, row.normals] as unknown as [Pose3, Alphas, Normals];
-      const [x, y, yaw] = models[name](end, alphas, normals);
-      [x, y, Math.cos(yaw), Math.sin(yaw)].forEach((value, i) => {
-        expect(value).toBeCloseTo(row[name][i] as number, 9);
-      });
+describe("the motion model", () => {
+  it("moves as table 5.6", () => {
+    for (const { before, after, normals, control, sigmas, pose } of vectors.motions) {
+      const from = before as unknown as Pose;
+      const found = odometryControl(from, after as unknown as Pose);
+      near(found, control);
+      const spread = odometrySigmas(found, vectors.alphas as unknown as Alphas);
+      near(spread, sigmas);
+      near(sampleMotion(found, spread, from, normals as unknown as Normals), pose);
     }
-  }
+  });
+
+  it("moves sideways as AMCL's omnidirectional model", () => {
+    for (const { end, normals, pose } of vectors.omni) {
+      const alphas = vectors.alphas as unknown as OmniAlphas;
+      near(sampleOmni(end as unknown as Pose, alphas, normals as unknown as Normals), pose);
+    }
+  });
+});
+
+describe("drawing particles", () => {
+  it("draws as table 4.4", () => {
+    for (const { weights, r, count, drawn, effective } of vectors.draws) {
+      expect([...lowVarianceSampler(Float64Array.from(weights), r, count)]).toEqual(drawn);
+      expect(effectiveNumber(Float64Array.from(weights))).toBeCloseTo(effective, 9);
+    }
+  });
+
+  it("draws each particle about as often as its weight says, also by independent draws", () => {
+    const weights = Float64Array.of(0.1, 0.6, 0.3);
+    const drawn = independentSampler(weights, seeded(3), 6000);
+    const counts = [0, 1, 2].map((i) => drawn.filter((k) => k === i).length / 6000);
+    counts.forEach((share, i) => {
+      expect(Math.abs(share - (weights[i] ?? 0))).toBeLessThan(0.02);
+    });
+  });
+
+  it("averages as table 8.3", () => {
+    let [slow, fast] = [0.5, 0.5];
+    for (const [average = 0, ...wanted] of vectors.shares) {
+      const found = augmentedShare(average, slow, fast, 0.05, 0.4);
+      near(found, wanted);
+      [slow, fast] = found;
+    }
+  });
+});
+
+describe("the sensor models", () => {
+  const mixtures: readonly BeamMixture[] = vectors.mixtures;
+
+  it("have the densities of tables 6.1 and 6.3", () => {
+    for (const { z, expected, mix, p } of vectors.densities)
+      expect(beamDensity(z, expected, mixtures[mix] as BeamMixture)).toBeCloseTo(p, 9);
+    for (const { distance, mix, q } of vectors.fields)
+      expect(fieldLikelihood(distance, mixtures[mix] as BeamMixture)).toBeCloseTo(q, 12);
+  });
+
+  it("have a field that is level beyond its reach", () => {
+    const [mixture] = mixtures as readonly [BeamMixture];
+    expect(fieldLikelihood(9, mixture, 0.3)).toBe(fieldLikelihood(0.3, mixture));
+    expect(fieldLikelihood(0.2, mixture, 0.3)).toBe(fieldLikelihood(0.2, mixture));
+  });
+
+  it("have parts that are probability densities", () => {
+    const [mix] = mixtures as readonly [BeamMixture];
+    const step = 0.001;
+    const sums = { hit: 0, short: 0, rand: 0 };
+    for (let z = step / 2; z < mix.range_max; z += step) {
+      const parts = beamParts(z, 3, mix);
+      for (const name of ["hit", "short", "rand"] as const) sums[name] += parts[name] * step;
+    }
+    expect(sums.hit).toBeCloseTo(mix.z_hit, 3);
+    expect(sums.short).toBeCloseTo(mix.z_short, 3);
+    expect(sums.rand).toBeCloseTo(mix.z_rand, 3);
+  });
 });

@@ -1,265 +1,17 @@
 /** The state received from the stream, and the view: the part of the store that changes nothing on the server. */
 
-import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
-import { type Beam, beamAhead, beamToward, mirroredScan } from "../grid/beams";
-import { around, type Bounds } from "../grid/bounds";
-import { type Cell, cellAt, compose, contains, extent } from "../grid/lattice";
-import type { MapPicture } from "../render/map/mapPicture";
-import { fitted, type Size, type View } from "../render/view";
-import type { Work } from "../ui/Working";
+import { batch } from "@preact/signals";
+import type { Cell } from "../grid/lattice";
+import { fitted, type View } from "../render/view";
 import type { BinaryFrame } from "../wire/decodeFrame";
-import { KINDS } from "../wire/kinds";
-import type {
-  CellMessage,
-  Command,
-  Compared,
-  ComparisonMessage,
-  Contribution,
-  Forgetting,
-  Frame,
-  FrameMessage,
-  Hello,
-  LocalizationMessage,
-  Point,
-  Pose,
-  ServerMessage,
-  Trajectory,
-  Values,
-  VolumeMessage,
-  VoxelMessage,
-  WhyMessage,
-  WorldMessage,
-} from "../wire/protocol";
-import type { DisplayedMap, OnCellChange } from "./displayedMap";
-import { Editing } from "./editing";
-import { FilterSettings } from "./filterSettings";
-import { Layers, MAP, SECOND_MAP } from "./layers";
-import { Map3d } from "./map3d";
-import { MapEditing } from "./mapEditing";
-import { Navigation } from "./navigation";
-import { Optimistic } from "./optimistic";
-import { Outbox } from "./outbox";
-import type { Stepping } from "./stepping";
+import type { Command, Frame, FrameMessage, Hello, Point, ServerMessage } from "../wire/protocol";
+import type { OnCellChange } from "./displayedMap";
+import { MAP, SECOND_MAP } from "./layers";
+import { SessionSignals } from "./sessionSignals";
 import type { Receiver } from "./stream";
-import { Terrain } from "./terrain";
-
-interface Notice {
-  readonly kind: "note" | "error";
-  readonly code: string;
-  readonly message: string;
-}
-
-/** Two scans in the map, m: each at its pose, and the second where a measurement between them puts it. */
-export interface ScanPair {
-  readonly poses: readonly Pose[];
-  readonly points: { readonly i: readonly Point[]; readonly j: readonly Point[]; readonly aligned?: readonly Point[] };
-}
-
-/** The cell of a map at a point; null outside the grid. */
-export function cellIn(map: MapPicture | null, point: Point): Cell | null {
-  if (!map) return null;
-  const cell = cellAt(map.geometry, point[0], point[1]);
-  return contains(map.geometry, cell) ? cell : null;
-}
 
 /** State of the session that a page displays, and of its view. */
-export class SessionState implements Receiver {
-  readonly hello = signal<Hello | null>(null);
-  readonly frame = signal<Frame | null>(null);
-  readonly world = signal<WorldMessage | null>(null);
-  readonly trajectory = signal<Trajectory | null>(null);
-  /** When a note on the log was last written, changed or deleted, s since 1970; null before the first such message. */
-  readonly notesChanged = signal<number | null>(null);
-  readonly mapping: Optimistic;
-  readonly sensor: Optimistic;
-  protected readonly robot: Optimistic;
-  readonly #hasRobot = signal(false);
-
-  /** Parts of the frame that change rarely: components that show only these are not rendered 30 times a second. */
-  readonly isReady = computed(() => this.frame.value !== null);
-  readonly playing = computed(() => this.frame.value?.playing ?? true);
-  readonly speed = computed(() => this.frame.value?.speed ?? 1);
-  readonly auto = computed(() => this.frame.value?.auto ?? true);
-  /** Whether the user can drive the robot. */
-  readonly isDriven = computed(() => KINDS[this.hello.value?.kind ?? ""]?.isDriven ?? false);
-
-  /** The displayed map. */
-  readonly map: ReadonlySignal<MapPicture | null>;
-  /** Incremented whenever cells of the displayed map change. */
-  readonly mapVersion: ReadonlySignal<number>;
-  /** The newest message to the user. */
-  readonly notice = signal<Notice | null>(null);
-
-  /** Progress of a long computation of the server; null for none. */
-  readonly working = signal<Work | null>(null);
-
-  /** The view of all pictures; null until their size and the world are known. */
-  readonly view = signal<View | null>(null);
-  /** Whether the user moved the view: it then no longer follows the growth of the map. */
-  readonly viewHeld = signal(false);
-  /** The sizes of all pictures that show the view: a view of everything must fit into the smallest. */
-  readonly pictures = new Map<object, Size>();
-  /** The pointer's position in the world, in any picture. */
-  readonly pointer = signal<Point | null>(null);
-  /** An inspected point that does not follow the pointer: chosen by click or by the keyboard's cursor. */
-  readonly pinned = signal<Point | null>(null);
-  readonly inspected = signal<CellMessage | null>(null);
-  /** The values of the same cell in the second map. */
-  readonly inspectedSecond = signal<CellMessage | null>(null);
-  /** Where the user last moved the robot, and when (performance.now). */
-  readonly teleported = signal<{ readonly at: number; readonly point: Point } | null>(null);
-
-  /** The point to which the robot is being dragged; null while it is not dragged. */
-  readonly draggedTo = signal<Point | null>(null);
-
-  /** The point whose cell is explained; null while no explanation is shown. */
-  readonly explainedPoint = signal<Point | null>(null);
-  /** The layer of the explained cell. */
-  readonly explainedLayer = signal<string>(MAP);
-  /** The newest explanation of that cell. */
-  readonly why = signal<WhyMessage | null>(null);
-  /** Number of the selected update of the explained cell, from 1; null for the newest. */
-  readonly selectedUpdate = signal<number | null>(null);
-
-  /** The two scans of a loop that are shown in the map; null for none. */
-  readonly scanPair = signal<ScanPair | null>(null);
-
-  /** The inspected point. */
-  readonly probe = computed(() => this.pinned.value ?? this.pointer.value);
-  /** The inspected cell; null outside the grid. */
-  readonly cell: ReadonlySignal<Cell | null>;
-  /** The explained cell; null outside the grid. */
-  readonly explainedCell: ReadonlySignal<Cell | null>;
-  /** The map of the explained cell. */
-  readonly explainedMap: ReadonlySignal<MapPicture | null>;
-  /** The contribution of the selected update; null if the answer does not contain it. */
-  readonly selectedContribution: ReadonlySignal<Contribution | null>;
-  /** The sensor's pose at the newest scan as the map uses it: the given mount with its correction from the parameters. */
-  readonly beliefPose: ReadonlySignal<Pose | null>;
-  /** The newest scan as the map uses it: mirrored if the mount is set to upside down. */
-  readonly beliefFrame: ReadonlySignal<Frame | null>;
-  /** The beam towards the inspected point; without one the beam straight ahead. */
-  readonly inspectedBeam: ReadonlySignal<Beam | null>;
-  /** Bounds of the world or of the maps, in metres. */
-  readonly bounds: ReadonlySignal<Bounds | null>;
-
-  /** The robot's faults; null if there is no robot. */
-  readonly faults: ReadonlySignal<Values | null>;
-  /** In what the second map differs; null if there is none. */
-  readonly compared = signal<Compared | null>(null);
-  /** The second map while the page is subscribed to it. */
-  readonly second = signal<DisplayedMap | null>(null);
-  /** How the two maps of a log differ. */
-  readonly comparison = signal<ComparisonMessage | null>(null);
-  /** The layer displayed at a point, if the page shows two maps in one picture. */
-  mapAt: ((point: Point) => string) | null = null;
-  /** How far the maps have forgotten a removed object; null while this is not measured. */
-  readonly forgetting = signal<Forgetting | null>(null);
-  /** How the robot is localized; null before the first message. */
-  readonly localization = signal<LocalizationMessage | null>(null);
-  /** The particle filter that the user wants in the lab. */
-  readonly filter = new FilterSettings();
-  /** The costmap and the path of the simulated robot. */
-  readonly navigation = new Navigation();
-  /** The map in 3D; null before the first message, and of other sessions. */
-  readonly volume = signal<VolumeMessage | null>(null);
-  /** What is shown of it, and how. */
-  readonly look = new Optimistic();
-  /** The voxel that is asked about. */
-  readonly voxel = signal<VoxelMessage | null>(null);
-  /** The 3D map of the simulated robot. */
-  readonly map3d = new Map3d();
-  /** The terrain of its points. */
-  readonly terrain = new Terrain();
-  /** What the user does with a map that is edited. */
-  readonly mapEditing = new MapEditing();
-  /** The grid layer that the belief shows in place of the map; null for the map. */
-  readonly underlay = signal<string | null>(null);
-  /** Where a visitor says that the robot is in a map that it is to be localized in. */
-  readonly givenPose = signal<Pose | null>(null);
-
-  /** The scan that is stepped through cell by cell; null for none. */
-  readonly stepping = signal<Stepping | null>(null);
-  /** The selected editing tool. */
-  readonly editing = new Editing();
-
-  /** The layers of the session. */
-  readonly layers: Layers;
-  readonly #shown: DisplayedMap;
-  readonly #transmit: (command: Command) => boolean;
-  protected readonly outbox: Outbox;
-
-  /** `transmit` sends a command and returns whether there was a connection. */
-  constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
-    this.#transmit = transmit;
-    this.outbox = outbox ?? new Outbox((command) => void transmit(command));
-    this.layers = new Layers((command) => void transmit(command));
-    this.#shown = this.layers.grid(MAP);
-    this.map = this.#shown.map;
-    this.mapVersion = this.#shown.version;
-    this.mapping = new Optimistic();
-    this.sensor = new Optimistic();
-    this.robot = new Optimistic();
-    this.faults = computed(() => (this.#hasRobot.value ? this.robot.values.value : null));
-    // A signal for each parameter of the mount, so that the pictures are not repainted for the others.
-    const mount = (name: string) => computed(() => Number(this.mapping.values.value[name] ?? 0));
-    const [mountX, mountY, mountYaw] = [mount("mount_x"), mount("mount_y"), mount("mount_yaw")];
-    const isUpsideDown = computed(() => this.mapping.values.value.mount_upside_down === true);
-    this.beliefPose = computed(() => {
-      const frame = this.frame.value;
-      if (!frame) return null;
-      const stated = frame.believed_scan_pose ?? frame.scan_pose;
-      return compose(stated, [mountX.value, mountY.value, mountYaw.value]);
-    });
-    this.beliefFrame = computed(() => {
-      const frame = this.frame.value;
-      if (!frame) return frame;
-      const believed = frame.believed_pose ? { ...frame, pose: frame.believed_pose } : frame;
-      return isUpsideDown.value ? mirroredScan(believed) : believed;
-    });
-    this.cell = computed(() => {
-      const probe = this.probe.value;
-      void this.map.value;
-      return probe && this.cellOf(probe);
-    });
-    this.explainedMap = computed(() =>
-      this.explainedLayer.value === SECOND_MAP ? (this.second.value?.map.value ?? null) : this.map.value,
-    );
-    this.explainedCell = computed(() => {
-      const point = this.explainedPoint.value;
-      return point && cellIn(this.explainedMap.value, point);
-    });
-    this.selectedContribution = computed(() => {
-      const why = this.why.value;
-      const first = why?.contributions[0];
-      if (!why || !first) return null;
-      const wanted = Math.min(this.selectedUpdate.value ?? why.total, why.total);
-      return why.contributions[wanted - first.n] ?? null;
-    });
-    this.inspectedBeam = computed(() => {
-      const frame = this.beliefFrame.value;
-      const pose = this.beliefPose.value;
-      if (!frame || !pose || frame.ranges.length === 0) return null;
-      const probe = this.probe.value;
-      return (probe && beamToward(frame, pose, probe)) ?? beamAhead(frame);
-    });
-    this.bounds = computed(() => {
-      const world = this.world.value;
-      const map = this.map.value;
-      if (world || !map) return world?.bounds ?? null;
-      const under = this.underlay.value === null ? null : this.layers.grid(this.underlay.value).map.value;
-      if (under) return extent(under.geometry);
-      const own = extent(map.geometry);
-      const second = this.second.value?.map.value;
-      return second ? around(own, extent(second.geometry)) : own;
-    });
-  }
-
-  /** The cell of the displayed map at a point; null outside the grid. */
-  cellOf(point: Point): Cell | null {
-    return cellIn(this.map.peek(), point);
-  }
-
+export class SessionState extends SessionSignals implements Receiver {
   /** Show everything in every picture, unless the user has chosen a view. */
   fitView(): void {
     const bounds = this.bounds.peek();
@@ -284,7 +36,7 @@ export class SessionState implements Receiver {
   /** Send a command at once, after the earlier commands that wait for the next animation frame. */
   send(command: Command): void {
     this.outbox.flush();
-    this.#transmit(command);
+    this.transmit(command);
   }
 
   /** Send a command with the next animation frame; a newer one of its kind replaces it. */
@@ -313,7 +65,7 @@ export class SessionState implements Receiver {
 
   /** Called for changed cells of the displayed map; see {@link DisplayedMap.onCellChange}. */
   set onCellChange(listener: OnCellChange | null) {
-    this.#shown.onCellChange = listener;
+    this.shown.onCellChange = listener;
   }
 
   // -- received from the stream ------------------------------------------------------------------------------------
@@ -350,10 +102,10 @@ export class SessionState implements Receiver {
         return;
       }
       case "parameters":
-        if (this.mapping.update(message.values)) this.#shown.remake();
+        if (this.mapping.update(message.values)) this.shown.remake();
         if (message.sensor) this.sensor.update(message.sensor);
         this.robot.update(message.faults ?? {});
-        this.#hasRobot.value = message.faults !== undefined;
+        this.hasRobot.value = message.faults !== undefined;
         this.compared.value = message.compare ?? null;
         return;
       case "notes":

@@ -1,4 +1,4 @@
-"""Vectors that compare the lecture's particle filter with the textbook: written here, read by the tests of the pages.
+"""Vectors of the particle filter and its models by the textbook: written here, read by the tests of the pages.
 
 ``python tests/mapper/vectors/test_filter_vectors.py --write`` writes them anew after a change of the textbook.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
-from itertools import product
+from itertools import cycle, product
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,11 @@ import numpy as np
 
 from mapper.localization import textbook
 
-VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "localization" / "filter.vectors.json"
+VECTORS = Path(__file__).parents[3] / "static" / "src" / "grid" / "filter.vectors.json"
 
 POSES = ((0.0, 0.0, 0.0), (0.4, 0.1, 0.3), (-0.5, 0.0, 0.1), (0.003, 0.0, 1.0), (-0.2, -0.6, -2.9))
-ALPHAS = (0.2, 0.1, 0.3, 0.05)
-NORMALS = (0.3, -1.1, 0.7)
+ALPHAS = (0.2, 0.1, 0.3, 0.05, 0.4)
+NORMALS = ((0.3, -1.1, 0.7), (0.0, 0.0, 0.0), (-0.7, 0.3, 1.9))
 WEIGHTS = ((0.1, 0.5, 0.15, 0.25), (0.0, 0.0, 1.0), (0.02,) * 50, (0.9, 0.05, 0.05))
 MIXTURES = (
     {
@@ -40,20 +40,48 @@ MIXTURES = (
         "lambda_short": 1.3,
         "range_max": 5.0,
     },
+    {
+        "z_hit": 0.95,
+        "z_short": 0.1,
+        "z_max": 0.0,
+        "z_rand": 0.05,
+        "sigma_hit": 0.03,
+        "lambda_short": 2.0,
+        "range_max": 8.0,
+    },
 )
 
 
 def motions() -> list[dict[str, Any]]:
     """Return controls, standard deviations and sampled poses between pairs of poses."""
     found = []
-    for before, after in product(POSES, POSES):
+    for (before, after), normals in zip(product(POSES, POSES), cycle(NORMALS)):
         control = textbook.odometry_control(np.array(before), np.array(after))
-        sigmas = textbook.odometry_sigmas(control, ALPHAS)
-        pose = textbook.sample_motion_model_odometry(control, sigmas, np.array(before), np.array(NORMALS))
+        sigmas = textbook.odometry_sigmas(control, ALPHAS[:4])
+        pose = textbook.sample_motion_model_odometry(control, sigmas, np.array(before), np.array(normals))
         found.append(
-            {"before": before, "after": after, "control": control, "sigmas": sigmas.tolist(), "pose": pose.tolist()}
+            {
+                "before": before,
+                "after": after,
+                "normals": normals,
+                "control": control,
+                "sigmas": sigmas.tolist(),
+                "pose": pose.tolist(),
+            }
         )
     return found
+
+
+def omni() -> list[dict[str, Any]]:
+    """Return poses of a robot that moves sideways too, after motions from the origin."""
+    return [
+        {
+            "end": end,
+            "normals": normals,
+            "pose": textbook.sample_motion_model_omni(np.array(end), ALPHAS, np.zeros(3), np.array(normals)).tolist(),
+        }
+        for end, normals in product(POSES, NORMALS)
+    ]
 
 
 def draws() -> list[dict[str, Any]]:
@@ -90,17 +118,23 @@ def densities() -> list[dict[str, Any]]:
 def fields() -> list[dict[str, float]]:
     """Return the factors of end points by their distance from the nearest occupied cell."""
     return [
-        {"distance": d, "q": textbook.likelihood_field_range_finder_model(np.array([d]), 0.5, 0.5, 0.2, 8.0)}
-        for d in (0.0, 0.1, 0.35, 2.0)
+        {
+            "distance": d,
+            "mix": i,
+            "q": textbook.likelihood_field_range_finder_model(
+                np.array([d]), mix["z_hit"], mix["z_rand"], mix["sigma_hit"], mix["range_max"]
+            ),
+        }
+        for d, (i, mix) in product((0.0, 0.1, 0.35, 2.0), enumerate(MIXTURES))
     ]
 
 
 def vectors() -> dict[str, Any]:
     return {
         "alphas": ALPHAS,
-        "normals": NORMALS,
         "mixtures": MIXTURES,
         "motions": motions(),
+        "omni": omni(),
         "draws": draws(),
         "shares": shares(),
         "densities": densities(),
@@ -110,9 +144,9 @@ def vectors() -> dict[str, Any]:
 
 def test_the_vectors_are_those_of_the_textbook() -> None:
     stored, fresh = json.loads(VECTORS.read_text()), json.loads(json.dumps(vectors()))
-    for name in ("alphas", "normals", "mixtures"):
+    for name in ("alphas", "mixtures"):
         assert stored[name] == fresh[name]
-    for name in ("motions", "draws", "shares", "densities", "fields"):
+    for name in ("motions", "omni", "draws", "shares", "densities", "fields"):
         for old, new in zip(stored[name], fresh[name], strict=True):
             for a, b in zip(*(one.values() if isinstance(one, dict) else one for one in (old, new)), strict=True):
                 np.testing.assert_allclose(a, b, atol=1e-9)

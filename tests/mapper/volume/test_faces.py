@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.volume import OccupancyVolume, VolumeConfig, cast
-from mapper.volume.faces import CENTRE, CHUNK, VoxelFaces, chunks_of, face_rule, first_face, mesh_of
+from mapper.volume.faces import CENTRE, CHUNK, VoxelFaces, chunks_of, face_rule, first_face
+from mapper.volume.voxel_mesh import voxel_mesh
 
 RESOLUTION = 0.25
 
@@ -64,10 +65,9 @@ def test_only_the_chunks_of_changed_blocks_are_made_again_and_neighbours_of_a_bo
 
 def test_the_mesh_of_a_map_is_closed_and_of_the_voxels_volume() -> None:
     volume = room()
-    faces = VoxelFaces()
-    faces.update(volume, face_rule(volume, -9.0, 9.0, base=0.0, band=1.0, colours=1), chunks_of(volume))
-    vertices, triangles = mesh_of(faces, RESOLUTION)
-    a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
+    mesh = voxel_mesh(volume)
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(np.float64) for k in range(3))
     enclosed = float((a * np.cross(b, c)).sum()) / 6.0  # by the divergence theorem
     occupied, _ = volume.count_states()
     np.testing.assert_allclose(enclosed, occupied * RESOLUTION**3, rtol=1e-5)
+    np.testing.assert_array_equal(np.sign(np.cross(b - a, c - a)), mesh.normals[mesh.triangles[:, 0]])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mapper.core.se2 import compose
-from mapper.mapping import textbook
+from mapper.mapping import textbook, textbook_deskew
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions.why import MAX_CONTRIBUTIONS, STRETCHES, thinned
@@ -99,7 +99,7 @@ async def test_a_deskewed_beam_has_the_pose_of_its_own_time(
     await obey(session, type="seek", index=11)
     values = session.model.config.with_values({"mount_yaw": 0.02})
     await obey(session, type="parameters", values={"mount_yaw": 0.02})
-    one_by_one = [textbook.deskewed(log, t, values) for t in range(11)]
+    one_by_one = [textbook_deskew.deskewed(log, t, values) for t in range(11)]
     hits = 0
     for row, col in some_cells(session, 8):
         said = await answer(obey, session, row=row, col=col)

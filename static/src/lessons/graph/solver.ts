@@ -4,6 +4,7 @@
  * (the kernel whose scale shrinks), Zhang 1997 (the weights).
  */
 
+import { wrapped } from "../../grid/angles";
 import type { Pose } from "../../wire/protocol";
 import type { Symmetric } from "../matching/symmetric";
 
@@ -45,8 +46,6 @@ const STOP = 1e-5;
 const SHRINK = 0.25;
 /** Radians: of one step, where the linearisation holds. */
 const GREATEST_TURN = 0.5;
-
-export const wrapped = (angle: number): number => angle - 2 * Math.PI * Math.floor((angle + Math.PI) / (2 * Math.PI));
 
 /** T_a_b of T_o_a and T_o_b: the motion from the one to the other. */
 export function between(a: Pose, b: Pose): Pose {

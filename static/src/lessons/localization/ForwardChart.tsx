@@ -1,10 +1,10 @@
 import type { Signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { type BeamMixture, beamParts, normalPeak } from "../../grid/rangeModels";
 import { toPixel } from "../../render/chart/scale";
 import { Handle } from "../../ui/Handle";
 import { keyed, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
-import { type BeamMixture, beamParts } from "./filter";
 import { RANGE_MAX, type Share, withShare } from "./sensor";
 
 const HEIGHT = 236;
@@ -18,7 +18,6 @@ const RAND_AT = 7;
 const SHARE = { low: 0, high: 0.97, step: 0.01 };
 const SIGMA = { low: 0.05, high: 1, step: 0.01 };
 const EXPECTED = { low: 1.5, high: 6.5, step: 0.05 };
-const ROOT = Math.sqrt(2 * Math.PI);
 
 interface ForwardChartProps {
   readonly mix: Signal<BeamMixture>;
@@ -50,7 +49,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
       tone: "tone-hit",
       sentence: "Share of readings of what the map has.",
       at: z,
-      unit: 1 / (now.sigma_hit * ROOT),
+      unit: normalPeak(now.sigma_hit),
       anchor: "middle",
     },
     {
@@ -96,7 +95,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
         const line = (of: (parts: ReturnType<typeof beamParts>) => number): string =>
           samples.map(([at, parts], i) => `${i ? "L" : "M"}${x(at).toFixed(1)} ${y(of(parts)).toFixed(1)}`).join("");
         const total = line(({ hit, short, rand }) => hit + short + rand);
-        const sigmaY = y((now.z_hit * Math.exp(-0.5)) / (now.sigma_hit * ROOT));
+        const sigmaY = y(now.z_hit * Math.exp(-0.5) * normalPeak(now.sigma_hit));
         return (
           <>
             <path class="particle-floor" d={`M${x(0)} ${bottom}H${x(RANGE_MAX)}`} />

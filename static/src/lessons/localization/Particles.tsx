@@ -1,4 +1,5 @@
 import { useSignal } from "@preact/signals";
+import { effectiveNumber } from "../../grid/particleFilter";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
@@ -22,7 +23,6 @@ import {
   start,
   weights,
 } from "./corridor";
-import { effectiveNumber } from "./filter";
 import "../../render/chart/chart.css";
 import "./localization.css";
 import { Wheel } from "./Wheel";

@@ -1,5 +1,6 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import type { BeamMixture } from "../../grid/rangeModels";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { Handle } from "../../ui/Handle";
@@ -7,7 +8,6 @@ import { keyed, signed, written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
 import { ForwardChart } from "./ForwardChart";
-import type { BeamMixture } from "./filter";
 import { backwards, CELL, evidence, FIRST, RANGE_MAX } from "./sensor";
 import "../../render/chart/chart.css";
 import "./localization.css";

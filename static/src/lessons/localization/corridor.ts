@@ -5,8 +5,8 @@
  * particles. Metres along the corridor.
  */
 
+import { independentSampler, lowVarianceSampler, normalized } from "../../grid/particleFilter";
 import { normal, seeded } from "../../grid/random";
-import { independentSampler, lowVarianceSampler, normalized } from "./filter";
 
 export const LENGTH = 12;
 export const DOORS: readonly number[] = [2, 5, 9.5];

@@ -2,11 +2,11 @@
 
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import { normal, seeded } from "../../grid/random";
+import { type FieldMixture, fieldLikelihood } from "../../grid/rangeModels";
 import type { Point, Pose } from "../../wire/protocol";
 import { allRound, scanFrom, type Wall } from "../common/world";
 import { FLOOR, POLISHED, TABLE, WALLS } from "../stage/floor";
 import { geometryOf } from "../stage/sensing";
-import { type FieldMixture, fieldDensity } from "./filter";
 
 /** What the map has: all walls and the cupboard. */
 export const MAPPED: readonly Wall[] = [...WALLS, POLISHED, ...TABLE];
@@ -70,7 +70,7 @@ export function logLikelihood(points: readonly Point[], [x, y, yaw]: Pose, mixtu
   const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
   let sum = 0;
   for (const [px, py] of points)
-    sum += Math.log(fieldDensity(distanceAt(x + c * px - s * py, y + s * px + c * py), mixture));
+    sum += Math.log(fieldLikelihood(distanceAt(x + c * px - s * py, y + s * px + c * py), mixture));
   return sum;
 }
 

@@ -1,19 +1,12 @@
 /** A robot that walks about the floor and may be carried away, and the augmented MCL that follows it. */
 
+import { wrapped } from "../../grid/angles";
+import { type Alphas, odometryControl, odometrySigmas, sampleMotion } from "../../grid/motionModel";
+import { augmentedShare, lowVarianceSampler, normalized } from "../../grid/particleFilter";
 import { seeded } from "../../grid/random";
 import type { Point, Pose } from "../../wire/protocol";
 import { castRay } from "../common/world";
 import { endPoints, isFree, logLikelihood, MAPPED, randomPose, threeNormals } from "./field";
-import {
-  type Alphas,
-  augmentedShare,
-  lowVarianceSampler,
-  normalized,
-  odometryControl,
-  odometrySigmas,
-  sampleMotion,
-  wrapped,
-} from "./filter";
 
 export interface Settings {
   readonly particles: number;

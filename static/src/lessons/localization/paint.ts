@@ -1,11 +1,11 @@
 /** Paints particles and the likelihood field over the map of the stage. */
 
+import { fieldLikelihood } from "../../grid/rangeModels";
 import { tokenRgb } from "../../style/colour";
 import type { Pose } from "../../wire/protocol";
 import type { Projection } from "../stage/camera";
 import { paintCells } from "../stage/paintCells";
 import { distances, FIELD_GEOMETRY, MIXTURE } from "./field";
-import { fieldDensity } from "./filter";
 
 /** Radius of a dot, CSS pixels, on a stage with so many pixels for a metre; smaller on a smaller one. */
 const DOT = 2.2;
@@ -50,11 +50,11 @@ export function paintCloud(
 /** The likelihood field: the more likely an end point is in a cell, the more colour it has. */
 export function paintField(context: CanvasRenderingContext2D, at: Projection): void {
   const [r, g, b] = tokenRgb("--hit-fill");
-  const best = fieldDensity(0, MIXTURE);
-  const least = fieldDensity(2, MIXTURE);
+  const best = fieldLikelihood(0, MIXTURE);
+  const least = fieldLikelihood(2, MIXTURE);
   const colours = new Uint8ClampedArray(4 * distances().length);
   distances().forEach((distance, i) => {
-    const share = (fieldDensity(distance, MIXTURE) - least) / (best - least);
+    const share = (fieldLikelihood(distance, MIXTURE) - least) / (best - least);
     colours.set([r, g, b, 235 * share], 4 * i);
   });
   paintCells(context, at, FIELD_GEOMETRY, colours);

@@ -1,13 +1,13 @@
 /** What the stage shows beside the sections on localization. */
 
 import { compose } from "../../grid/lattice";
+import { effectiveNumber } from "../../grid/particleFilter";
 import { written } from "../../ui/numbers";
 import type { Point, Pose } from "../../wire/protocol";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import type { StageTransform } from "../common/Stage";
 import { type MarkProps, type Scene, scene } from "../stage/scene";
 import { distanceAt, endPoints, isFree, logLikelihood } from "./field";
-import { effectiveNumber } from "./filter";
 import { carry, NEAR } from "./kidnap";
 import { paintCloud, paintField } from "./paint";
 import { continueWalk, scanningAt, supposedAt, TAKEN_AT, walk, weighed } from "./state";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { beamDensity } from "./filter";
+import { beamDensity } from "../../grid/rangeModels";
 import { backwards, evidence, FIRST, inverse, type Share, withShare } from "./sensor";
 
 describe("the inverse of the beam model", () => {

@@ -5,7 +5,7 @@
  * ones. Metres along one beam.
  */
 
-import { type BeamMixture, beamDensity } from "./filter";
+import { type BeamMixture, beamDensity } from "../../grid/rangeModels";
 
 export const RANGE_MAX = 8;
 export const FIRST: BeamMixture = {

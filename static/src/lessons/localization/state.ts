@@ -1,11 +1,11 @@
 /** What a reader can change in the sections on localization. */
 
 import { computed, signal } from "@preact/signals";
+import { normalized } from "../../grid/particleFilter";
 import { seeded } from "../../grid/random";
 import type { Pose } from "../../wire/protocol";
 import { onPath } from "../stage/path";
 import { endPoints, logLikelihood, randomPose } from "./field";
-import { normalized } from "./filter";
 import { firstState, INITIAL, type Settings, type Walk } from "./kidnap";
 
 /** Where the robot is whose scan weighs the poses of the first section. */

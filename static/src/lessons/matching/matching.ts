@@ -1,5 +1,6 @@
 /** What the figure does with two scans: a match by a method, its result, and the fields beneath. */
 
+import { wrapped } from "../../grid/angles";
 import { centreOf } from "../../grid/lattice";
 import type { GridGeometry } from "../../grid/occupancyGrid";
 import type { Pose } from "../../wire/protocol";
@@ -35,8 +36,6 @@ const LEAST_INFORMATION = 0.03;
 const FOUND = { distance: 0.1, turn: 4 * DEGREE };
 /** A match this near to the hand snaps: metres, radians, and the least score. */
 const SNAP = { distance: 0.4, turn: 25 * DEGREE, score: 0.55 };
-
-const wrapped = (angle: number): number => Math.atan2(Math.sin(angle), Math.cos(angle));
 
 /** How far one pose is from another: metres, and radians from 0 to π. */
 export const apart = (a: Pose, b: Pose): { readonly distance: number; readonly turn: number } => ({

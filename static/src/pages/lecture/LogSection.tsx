@@ -4,7 +4,8 @@ import { Dropzone } from "../../ui/Dropzone";
 import type { Folder } from "../../ui/droppedFiles";
 import { bytes } from "../../ui/numbers";
 import { groupIntoLogs } from "../logs/groupFiles";
-import { arrivalAddress, arrived, upload, uploads } from "../logs/library";
+import { arrivalAddress, arrived } from "../logs/library";
+import { upload, uploads } from "../logs/uploading";
 import { Section, type SectionHead } from "./Section";
 
 /** Uploads files and then opens the logs page; a log that comes alone is opened there once it was read. */

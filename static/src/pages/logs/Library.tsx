@@ -6,22 +6,8 @@ import { Icon } from "../../ui/Icon";
 import { Finder, isFiltered } from "./Finder";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
-import {
-  arrived,
-  cancel,
-  dismiss,
-  isMoving,
-  type LogRecord,
-  listError,
-  logs,
-  PAGE,
-  total,
-  type Upload,
-  uploadAll,
-  uploads,
-  wanted,
-  watch,
-} from "./library";
+import { arrived, isMoving, type LogRecord, listError, logs, PAGE, total, wanted, watch } from "./library";
+import { cancel, dismiss, type Upload, uploadAll, uploads } from "./uploading";
 import { uploadText } from "./uploadText";
 
 /** The list of all logs, and the drop zone for uploads. */

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { Upload } from "./library";
+import type { Upload } from "./uploading";
 import { uploadText } from "./uploadText";
 
 const upload = (sent: number, since: Upload["since"]): Upload => ({

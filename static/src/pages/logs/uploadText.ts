@@ -1,7 +1,7 @@
 /** How far an upload is, in words. */
 
 import { bytes, clock } from "../../ui/numbers";
-import type { Upload } from "./library";
+import type { Upload } from "./uploading";
 
 /** A rate is stated once it was measured for so long. */
 const MEASURED_MS = 2000;

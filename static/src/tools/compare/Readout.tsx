@@ -5,7 +5,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import { logOddsAt, stateAt } from "../../grid/cellValues";
 import type { MapPicture } from "../../render/map/mapPicture";
 import { MAP, SECOND_MAP } from "../../store/layers";
-import { cellIn } from "../../store/sessionState";
+import { cellIn } from "../../store/sessionSignals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { LiveRegion } from "../../ui/LiveRegion";

@@ -1,6 +1,6 @@
 /** The scores of the poses around a loop, as the server computes them, and what a place among them stands for. */
 
-import type { ScanPair } from "../../store/sessionState";
+import type { ScanPair } from "../../store/sessionSignals";
 import type { Point, Pose } from "../../wire/protocol";
 
 export interface LoopHill {

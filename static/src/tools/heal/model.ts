@@ -1,7 +1,7 @@
 /** The pose graph of a healed log, as the server tells of it, and what a place of the picture stands for. */
 
 import { columnOf, type LayerContent } from "../../render/picture/overlays";
-import type { ScanPair } from "../../store/sessionState";
+import type { ScanPair } from "../../store/sessionSignals";
 import type { Point } from "../../wire/protocol";
 import { CONTRADICTS, STRAINED } from "./poseGraph";
 

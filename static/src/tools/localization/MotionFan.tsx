@@ -2,12 +2,19 @@
 
 import { useSignal } from "@preact/signals";
 import { useMemo, useRef } from "preact/hooks";
-import { type Alphas, type Normals, type Pose3, sampleDifferential, sampleOmni } from "../../grid/motionModel";
+import {
+  type Normals,
+  type OmniAlphas,
+  odometryControl,
+  odometrySigmas,
+  sampleMotion,
+  sampleOmni,
+} from "../../grid/motionModel";
 import { normal, seeded } from "../../grid/random";
 import { written } from "../../ui/numbers";
 import { useWidth } from "../../ui/useWidth";
 import { zoomOf } from "../../ui/zoom";
-import type { Values } from "../../wire/protocol";
+import type { Pose, Values } from "../../wire/protocol";
 import "./localization.css";
 
 const HEIGHT = 220;
@@ -17,7 +24,8 @@ const METRES = 1.2;
 const START = 0.16;
 const STEP = 0.05;
 const TURN = Math.PI / 36;
-const FIRST: Pose3 = [0.6, 0.12, 0.3];
+const ORIGIN: Pose = [0, 0, 0];
+const FIRST: Pose = [0.6, 0.12, 0.3];
 const ARROW = 24;
 
 const KEYS: Readonly<Record<string, readonly [x: number, y: number]>> = {
@@ -32,25 +40,30 @@ const degrees = (angle: number): string => written((angle * 180) / Math.PI, 0);
 export function MotionFan({ values }: { readonly values: Values }) {
   const box = useRef<HTMLDivElement>(null);
   const width = useWidth(box, 400).value;
-  const end = useSignal<Pose3>(FIRST);
-  const held = useRef<{ x: number; y: number; from: Pose3 } | null>(null);
+  const end = useSignal<Pose>(FIRST);
+  const held = useRef<{ x: number; y: number; from: Pose } | null>(null);
   const normals = useMemo(() => {
     const random = seeded(5);
     return Array.from({ length: SAMPLES }, (): Normals => [normal(random), normal(random), normal(random)]);
   }, []);
-  const alphas = [1, 2, 3, 4, 5].map((k) => Number(values[`alpha${k}`])) as unknown as Alphas;
-  const sample = values.robot_model_type === "omni" ? sampleOmni : sampleDifferential;
+  const alphas = [1, 2, 3, 4, 5].map((k) => Number(values[`alpha${k}`])) as unknown as OmniAlphas;
+  const control = odometryControl(ORIGIN, end.value);
+  const sigmas = odometrySigmas(control, alphas);
+  const sample = (draws: Normals): Pose =>
+    values.robot_model_type === "omni"
+      ? sampleOmni(end.value, alphas, draws)
+      : sampleMotion(control, sigmas, ORIGIN, draws);
   const scale = HEIGHT / METRES;
   const x = (metres: number): number => START * width + scale * metres;
   const y = (metres: number): number => HEIGHT / 2 - scale * metres;
   const [ex, ey, yaw] = end.value;
-  const poses = normals.map((one) => sample(end.value, alphas, one));
+  const poses = normals.map(sample);
   const dots = poses.map(([px, py]) => `M${x(px).toFixed(1)} ${y(py).toFixed(1)}h0`).join("");
   const looks = poses
     .filter((_, i) => i % 16 === 0)
     .map(([px, py, a]) => `M${x(px).toFixed(1)} ${y(py).toFixed(1)}l${9 * Math.cos(a)} ${-9 * Math.sin(a)}`)
     .join("");
-  const place = ([px, py, a]: Pose3): void => {
+  const place = ([px, py, a]: Pose): void => {
     const inside = (v: number, low: number, high: number): number => Math.min(high, Math.max(low, v));
     const far = (0.96 - START) * width;
     end.value = [inside(px, (-START * width + 8) / scale, far / scale), inside(py, -0.45 * METRES, 0.45 * METRES), a];

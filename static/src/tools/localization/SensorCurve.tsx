@@ -2,11 +2,11 @@
 
 import { useRef } from "preact/hooks";
 import {
+  type BeamMixture,
   beamDensity,
+  beamParts,
   fieldLikelihood,
-  hitDensity,
-  hitPeak,
-  type RangeMixture,
+  normalPeak,
   shortDensity,
 } from "../../grid/rangeModels";
 import { type Scale, ticks, toPixel } from "../../render/chart/scale";
@@ -33,7 +33,7 @@ export interface CurveProps {
 }
 
 interface Grip {
-  readonly name: keyof RangeMixture | "laser_likelihood_max_dist";
+  readonly name: keyof BeamMixture | "laser_likelihood_max_dist";
   readonly label: string;
   readonly sentence: string;
   readonly axis: "x" | "y";
@@ -51,24 +51,23 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
   const box = useRef<HTMLDivElement>(null);
   const width = useWidth(box, 400).value;
   const from = useRef(0);
-  const mixture = values as unknown as RangeMixture;
   const isBeam = values.laser_model_type === "beam";
   const wallReach = Number(values.laser_likelihood_max_dist);
   const limit = Number(values.laser_max_range);
   const longest = limit > 0 ? Math.min(limit, range_max) : range_max;
+  const mixture = { ...values, range_max: longest } as unknown as BeamMixture;
   const row = (name: string): Range => rows.find((one) => one.name === name) ?? NO_ROW;
   const reach = isBeam ? longest : Math.max(1, Math.ceil(2 * Math.max(1.25 * wallReach, 2 * mixture.sigma_hit)) / 2);
   const xs: Scale = { low: 0, high: reach, from: LEFT, to: width - RIGHT };
   const ys = logScale(BOTTOM, TOP);
   const expected = EXPECTED * longest;
+  const below = longest * (1 - 1e-9); // at the longest range itself is no density but z_max
   const likelihood = (s: number): number =>
-    isBeam ? beamDensity(s, expected, longest, mixture) : fieldLikelihood(s, wallReach, longest, mixture);
+    isBeam ? beamDensity(Math.min(s, below), expected, mixture) : fieldLikelihood(s, mixture, wallReach);
   const points = distances(reach, isBeam ? expected : 0, mixture.sigma_hit);
   const path = (of: (s: number) => number): string =>
     points.map((s, i) => `${i ? "L" : "M"}${toPixel(s, xs).toFixed(1)} ${ys.at(of(s)).toFixed(1)}`).join("");
-  const grips = isBeam
-    ? beamGrips(mixture, expected, longest, xs, ys)
-    : fieldGrips(mixture, wallReach, longest, xs, ys);
+  const grips = isBeam ? beamGrips(mixture, expected, xs, ys) : fieldGrips(mixture, wallReach, xs, ys);
   const change = (name: string, value: number): void => {
     if (Number.isFinite(value)) set({ [name]: snap(value, row(name)) });
   };
@@ -101,11 +100,8 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
         {isBeam && (
           <>
             <line class="expected" x1={toPixel(expected, xs)} x2={toPixel(expected, xs)} y1={TOP} y2={BOTTOM} />
-            <path class="part" d={path((s) => hitDensity(s, expected, mixture))} />
-            <path
-              class="part"
-              d={path((s) => shortDensity(Math.min(s, expected), expected, mixture) * (s <= expected ? 1 : 0))}
-            />
+            <path class="part" d={path((s) => beamParts(s, expected, mixture).hit)} />
+            <path class="part" d={path((s) => shortDensity(s, expected, mixture))} />
             <line
               class="no-return"
               x1={width - RIGHT + 14}
@@ -165,25 +161,24 @@ export function SensorCurve({ values, rows, range_max, set }: CurveProps) {
   );
 }
 
-const ROOT = Math.sqrt(2 * Math.PI);
-
-function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale, ys: LogScale): readonly Grip[] {
+function beamGrips(m: BeamMixture, expected: number, xs: Scale, ys: LogScale): readonly Grip[] {
   const perMetre = (xs.to - xs.from) / (xs.high - xs.low);
   const share = 1 - Math.exp(-m.lambda_short * expected);
+  const peak = m.z_hit * normalPeak(m.sigma_hit);
   const shortAt = (z: number): number => shortDensity(z, expected, m);
   const middle = 0.55 * expected;
-  const near = 0.06 * longest;
-  const floor = FLOOR_AT * longest;
+  const near = 0.06 * m.range_max;
+  const floor = FLOOR_AT * m.range_max;
   return [
     {
       name: "z_hit",
       label: "z_hit",
       sentence: "Share of readings of what the map has.",
       axis: "y",
-      at: [toPixel(expected, xs), ys.at(hitPeak(m))],
+      at: [toPixel(expected, xs), ys.at(peak)],
       tone: "tone-hit",
       unit: "",
-      of: (pixel) => ys.of(pixel) * m.sigma_hit * ROOT,
+      of: (pixel) => ys.of(pixel) / normalPeak(m.sigma_hit),
       text: [-12, 4, "end"],
     },
     {
@@ -191,7 +186,7 @@ function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale
       label: "sigma_hit",
       sentence: "Standard deviation of readings of what the map has.",
       axis: "x",
-      at: [toPixel(expected, xs) + Math.max(14, m.sigma_hit * perMetre), ys.at(0.607 * hitPeak(m)) + 14],
+      at: [toPixel(expected, xs) + Math.max(14, m.sigma_hit * perMetre), ys.at(0.607 * peak) + 14],
       tone: "tone-hit",
       unit: "metres",
       of: (pixel) => (pixel - toPixel(expected, xs)) / perMetre,
@@ -225,10 +220,10 @@ function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale
       label: "z_rand",
       sentence: "Share of readings of any range.",
       axis: "y",
-      at: [toPixel(floor, xs), ys.at(m.z_rand / longest)],
+      at: [toPixel(floor, xs), ys.at(m.z_rand / m.range_max)],
       tone: "tone-miss",
       unit: "",
-      of: (pixel) => ys.of(pixel) * longest,
+      of: (pixel) => ys.of(pixel) * m.range_max,
       text: [0, 22, "middle"],
     },
     {
@@ -245,8 +240,8 @@ function beamGrips(m: RangeMixture, expected: number, longest: number, xs: Scale
   ];
 }
 
-function fieldGrips(m: RangeMixture, reach: number, longest: number, xs: Scale, ys: LogScale): readonly Grip[] {
-  const floor = m.z_rand / longest;
+function fieldGrips(m: BeamMixture, reach: number, xs: Scale, ys: LogScale): readonly Grip[] {
+  const floor = m.z_rand / m.range_max;
   return [
     {
       name: "z_hit",
@@ -264,7 +259,7 @@ function fieldGrips(m: RangeMixture, reach: number, longest: number, xs: Scale, 
       label: "sigma_hit",
       sentence: "Standard deviation of readings of what the map has.",
       axis: "x",
-      at: [toPixel(m.sigma_hit, xs), ys.at(fieldLikelihood(m.sigma_hit, reach, longest, m))],
+      at: [toPixel(m.sigma_hit, xs), ys.at(fieldLikelihood(m.sigma_hit, m, reach))],
       tone: "tone-hit",
       unit: "metres",
       of: (pixel) => ((pixel - xs.from) / (xs.to - xs.from)) * xs.high,
@@ -278,7 +273,7 @@ function fieldGrips(m: RangeMixture, reach: number, longest: number, xs: Scale, 
       at: [toPixel(0.72 * reach, xs), ys.at(floor)],
       tone: "tone-miss",
       unit: "",
-      of: (pixel) => ys.of(pixel) * longest,
+      of: (pixel) => ys.of(pixel) * m.range_max,
       text: [0, -13, "middle"],
     },
     {

@@ -1,3 +1,4 @@
+import "./ownSlide.css";
 import { useEffect, useRef } from "preact/hooks";
 import { act, canAct } from "./acts";
 import { listenToKeys } from "./keys";

@@ -1,3 +1,4 @@
+import "./slidePicture.css";
 import { useEffect, useRef } from "preact/hooks";
 import { useWidth } from "../../../ui/useWidth";
 import { SLIDE } from "./scale";

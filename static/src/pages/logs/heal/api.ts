@@ -1,6 +1,6 @@
 /** Requests about SLAM of a log and about its pose graph. Each rejects with the server's sentence. */
 
-import type { ScanPair } from "../../../store/sessionState";
+import type { ScanPair } from "../../../store/sessionSignals";
 import type { LoopHill } from "../../../tools/heal/hill";
 import type { Candidate, Edge, Place, PoseGraph } from "../../../tools/heal/model";
 import type { Parameter, Values } from "../../../wire/protocol";

@@ -2,7 +2,7 @@
 
 import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import type { ScanPair } from "../../../store/sessionState";
+import type { ScanPair } from "../../../store/sessionSignals";
 import type { Store } from "../../../store/store";
 import { type HillPlace, type LoopHill, pairAt } from "../../../tools/heal/hill";
 import { type Candidate, type Edge, edgeAt, loopAt, type Place, type PoseGraph } from "../../../tools/heal/model";

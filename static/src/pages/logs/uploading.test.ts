@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { cancel, upload, uploads } from "./library";
+import { cancel, upload, uploads } from "./uploading";
 
 describe("many files", () => {
   afterEach(() => {

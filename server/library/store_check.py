@@ -1,0 +1,25 @@
+"""A check of the stores of a library before a server uses them."""
+
+from __future__ import annotations
+
+from server.library.blobs import Blobs
+from server.library.storage import private_folder
+from server.library.workers import worker_at
+from server.settings import Settings
+
+
+def check_stores(settings: Settings) -> None:
+    """Open the stores of a library, bring them up to date and close them. Raises :class:`StorageError`."""
+    from server.library.database import Database  # noqa: PLC0415
+    from server.library.store_identity import check_store_identity  # noqa: PLC0415 - who reads logs does without SQLAlchemy
+
+    root = settings.data_dir / "library"
+    private_folder(root)
+    blobs = Blobs.at(settings.blobs, root)
+    database = Database.open(settings.database_url, root)
+    try:
+        check_store_identity(database, blobs)
+    finally:
+        database.close()
+    if settings.executor is not None:
+        worker_at(settings.executor, 0, root).close()

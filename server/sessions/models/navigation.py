@@ -1,0 +1,147 @@
+"""The costmap over the map of a session, and the path to a goal on it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from mapper.core.array_types import Int8Array
+from mapper.core.errors import ConfigError
+from mapper.costmap import Footprint
+from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
+from mapper.grid import OccupancyGrid
+from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
+from server.sessions.models.lab_costmap import LabCostmap, StaticMap, strokes_of
+from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2
+from server.sessions.models.lab_path import LabPath
+from server.sessions.models.navigation_messages import COMMANDS, commands_of, cost_message, costmap_message
+from server.sessions.tick import TickResult
+from server.stream.layers import Layer
+from server.stream.protocol import ProtocolError, number, text, values
+
+
+class Navigation(ABC):
+    """The costmap and the path, from the command ``costmap`` on until the same command ends them."""
+
+    def __init__(self) -> None:
+        self._costmap: LabCostmap | None = None
+        self._path = LabPath()
+        self._is_new = False  #: whether the costs have to be brought up to date before the next scan
+        self._is_stale = False  #: whether the path has to be planned anew
+
+    @abstractmethod
+    def _check(self, wanted: Mapping[str, Any]) -> None:
+        """Raise :class:`ConfigError` for parameters that this session cannot have."""
+
+    @abstractmethod
+    def _map(self, parameters: LabParameters) -> OccupancyGrid:
+        """Return the map of the static layer."""
+
+    @abstractmethod
+    def _plan(self) -> StaticMap:
+        """Return the map that takes its place if the parameter ``map`` says so."""
+
+    @abstractmethod
+    def _forget_scans(self) -> None:
+        """Have the next scan looked at by a costmap that is new."""
+
+    @abstractmethod
+    def _drives(self, command: dict[str, Any]) -> bool:
+        """Return whether the robot is to drive to the goal of a command."""
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """The costs, the sheets, the path and its potential; none while it is off."""
+        return () if self._costmap is None else (*self._costmap.layers, *self._path.layers)
+
+    @property
+    def cells(self) -> int:
+        """Cells of the grids that it holds."""
+        return 0 if self._costmap is None else self._costmap.cells
+
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap and goal."""
+        return commands_of(self._costmap, self._path)
+
+    def present_mask(self) -> Int8Array | None:
+        """Return the mask of the keepout zones."""
+        return None if self._costmap is None else self._costmap.mask
+
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the messages ``costmap`` and ``path``."""
+        return [costmap_message(self._costmap), self._path.message()]
+
+    def end(self, result: TickResult) -> None:
+        """Keep no costmap and no path any more."""
+        if self._costmap is not None:
+            self._costmap, self._path = None, LabPath()
+            for told in self.messages():
+                result.slot(told)
+
+    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+        """Carry out a command for the costmap or the path; return whether it was one.
+
+        Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then.
+        """
+        if command["type"] not in COMMANDS:
+            return False
+        costmap = self._costmap
+        if command["type"] == "costmap":
+            self._set(command, result)
+        elif costmap is None:
+            raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
+        elif command["type"] == "goal":
+            place = (number(command, "x"), number(command, "y")) if command.get("x") is not None else None
+            self._path.head_for(place, drives=self._drives(command))
+            self._is_stale = True
+        elif command["type"] == "cost":
+            x, y = number(command, "x"), number(command, "y")
+            result.answer(cost_message(x, y, costmap.why(x, y)))
+        else:
+            self._exchange(costmap, command, result)
+        result.changed = True
+        return True
+
+    def _set(self, command: dict[str, Any], result: TickResult) -> None:
+        if not command.get("value", True):
+            self.end(result)
+            return
+        costmap = self._costmap
+        wanted = values({"values": {}} | command)
+        self._check(wanted)
+        parameters = (LabParameters() if costmap is None else costmap.parameters).with_values(wanted)
+        corners = command.get("footprint")
+        if corners is not None:
+            if len(corners) > MOST_CORNERS:
+                raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
+            parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
+        strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
+        if costmap is None:
+            self._costmap = costmap = LabCostmap(self._map(parameters), self._plan, parameters)
+            self._forget_scans()
+        elif parameters != costmap.parameters:
+            costmap.change(parameters, self._map(parameters), self._plan)
+        if strokes is not None:
+            costmap.paint(strokes)
+        self._note_change(result)
+
+    def _exchange(self, costmap: LabCostmap, command: dict[str, Any], result: TickResult) -> None:
+        """Answer with the parameters as Nav2's yaml, or take them from one."""
+        if command.get("text") is None:
+            parts = nav2_yaml(costmap.parameters.nav2, costmap.geometry.resolution)
+            path = nav2_path_yaml(costmap.parameters.planner, costmap.parameters.pursuit)
+            result.answer({"type": "nav2", "text": parts + path})
+            return
+        data = text(command, "text").encode()
+        found = from_nav2(
+            costmap.parameters, parse_nav2_costmap(data), parse_nav2_planner(data), parse_nav2_pursuit(data)
+        )
+        costmap.change(found, self._map(found), self._plan)
+        self._note_change(result)
+        result.answer({"type": "nav2", "text": None})
+
+    def _note_change(self, result: TickResult) -> None:
+        self._is_new = self._is_stale = True
+        result.slot(self.messages()[0])

@@ -1,0 +1,87 @@
+"""Answers why a voxel of a map in 3D is as it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.errors import ConfigError
+from mapper.volume.faces import FaceRule, first_face
+from mapper.volume.occupancy import centres_of, keys_of
+from mapper.volume.provenance import why_voxel
+from mapper.volume.replayed import ReplayedVolume
+from mapper.volume.scan_sequence import ScanSequence
+from server.sessions.models.volume_drawings import VolumeDrawings
+from server.sessions.models.volume_messages import update_fields, voxel_message
+from server.sessions.tick import TickResult
+from server.stream.protocol import number
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
+
+
+class VoxelQuestions:
+    """Answers about voxels; the one that was asked about last is chosen in the drawings."""
+
+    def __init__(self, host: ModelHost, drawn: VolumeDrawings) -> None:
+        self._host, self._drawn = host, drawn
+
+    def obey(
+        self, command: dict[str, Any], now: ReplayedVolume, rule: Callable[[], FaceRule], result: TickResult
+    ) -> bool:
+        """Carry out a command about a voxel of the map ``now``; return whether it was one.
+
+        ``rule`` returns which faces are drawn. Raises :class:`ConfigError` for a place outside of the lattice.
+        """
+        match command["type"]:
+            case "voxel":
+                self._ask(_key_at(command, now), now, result)
+            case "voxel_ray":
+                origin, direction = (np.array(command[name], dtype=np.float64) for name in ("origin", "direction"))
+                key = first_face(now.volume, rule(), origin, direction)
+                self._ask(None if key is None else np.array(key), now, result)
+            case _:
+                return False
+        return True
+
+    def clear(self, resolution: float, result: TickResult) -> None:
+        """Choose none."""
+        self._drawn.choose(None, 0.0, ())
+        result.slot(voxel_message(None, resolution))
+
+    def _ask(self, key: Int64Array | None, now: ReplayedVolume, result: TickResult) -> None:
+        """Answer why a voxel is as it is; None chooses none."""
+        config = now.config
+        if key is None:
+            self.clear(config.resolution, result)
+            return
+        updates = []
+        if isinstance(now.source, ScanSequence):
+            scans = map(now.source.scan, range(now.index))
+            with self._host.cancellable():
+                updates = why_voxel(scans, config, key, self._host.may_continue)
+        centre = centres_of(key[None], config.resolution)[0]
+        self._drawn.choose(centre, config.resolution, updates)
+        value = float(now.volume.log_odds_of(key[None])[0])
+        known = not math.isnan(value)
+        state = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"
+        result.slot(
+            voxel_message(centre, config.resolution)
+            | {"log_odds": value if known else None, "state": state, "index": now.index}
+            | update_fields(updates)
+        )
+
+
+def _key_at(command: dict[str, Any], now: ReplayedVolume) -> Int64Array | None:
+    """Return the key of the voxel at the place of a command; None for a command without one."""
+    if command.get("x") is None:
+        return None
+    place: Float64Array = np.array([number(command, name) for name in "xyz"])
+    keys, inside = keys_of(place[None].astype(np.float32), now.config.resolution)
+    if not inside[0]:
+        raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map's lattice.")
+    return np.asarray(keys[0])

@@ -1,0 +1,149 @@
+/** The upload of files: some at a time, each in as many connections as it takes. */
+
+import { signal } from "@preact/signals";
+import { arrived, EVERYTHING, type LogRecord, refresh, wanted } from "./library";
+
+/** A file that is being uploaded. */
+export interface Upload {
+  readonly key: number;
+  readonly name: string;
+  readonly bytes: number;
+  readonly sent: number;
+  readonly error: string | null;
+  /** When the present connection began to send (performance.now), and what had been sent before; null while it waits. */
+  readonly since: { readonly at: number; readonly sent: number } | null;
+}
+
+export const uploads = signal<readonly Upload[]>([]);
+
+let nextKey = 1;
+
+const patch = (key: number, change: Partial<Upload>): void => {
+  uploads.value = uploads.value.map((one) => (one.key === key ? { ...one, ...change } : one));
+};
+
+export const dismiss = (key: number): void => {
+  uploads.value = uploads.value.filter((one) => one.key !== key);
+};
+
+const requests = new Map<number, XMLHttpRequest>();
+
+/** Give an upload up, and have the server forget what it has of it. */
+export function cancel(key: number): void {
+  dismiss(key);
+  requests.get(key)?.abort();
+}
+
+const isCancelled = (key: number): boolean => !uploads.peek().some((one) => one.key === key);
+
+function messageOf(request: XMLHttpRequest): string {
+  try {
+    const body = JSON.parse(request.responseText) as { message?: unknown };
+    if (typeof body.message === "string") return body.message;
+  } catch {
+    // as in `sentence`
+  }
+  return request.status === 0
+    ? "The upload was interrupted: the server does not answer."
+    : `The server answered ${request.status}.`;
+}
+
+const TRIES = 6; // in a row without progress
+const PAUSE_MS = 1000;
+
+/** A random, unique name for an upload. */
+function newKey(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(18));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** Number of bytes of an upload that the server has; null if it does not answer. */
+async function offsetOf(name: string): Promise<number | null> {
+  try {
+    const answer = await fetch(`/api/logs/uploads/${name}`);
+    if (!answer.ok) return null;
+    return ((await answer.json()) as { offset: number }).offset;
+  } catch {
+    return null;
+  }
+}
+
+const MAX_CONCURRENT = 3; // uploads at a time; the server limits the uploads of all visitors
+const waiting: (() => Promise<void>)[] = [];
+let sending = 0;
+
+/** Upload files; a log that comes alone is opened once it was read. */
+export function uploadAll(files: readonly File[]): void {
+  wanted.value = EVERYTHING;
+  arrived.value = null;
+  for (const file of files) upload(file, files.length === 1);
+}
+
+/** Upload a file after those before it; after an interruption, resume at the server's offset. */
+export function upload(file: File, opens = false): void {
+  const key = nextKey++;
+  uploads.value = [...uploads.value, { key, name: file.name, bytes: file.size, sent: 0, error: null, since: null }];
+  if (file.size === 0) {
+    patch(key, { error: "The file is empty." });
+    return;
+  }
+  waiting.push(() => sendAll(key, newKey(), file, opens));
+  sendNext();
+}
+
+function sendNext(): void {
+  const next = sending < MAX_CONCURRENT ? waiting.shift() : undefined;
+  if (!next) return;
+  sending += 1;
+  void next().finally(() => {
+    sending -= 1;
+    sendNext();
+  });
+}
+
+async function sendAll(key: number, name: string, file: File, opens: boolean): Promise<void> {
+  let most = 0;
+  for (let tries = 0, offset = 0; ; ) {
+    const request = isCancelled(key) ? null : await send(key, name, file, offset);
+    if (!request || isCancelled(key)) {
+      if (request) await fetch(`/api/logs/uploads/${name}`, { method: "DELETE" }).catch(() => undefined);
+      return;
+    }
+    if (request.status >= 200 && request.status < 300) {
+      if (opens) arrived.value = (JSON.parse(request.responseText) as LogRecord).id;
+      dismiss(key);
+      break;
+    }
+    const isPassing = request.status === 0 || request.status === 409 || request.responseText.includes("library.busy");
+    tries += 1;
+    if (!isPassing || tries >= TRIES) {
+      patch(key, { error: messageOf(request) });
+      break;
+    }
+    await new Promise((resolve) => setTimeout(resolve, PAUSE_MS * 2 ** (tries - 1)));
+    const known = await offsetOf(name);
+    if (known === null) continue;
+    if (known > most) tries = 0;
+    most = Math.max(most, known);
+    offset = known;
+  }
+  void refresh();
+}
+
+/** Send the rest of a file. With XMLHttpRequest, since fetch does not report the progress of an upload. */
+function send(key: number, name: string, file: File, offset: number): Promise<XMLHttpRequest> {
+  return new Promise((resolve) => {
+    const request = new XMLHttpRequest();
+    request.open("PUT", `/api/logs?name=${encodeURIComponent(file.name)}&upload=${name}`);
+    request.setRequestHeader("Content-Type", "application/octet-stream");
+    request.setRequestHeader("Content-Range", `bytes ${offset}-${file.size - 1}/${file.size}`);
+    request.upload.onprogress = (event) => patch(key, { sent: offset + event.loaded });
+    request.onloadend = () => {
+      requests.delete(key);
+      resolve(request);
+    };
+    requests.set(key, request);
+    patch(key, { sent: offset, since: { at: performance.now(), sent: offset } });
+    request.send(file.slice(offset));
+  });
+}
