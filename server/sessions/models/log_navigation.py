@@ -88,35 +88,40 @@ class LogNavigation:
     def _set(self, command: dict[str, Any], result: TickResult) -> None:
         grid, costmap = self._recording.replay.grid, self._costmap
         if not command.get("value", True):
-            self._costmap, self._path = None, LabPath()
-        else:
-            n = grid.geometry.rows * grid.geometry.cols
-            if n > MOST_CELLS:
-                message = f"The map has {n} cells, and a costmap at most {MOST_CELLS}; choose a coarser resolution."
-                raise ConfigError("costmap.too_large", message)
-            parameters = LabParameters() if costmap is None else costmap.parameters
-            wanted = values({"values": {}} | command)
-            if wanted.get("map", "belief") not in ("belief", "given"):
-                raise ConfigError(
-                    "costmap.map", "A log has no plan of its world: its static map is its own or a given one."
-                )
-            parameters = parameters.with_values(wanted)
-            corners = command.get("footprint")
-            if corners is not None:
-                if len(corners) > MOST_CORNERS:
-                    raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
-                parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
-            strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
-            if costmap is None:
-                self._costmap = costmap = LabCostmap(grid, self._plan, parameters)
-                self._index = -1
-            elif parameters != costmap.parameters:
-                costmap.change(parameters, grid, self._plan)
-            if strokes is not None:
-                costmap.paint(strokes)
+            self._end(result)
+            return
+        n = grid.geometry.rows * grid.geometry.cols
+        if n > MOST_CELLS:
+            message = f"The map has {n} cells, and a costmap at most {MOST_CELLS}; choose a coarser resolution."
+            raise ConfigError("costmap.too_large", message)
+        parameters = LabParameters() if costmap is None else costmap.parameters
+        wanted = values({"values": {}} | command)
+        if wanted.get("map", "belief") not in ("belief", "given"):
+            raise ConfigError(
+                "costmap.map", "A log has no plan of its world: its static map is its own or a given one."
+            )
+        parameters = parameters.with_values(wanted)
+        corners = command.get("footprint")
+        if corners is not None:
+            if len(corners) > MOST_CORNERS:
+                raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
+            parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
+        strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
+        if costmap is None:
+            self._costmap = costmap = LabCostmap(grid, self._plan, parameters)
+            self._index = -1
+        elif parameters != costmap.parameters:
+            costmap.change(parameters, grid, self._plan)
+        if strokes is not None:
+            costmap.paint(strokes)
         self._is_new = True
-        for told in self.messages():
-            result.slot(told)
+        for own in self.messages():
+            result.slot(own)
+
+    def _end(self, result: TickResult) -> None:
+        self._costmap, self._path = None, LabPath()
+        for own in self.messages():
+            result.slot(own)
 
     def _plan(self) -> StaticMap:
         """Return the map that the log is localized in."""
@@ -151,8 +156,19 @@ class LogNavigation:
         if costmap is None:
             return
         if costmap.parameters.values["map"] == "given" and self._given is not self._given_map():
-            costmap.renew_plan(self._plan(), replay.grid)
-            self._is_new = True
+            try:
+                costmap.renew_plan(self._plan(), replay.grid)
+                self._is_new = True
+            except ConfigError as error:  # the costmap keeps the map from before
+                self._given = self._given_map()
+                result.notice(error.code, error.message)
+        n = replay.grid.geometry.rows * replay.grid.geometry.cols
+        if n > MOST_CELLS and costmap.parameters.values["map"] == "belief":
+            self._end(result)
+            result.notice(
+                "costmap.too_large", f"The map has {n} cells now, and a costmap at most {MOST_CELLS}: it has ended."
+            )
+            return
         if replay.index < self._index:
             costmap.begin(replay.grid)  # what later scans marked is not known yet
         else:
