@@ -16,6 +16,7 @@ from playwright.sync_api import Locator, Page
 
 from tests.server.service import Watcher, stream_at
 
+POLLING_MS = 50.0  # between two looks at what a page is waited for
 SECONDS = 120.0  # how long anything may take on a machine with other work to do before a test fails
 
 # The geometry, and SHA-256 over every byte of the map that the browser holds.
@@ -72,6 +73,15 @@ def until(what: str, condition: Callable[[], Any], seconds: float = SECONDS) -> 
             return value
         assert time.monotonic() < deadline, f"waited {seconds:g} s in vain: {what}"
         time.sleep(0.05)
+
+
+def await_true(page: Page, condition: str, arg: Any = None) -> None:
+    """Wait until a JavaScript function, given ``arg``, returns something true on the page.
+
+    It is called by a timer: in each animation frame, as Playwright does unless told otherwise, the page and Chromium
+    would make 60 frames a second of a page on which nothing changes.
+    """
+    page.wait_for_function(condition, arg=arg, polling=POLLING_MS)
 
 
 def map_digest(page: Page) -> str:
@@ -132,7 +142,7 @@ def frame(page: Page) -> dict[str, Any]:
     """Return the newest frame message that the page has; it may have to wait for the first."""
     newest = "() => window.gridbloom?.connection.store.frame.peek()"
     while not (found := page.evaluate(newest)):
-        page.wait_for_function(newest)
+        await_true(page, newest)
     return dict(found)
 
 
@@ -153,7 +163,7 @@ def open_group(page: Page, title: str) -> Locator:
 
 def await_map(page: Page) -> None:
     """Wait until the page holds a map with something in it."""
-    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
+    await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
 
 
 def centre(locator: Locator) -> tuple[float, float]:

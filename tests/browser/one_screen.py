@@ -7,7 +7,7 @@ from typing import Any
 
 from playwright.sync_api import ElementHandle, Error, Locator, Page, expect
 
-from tests.browser.looking import carried_out
+from tests.browser.looking import await_true, carried_out
 
 FULL_SCREEN = "Full screen"  #: the name of the button that shows a group alone
 SIZES = ((1280, 720), (1440, 900), (1920, 1080), (1024, 768))
@@ -186,7 +186,7 @@ class Screen:
             assert box["y"] + box["height"] <= self._size[1], (self._size, name)
             self.page.keyboard.press("Escape")
         if name == FULL_SCREEN:
-            self.page.wait_for_function("() => document.fullscreenElement")
+            await_true(self.page, "() => document.fullscreenElement")
             self.page.evaluate("() => document.exitFullscreen()")
             self.page.evaluate(_STILL, self.pictures)
 

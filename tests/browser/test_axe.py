@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.looking import SECONDS, await_map, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, await_map, await_true, frame, open_group, settled_digest, until
 from tests.marks import also_long
 
 AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
@@ -162,7 +162,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
       store.send({ type: "world", name: "room" });
       store.send({ type: "teleport", x: 4, y: 5, yaw: 0 });
     }""")
-    page.wait_for_function("() => gridbloom.connection.store.world.peek().name === 'room'")
+    await_true(page, "() => gridbloom.connection.store.world.peek().name === 'room'")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.5)
     open_group(page, "Moving table")
     page.get_by_role("button", name="Add a table").click()

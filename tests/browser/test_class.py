@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.browser.conftest import WatchedPage, standing_world, visiting
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import await_map, open_group, until
+from tests.browser.looking import await_map, await_true, open_group, until
 
 FOLLOWERS = 10
 CELL = [3.5, 2.5]
@@ -101,7 +101,7 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
     expect(first.get_by_role("button", name="Back to the class")).to_be_visible()
     await_map(first)
     first.get_by_role("button", name="Play", exact=True).click()
-    first.wait_for_function("scans => gridbloom.connection.store.frame.peek()?.count > scans", arg=scans)
+    await_true(first, "scans => gridbloom.connection.store.frame.peek()?.count > scans", arg=scans)
     assert page.evaluate("() => gridbloom.connection.store.frame.peek().count") == scans
     first.get_by_role("button", name="Back to the class").click()
     until("the lecturer's world again", partial(shows_cell, first))

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import BASE64, drag, frame, open_group, settled_digest, until
+from tests.browser.looking import BASE64, await_true, drag, frame, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_wrong, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
@@ -52,7 +52,7 @@ def viewer(page: Page, server: str) -> Page:
     sample = next(log["id"] for log in logs if log["source"] == "sample")
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html?log={sample}")
-    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     count = frame(page)["count"]
     evaluate(
         page,

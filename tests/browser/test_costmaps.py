@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
-from tests.browser.looking import frame, map_bytes, until
+from tests.browser.looking import await_true, frame, map_bytes, until
 
 OPEN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
 COUNT = 231
@@ -55,7 +55,7 @@ def test_a_recording_of_nav2_is_shown_cell_for_cell(page: Page, server: str, dat
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", path)
-    page.wait_for_function(OPEN)
+    await_true(page, OPEN)
     assert frame(page)["count"] == COUNT == len(expected)
     different = np.flatnonzero(np.any(expected[1:] != expected[:-1], axis=(1, 2))) + 1
     for k in (0, *different[:3].tolist(), COUNT - 1):
@@ -87,7 +87,7 @@ def test_costs_of_each_value_and_windows_that_move(page: Page, server: str, tmp_
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "two.mcap")
-    page.wait_for_function(OPEN)
+    await_true(page, OPEN)
     until("all costs", lambda: np.array_equal(shown(page, 8, 32), first))
     seek(page, 2)
     until("the second", lambda: map_bytes(page)["cols"] == 65)

@@ -6,7 +6,7 @@ import re
 
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import open_group
+from tests.browser.looking import await_true, open_group
 
 SECONDS = 120  #: in a fresh clone kernels are compiled first
 
@@ -43,10 +43,10 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
     scan = int(link.inner_text().removeprefix("scan "))
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     link.click()
-    page.wait_for_function(
+    await_true(
+        page,
         "index => window.gridbloom.connection.store.frame.value?.index === index",
         arg=scan,  # that scan is the newest in the map
-        timeout=SECONDS * 1000,
     )
     is_cancelled_and_offered_again(page, doctor)
 

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.drifting import drifting_ring
-from tests.browser.looking import SECONDS, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, await_true, frame, open_group, settled_digest, until
 
 
 def opened(page: Page, server: str, name: str, data: bytes) -> None:
@@ -52,8 +52,8 @@ def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     before, after = facts(panel)
     assert after > before
     expect(panel).to_contain_text(re.compile(r"[1-9]\d* loops?"))
-    page.wait_for_function(
-        "() => { const f = gridbloom.connection.store.frame.peek(); return f.index === f.count && !f.playing }"
+    await_true(
+        page, "() => { const f = gridbloom.connection.store.frame.peek(); return f.index === f.count && !f.playing }"
     )
     panel.get_by_role("button", name="Compare with before").click()
     expect(page.get_by_role("slider", name=re.compile("divider", re.IGNORECASE))).to_be_visible()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import centre, open_group
+from tests.browser.looking import await_true, centre, open_group
 
 _MESSAGE = "() => gridbloom.connection.store.localization.peek()"
 _FOUND = f"() => {{ const m = ({_MESSAGE})(); return m?.is_converged && m.error_m < 0.5; }}"
@@ -16,21 +16,19 @@ def test_the_robot_is_kidnapped_by_a_click_and_found_again(open_lab: Callable[..
     page = open_lab()
     open_group(page, "Localize")
     page.get_by_role("button", name="Find the robot").click()
-    page.wait_for_function(
-        "() => gridbloom.connection.store.layers.content('particles').peek()?.columns[0].length > 99"
-    )
+    await_true(page, "() => gridbloom.connection.store.layers.content('particles').peek()?.columns[0].length > 99")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'play' })")
-    page.wait_for_function(_FOUND)
+    await_true(page, _FOUND)
     expect(page.get_by_text("Found", exact=True)).to_be_visible()
     # The world's picture shows the whole floor: a point in another room, right of the middle.
     world = page.get_by_role("application").first
     box = world.bounding_box()
     assert box is not None
     page.mouse.click(box["x"] + 0.86 * box["width"], box["y"] + 0.42 * box["height"])
-    page.wait_for_function(f"() => ({_MESSAGE})().error_m > 2")
-    page.wait_for_function(_FOUND)
+    await_true(page, f"() => ({_MESSAGE})().error_m > 2")
+    await_true(page, _FOUND)
     page.get_by_role("switch", name="Likelihood field").click()
-    page.wait_for_function("() => gridbloom.connection.store.layers.grid('likelihood_field').map.peek() !== null")
+    await_true(page, "() => gridbloom.connection.store.layers.grid('likelihood_field').map.peek() !== null")
     # The sensor model is grabbed: the filter that runs goes on with it, and the field follows.
     panel = page.get_by_role("tabpanel", name="Localize")
     panel.locator("summary", has_text="Sensor model").click()
@@ -41,15 +39,15 @@ def test_the_robot_is_kidnapped_by_a_click_and_found_again(open_lab: Callable[..
     page.mouse.down()
     page.mouse.move(x + 60, y, steps=4)
     page.mouse.up()
-    page.wait_for_function(f"() => ({_MESSAGE})().values.sigma_hit > 0.4")
+    await_true(page, f"() => ({_MESSAGE})().values.sigma_hit > 0.4")
     assert page.evaluate(f"() => ({_MESSAGE})().n_updates") >= updates
     sigma.press("Home")
-    page.wait_for_function(f"() => ({_MESSAGE})().values.sigma_hit === 0.005")
+    await_true(page, f"() => ({_MESSAGE})().values.sigma_hit === 0.005")
     panel.locator("summary", has_text="Motion model").click()
     dots = panel.locator(".motion-fan .dots")
     before = dots.get_attribute("d")
     panel.get_by_role("button", name="End of the motion").press("ArrowUp")
     expect(dots).not_to_have_attribute("d", before or "")
     page.get_by_role("button", name="End", exact=True).click()
-    page.wait_for_function(f"() => !({_MESSAGE})().is_on")
+    await_true(page, f"() => !({_MESSAGE})().is_on")
     expect(page.get_by_text("Found", exact=True)).to_have_count(0)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group
+from tests.browser.looking import await_true, open_group
 
 _NAVIGATION = "gridbloom.connection.store.navigation"
 _PATH = f"{_NAVIGATION}.path.peek()"
@@ -37,24 +37,24 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     open_group(page, "Path")
     # A table in the corridor of the office: the path leads around it, until its lifetime is over.
     page.get_by_role("button", name="Put a table in the way").click()
-    page.wait_for_function(f"() => {_PATH}?.length > 6.05")
+    await_true(page, f"() => {_PATH}?.length > 6.05")
     page.get_by_role("button", name="Take the table away").first.click()
-    page.wait_for_function(f"() => {_PATH}?.length < 6")
+    await_true(page, f"() => {_PATH}?.length < 6")
     straight = page.evaluate(_LENGTH)
     # The goal is dragged into the kitchen: the path ends there.
     drag(page, place(page, 12.0, 7.0), place(page, 9.0, 7.1), place(page, 7.5, 9.5))
-    page.wait_for_function(f"() => Math.hypot({_PATH}.goal[0] - 7.5, {_PATH}.goal[1] - 9.5) < 0.2")
-    page.wait_for_function(f"() => {{ const c = {_POINTS}; return c && Math.abs(c[1].at(-1) - 9.5) < 0.2; }}")
+    await_true(page, f"() => Math.hypot({_PATH}.goal[0] - 7.5, {_PATH}.goal[1] - 9.5) < 0.2")
+    await_true(page, f"() => {{ const c = {_POINTS}; return c && Math.abs(c[1].at(-1) - 9.5) < 0.2; }}")
     # A click in the other picture sets it back.
     page.mouse.click(*place(page, 12.0, 7.0))
-    page.wait_for_function(f"() => Math.abs({_PATH}?.length - {straight}) < 0.2")
+    await_true(page, f"() => Math.abs({_PATH}?.length - {straight}) < 0.2")
     # A keepout zone across half of the corridor: the path leads around it, and back after undo.
     page.get_by_role("radio", name="Keepout").check()
     drag(page, place(page, 10.0, 6.1), place(page, 10.0, 6.6), place(page, 10.0, 7.1))
-    page.wait_for_function(f"() => {_PATH}?.length > {straight} + 0.1")
+    await_true(page, f"() => {_PATH}?.length > {straight} + 0.1")
     assert page.evaluate(f"() => {_NAVIGATION}.costmap.peek().keepout.length") == 1
     page.get_by_role("button", name="Undo stroke").click()
-    page.wait_for_function(f"() => {_PATH}?.length < {straight} + 0.05")
+    await_true(page, f"() => {_PATH}?.length < {straight} + 0.05")
     # Why a cell has its cost, and what no path says.
     page.get_by_role("radio", name="Why").check()
     page.mouse.click(*place(page, 8.5, 7.6))
@@ -64,9 +64,9 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     # The layers as sheets: one is switched off; a handle of the curve is moved; a corner that crosses is refused.
     open_group(page, "Costmap")
     page.get_by_role("switch", name="Inflation").click()
-    page.wait_for_function(f"() => {_PATH}?.reaches_goal")
+    await_true(page, f"() => {_PATH}?.reaches_goal")
     page.get_by_role("slider", name="Inflation radius").first.press("ArrowLeft")
-    page.wait_for_function(f"() => {_NAVIGATION}.costmap.peek().values.inflation_radius < 1.2")
+    await_true(page, f"() => {_NAVIGATION}.costmap.peek().values.inflation_radius < 1.2")
     page.get_by_role("button", name="Hexagon").click()
     corner = page.get_by_role("button", name="Corner 1 of 6")
     box = corner.bounding_box()
@@ -89,6 +89,6 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     expect(page.get_by_text("controller_server.FollowPath.lookahead_dist")).to_be_visible()
     (tmp_path / "right.yaml").write_text(text.replace("lookahead_dist: 0.6", "lookahead_dist: 0.9"))
     page.get_by_label("Nav2 parameter file").set_input_files(tmp_path / "right.yaml")
-    page.wait_for_function(f"() => {_NAVIGATION}.costmap.peek().values.lookahead_dist === 0.9")
+    await_true(page, f"() => {_NAVIGATION}.costmap.peek().values.lookahead_dist === 0.9")
     page.get_by_role("button", name="End the costmap").click()
     expect(page.get_by_role("button", name="Make the costmap")).to_be_visible()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group, until
+from tests.browser.looking import await_true, open_group, until
 
 _STORE = "gridbloom.connection.store"
 _MESSAGE = f"() => {_STORE}.map3d.message.peek()"
@@ -28,7 +28,7 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable
     for x, y in ((2.6, 3.0), (4.0, 1.6), (5.6, 3.0), (4.0, 4.6)):
         before = page.evaluate(_MESSAGE)["scans"]
         page.evaluate(f"([x, y]) => {_STORE}.teleport([x, y])", [x, y])
-        page.wait_for_function(f"(n) => ({_MESSAGE})().scans >= n + 2", arg=before)
+        await_true(page, f"(n) => ({_MESSAGE})().scans >= n + 2", arg=before)
     until("the low table to be missing in 2D", lambda: page.evaluate(_BYTE, LOW_TABLE) == 3)
     assert page.evaluate("(xy) => gridbloom.readState(xy).state", LOW_TABLE) == "free"
     expect(panel.get_by_role("status")).to_contain_text("the 2D map lacks")
@@ -37,8 +37,8 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable
     expect(panel.frame_locator("iframe").locator("canvas").first).to_be_visible()
     # Its points make a terrain: patches are classified, and a click on the map asks about one.
     terrain = open_group(page, "Terrain")
-    page.wait_for_function(f"() => {_STORE}.terrain.message.peek()?.safe > 100")
-    page.wait_for_function(f"() => {_STORE}.layers.grid('terrain_costs').map.peek() !== null")
+    await_true(page, f"() => {_STORE}.terrain.message.peek()?.safe > 100")
+    await_true(page, f"() => {_STORE}.layers.grid('terrain_costs').map.peek() !== null")
     page.evaluate(f"() => {{ {_STORE}.pinned.value = [3.0, 4.4]; }}")
     asked = terrain.get_by_label("The patch that was clicked")
     expect(asked).to_contain_text("Patch of 0.25 m at (3.0, 4.4)")
@@ -52,14 +52,12 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable
     voxel.focus()
     for _ in range(4):
         page.keyboard.press("ArrowRight")
-    page.wait_for_function(
-        f"() => {{ const m = ({_MESSAGE})(); return m.values.voxel > 0.25 && m.scans === m.taken; }}"
-    )
+    await_true(page, f"() => {{ const m = ({_MESSAGE})(); return m.values.voxel > 0.25 && m.scans === m.taken; }}")
     until("the octree to be counted", lambda: 0 < page.evaluate(_MESSAGE)["nodes"] < fine["nodes"] / 4)
     expect(panel.get_by_label("Memory of the 3D map")).to_contain_text("Dense grid")
     # The costmap stands on it: the table is lethal there.
     panel.get_by_role("switch", name="Costmap over the 3D map").click()
-    page.wait_for_function(f"() => {_STORE}.navigation.costmap.peek()?.values.map === 'map_3d'")
+    await_true(page, f"() => {_STORE}.navigation.costmap.peek()?.values.map === 'map_3d'")
     panel.get_by_role("button", name="End the 3D map").click()
-    page.wait_for_function(f"() => !({_MESSAGE})().is_on")
+    await_true(page, f"() => !({_MESSAGE})().is_on")
     expect(panel.get_by_role("button", name="Begin a 3D map")).to_be_visible()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group, until
+from tests.browser.looking import await_true, open_group, until
 
 _STORE = "gridbloom.connection.store"
 
@@ -13,13 +13,13 @@ def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None
     page.emulate_media(reduced_motion="reduce")  # the log stands at its end: most of the time would go to its drawing
     page.goto(f"{server}/logs.html")
     page.get_by_role("button", name="Open map").first.click()
-    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
+    await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
     panel = open_group(page, "Localize")
     panel.get_by_label("Mapped along").select_option("true")
     panel.get_by_role("button", name="Use this map").click()
     find = panel.get_by_role("button", name="Find the robot")
     expect(find).to_be_enabled()
-    page.wait_for_function(f"() => {_STORE}.layers.grid('given_map').map.peek() !== null")
+    await_true(page, f"() => {_STORE}.layers.grid('given_map').map.peek() !== null")
     # A click says where the robot starts, a second one where it looks.
     panel.get_by_text("At a pose").click()
     expect(find).to_be_disabled()
@@ -37,10 +37,10 @@ def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None
     expect(panel.get_by_label("heading, °")).to_have_value("0")
     assert abs(float(panel.get_by_label("x, m").input_value()) - start[0]) < 0.1
     find.click()
-    page.wait_for_function(f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
+    await_true(page, f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
     expect(panel.get_by_text("Found: the poses in the map")).to_be_visible()
     panel.get_by_role("button", name="Show the start").click()
-    page.wait_for_function(f"() => {_STORE}.localization.peek()?.n_updates === 1")
+    await_true(page, f"() => {_STORE}.localization.peek()?.n_updates === 1")
 
     def particles() -> list[float]:
         """The particles' x; a layer comes after the message of the same moment."""

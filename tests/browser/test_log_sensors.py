@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 from mapper.io.export import write_mcap
 from mapper.sensors.joint_log import SEPARATOR, JointLog
 from mapper.simulation.lidar import SensorConfig
-from tests.browser.looking import SECONDS, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, await_true, frame, open_group, settled_digest, until
 from tests.mapper.io.contents.recorded_robot import T0, imu
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.test_clouds import recording_of_room
@@ -27,13 +27,13 @@ def opened(page: Page, server: str, path: Path, button: str | None = None) -> No
     page.emulate_media(reduced_motion="reduce")  # the log stands at its end
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", path)
-    page.wait_for_function(OPEN)  # a single log opens by itself once it is read
+    await_true(page, OPEN)  # a single log opens by itself once it is read
     if button is not None:
         page.goto(f"{server}/logs.html")
         card = page.locator(".log-card", has_text=path.name)
         card.get_by_text("Contents").click()
         card.get_by_role("button", name=button).click()
-        page.wait_for_function(OPEN)
+        await_true(page, OPEN)
 
 
 def two_lidars() -> list[recorded.Said]:

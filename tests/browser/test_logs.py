@@ -14,7 +14,17 @@ import yaml
 from PIL import Image
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.browser.looking import SECONDS, drag, frame, map_bytes, map_digest, painted, settled_digest, until
+from tests.browser.looking import (
+    SECONDS,
+    await_true,
+    drag,
+    frame,
+    map_bytes,
+    map_digest,
+    painted,
+    settled_digest,
+    until,
+)
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS
 from tests.mapper.io.logs.test_split import split
 from tests.server.frayed_line import FrayedLine
@@ -33,7 +43,7 @@ def intel(page: Page, server: str, intel_file: Path) -> Page:
     page.goto(f"{server}/logs.html")
     card = page.locator(".log-card", has_text=intel_file.name)
     card.get_by_role("button", name="Open map").click()
-    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     return page
 
 
@@ -137,7 +147,7 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(data_file("carmen/aces-corrected.log.gz"))
     # Once it was read it opens by itself, and its map fills in.
-    page.wait_for_function("() => window.gridbloom && gridbloom.cells().occupied > 100")
+    await_true(page, "() => window.gridbloom && gridbloom.cells().occupied > 100")
     page.get_by_role("button", name="All logs").click()
     card = page.locator(".log-card", has_text="aces-corrected.log.gz")
     picture = card.locator(".log-picture img")
@@ -203,7 +213,7 @@ def test_a_file_that_is_no_log_is_refused_with_one_sentence(page: Page, server: 
     expect(page.locator(".log-card.failed")).to_contain_text("CARMEN logs, ROS bags, MCAP")
     # Nothing else stopped working: the sample opens beside it.
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
-    page.wait_for_function("() => window.gridbloom && gridbloom.cells().free > 50")
+    await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
 
 
 def test_a_folder_that_is_dropped_is_one_log(page: Page, server: str, tmp_path: Path) -> None:
@@ -258,7 +268,7 @@ def test_progress_is_shown_on_the_map_and_can_be_cancelled(page: Page, server: s
     page.on("websocket", lambda socket: socket.on("framesent", lambda data: sent.append(str(data))))
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
-    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     # Again and again: the server ends what it shows itself.
     page.evaluate(
         "() => setInterval(() => { gridbloom.connection.store.working.value = { fraction: 0.25, elapsed_s: 3 }; }, 20)"

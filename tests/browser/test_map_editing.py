@@ -10,7 +10,7 @@ import yaml
 from PIL import Image
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import open_group, until
+from tests.browser.looking import await_true, open_group, until
 from tests.browser.test_log_path import drag, place
 
 _STORE = "gridbloom.connection.store"
@@ -33,7 +33,7 @@ def written(folder: Path) -> list[Path]:
 
 def edited(page: Page, n: int) -> None:
     """Wait until the page has ``n`` edits, and the map after them."""
-    page.wait_for_function(f"(n) => {_EDITS}?.n === n && {_STORE}.mapEditing.sketch.peek() === null", arg=n)
+    await_true(page, f"(n) => {_EDITS}?.n === n && {_STORE}.mapEditing.sketch.peek() === null", arg=n)
 
 
 def state(page: Page, x: float, y: float) -> str:
@@ -54,7 +54,7 @@ def taken(page: Page, button: str, folder: Path) -> Path:
 def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> None:
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", written(tmp_path))
-    page.wait_for_function(f"() => window.gridbloom && {_EDITS} && {_STORE}.map.peek()")
+    await_true(page, f"() => window.gridbloom && {_EDITS} && {_STORE}.map.peek()")
 
     def use(tool: str, *places: tuple[float, float]) -> None:
         page.get_by_role("radio", name=tool, exact=True).check(force=True)
@@ -86,7 +86,7 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     until("no speck", lambda: state(page, 7.05, 3.95) == "free")
     use("Crop", (0.55, 0.55), (8.95, 4.45))
     edited(page, 5)
-    page.wait_for_function(f"() => {_STORE}.map.peek().geometry.rows === 40")
+    await_true(page, f"() => {_STORE}.map.peek().geometry.rows === 40")
     use("Origin", (1.0, 1.0), (1.0, 2.0))
     edited(page, 6)
     open_group(page, "Save")
@@ -106,7 +106,7 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     page.get_by_role("textbox", name="Name").fill("A better room")
     page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_role("link", name="Open it").click()
-    page.wait_for_function(f"() => window.gridbloom && {_EDITS}?.n === 0 && {_STORE}.map.peek()?.geometry.rows === 40")
+    await_true(page, f"() => window.gridbloom && {_EDITS}?.n === 0 && {_STORE}.map.peek()?.geometry.rows === 40")
     assert page.title().startswith("A better room")
     expect(page.get_by_text("Made by 6 edits of 'room.yaml'.")).to_be_visible()
     page.get_by_role("button", name="All logs").click()
@@ -121,7 +121,7 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     # And its costmap lies over it, with the zone.
     open_group(page, "Costmap")
     costs = f"{_STORE}.layers.grid('costmap').map.peek()"
-    page.wait_for_function(f"() => {costs}")
+    await_true(page, f"() => {costs}")
     page.evaluate(f"() => {_STORE}.setNavigation({{ map: 'given', obstacle_layer: false, dynamic_layer: false }})")
-    page.wait_for_function(f"() => {costs}?.geometry.rows === 40 && {costs}.cells.at(10, 15) === 255")
+    await_true(page, f"() => {costs}?.geometry.rows === 40 && {costs}.cells.at(10, 15) === 255")
     assert taken(page, "pgm", tmp_path).read_bytes().startswith(b"P5\n85 40\n255\n")

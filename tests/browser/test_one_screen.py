@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -31,6 +32,8 @@ each_look = pytest.mark.parametrize(
 )  # fmt: skip
 
 EXPLAIN = "() => { const { store } = gridbloom.connection; store.explain(store.frame.peek().pose.slice(0, 2)); }"
+#: The session stands again after the button that starts it: only the control that is used may change the map.
+PAUSE = "() => gridbloom.connection.store.send({ type: 'pause' })"
 #: What is done in a group that is empty without it.
 BEFORE_GROUP = {"Why": EXPLAIN}
 
@@ -40,9 +43,9 @@ def empty_scene(route: Route) -> None:
     route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
 
 
-def prepare(page: Page) -> None:
+def prepare(page: Page, motion: Literal["reduce", "no-preference"] = "reduce") -> None:
     """Have the page stand still, without a canvas in 3D, and stay where it is when its map is to be edited."""
-    page.emulate_media(reduced_motion="reduce")
+    page.emulate_media(reduced_motion=motion)
     page.route("**/scenes/*/plain/**", empty_scene)
     page.route("**/kept-map", lambda route: route.fulfill(json={"message": "The map is kept by another test."}))
 
@@ -72,6 +75,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
         screen.at_hand(profile.get_by_role("slider"))
         turns.use_all(screen, profile)
         turns.use_all(screen, page.locator(".lab-bar"))
+        page.evaluate(PAUSE)
         use_groups(page, screen, turns)
         page.get_by_role("tab", name="Model").click()
         page.get_by_role("button", name="Reset to defaults").click()
@@ -100,6 +104,7 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
         if size[0] >= 1200:
             assert box["width"] == pytest.approx(2 / 3 * size[0], rel=0.08)
         turns.use_all(screen, page.locator(".viewer-transport"))
+        page.evaluate(PAUSE)
         use_groups(page, screen, turns)
         turns.sizes_left -= 1
     assert screen.changes > 2

@@ -7,7 +7,7 @@ from pathlib import Path
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.conftest import WatchedPage
-from tests.browser.looking import frame, open_group, settled_digest, until
+from tests.browser.looking import await_true, frame, open_group, settled_digest, until
 from tests.browser.test_axe import violations
 from tests.server.library.small_logs import carmen, tum
 
@@ -20,7 +20,7 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     (tmp_path / "mine.log").write_bytes(carmen(60))
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "mine.log")
-    page.wait_for_function(SHOWN)
+    await_true(page, SHOWN)
     page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 25 })")
     page.evaluate("() => gridbloom.connection.store.setParameter('log_odds_hit', 1.75)")
@@ -40,7 +40,7 @@ def test_a_link_opens_exactly_this_view_until_it_is_revoked(
     watched = WatchedPage(visitor, server)
     guest = watched.page
     guest.goto(address)
-    guest.wait_for_function(SHOWN)
+    await_true(guest, SHOWN)
     until("the same map", lambda: settled_digest(guest) == shown)
     assert (frame(guest)["index"], frame(guest)["playing"]) == (25, False)
     assert guest.evaluate("() => gridbloom.connection.store.mapping.values.value.log_odds_hit") == 1.75
@@ -73,13 +73,13 @@ def test_whoever_has_the_address_of_a_session_shares_it_and_sees_notes_come(
     (tmp_path / "ours.log").write_bytes(carmen(30))
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "ours.log")
-    page.wait_for_function(SHOWN)  # a single log opens by itself once it is read
+    await_true(page, SHOWN)  # a single log opens by itself once it is read
     session = page.evaluate("() => gridbloom.connection.store.hello.value.session")
     watched = WatchedPage(visitor, server)
     colleague = watched.page
     # As the address that ``gridbloom upload`` prints: the log is in nobody's list of this browser.
     colleague.goto(f"{server}/logs.html?session={session}")
-    colleague.wait_for_function(SHOWN)
+    await_true(colleague, SHOWN)
     shared = open_group(colleague, "Share")
     shared.get_by_role("button", name="Create link").click()
     link = shared.get_by_role("listitem").get_by_role("textbox").input_value()

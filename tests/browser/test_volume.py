@@ -13,7 +13,7 @@ from playwright.sync_api import Page, WebSocket, expect
 
 from mapper.io.clouds import read_cloud
 from mapper.volume import OccupancyVolume, VolumeConfig
-from tests.browser.looking import until
+from tests.browser.looking import await_true, until
 from tests.mapper.io.logs.recorded import SECOND, cloud, transform, written
 
 T0 = 1000 * SECOND
@@ -30,12 +30,12 @@ def opened(page: Page, server: str, *paths: Path) -> dict[str, Any]:
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", [str(path) for path in paths])
-    page.wait_for_function("() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
     page.evaluate(
         "() => { const { store } = gridbloom.connection;"
         " store.send({ type: 'seek', index: store.frame.peek()?.count ?? 1 }); }"
     )
-    page.wait_for_function(DONE)
+    await_true(page, DONE)
     return dict(page.evaluate(VOLUME))
 
 
@@ -114,16 +114,14 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     page.goto(f"{server}/logs.html")
     card = page.locator(".log-card", has_text="box.mcap")
     card.get_by_role("button", name="Open in 3D").click()
-    page.wait_for_function("() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
-    page.wait_for_function(DONE)
+    await_true(page, DONE)
     whole = page.evaluate(VOLUME)
 
     page.get_by_label("Cut above, as a number").fill("0")
     page.get_by_label("Cut above, as a number").press("Enter")
-    page.wait_for_function(
-        f"() => {{ const now = ({VOLUME})(); return now.pending === 0 && now.quads < {whole['quads']}; }}"
-    )
+    await_true(page, f"() => {{ const now = ({VOLUME})(); return now.pending === 0 && now.quads < {whole['quads']}; }}")
     page.get_by_role("tab", name="From above").click()
     page.get_by_role("button", name="Slice in the middle").click()
     until("the slice is shown", lambda: page.evaluate("() => gridbloom.cells().occupied") > 0)
@@ -136,9 +134,9 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     assert Path(download.value.path()).read_bytes().startswith(b"# Octomap OcTree binary file")
 
     page.goto(f"{server}/logs.html?log={ids[1]}&volume={ids[0]}")
-    page.wait_for_function("() => window.gridbloom?.connection.store.volume.peek()")
+    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
-    page.wait_for_function(f"() => ({VOLUME})()?.compared && ({DONE})()")
+    await_true(page, f"() => ({VOLUME})()?.compared && ({DONE})()")
     page.get_by_role("tab", name="Compare").click()
     changes = page.locator(".volume-changes")
     assert int(changes.get_attribute("data-vanished") or 0) > 20
@@ -158,5 +156,5 @@ def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
     expected.insert_scan(cloud.points[cloud.finite], None)
     assert volume["occupied"] == expected.n_known
     page.get_by_role("radio", name="points", exact=True).check(force=True)
-    page.wait_for_function(f"() => ({VOLUME})().chunks === 0")
+    await_true(page, f"() => ({VOLUME})().chunks === 0")
     expect(page.locator(".volume-facts")).to_contain_text("112,586 points")

@@ -70,8 +70,7 @@ def test_drift_is_the_distance_between_the_two_copies_of_a_wall(clean: ScanLog, 
 
 def test_odometry_that_drifts_fails_with_its_reasons(clean: ScanLog) -> None:
     assert reasons(drifting(clean), STRICT) >= {"drift", "walls.drift"}
-    assert reasons(drifting(clean), Limits(max_drift=5.0)) == set()
-    assert reasons(drifting(clean), Limits(no_findings=named_findings(["clock", "mount"]))) == set()
+    assert reasons(drifting(clean), Limits(max_drift=5.0, no_findings=named_findings(["clock", "mount"]))) == set()
 
 
 def test_poses_that_tremble_smear_the_walls(clean: ScanLog) -> None:
@@ -112,9 +111,9 @@ def test_a_check_that_could_not_run_does_not_pass(clean: ScanLog) -> None:
 
 def test_possible_findings_count_only_on_request(clean: ScanLog) -> None:
     unsure = drifting(clean, 1.0)
-    (drift,) = examine(unsure)
-    assert (drift.check, drift.possible) == ("walls.drift", True)
-    assert reasons(unsure, Limits(no_findings=named_findings(["walls"]))) == set()
+    verdict = judge(unsure, Limits(no_findings=named_findings(["walls"])))
+    (drift,) = verdict.findings or ()
+    assert (drift.check, drift.possible, verdict.reasons) == ("walls.drift", True, ())
     assert reasons(unsure, Limits(no_findings=named_findings(["walls"]), possible=True)) == {"walls.drift"}
 
 

@@ -10,22 +10,20 @@ import pytest
 from mapper.core.errors import ConfigError, LimitError
 from mapper.io.clouds import read_cloud
 from mapper.terrain import GroundConfig, agreement, find_ground
+from tests.marks import also_long
 
 #: Cohen's kappa that the first values of the parameters reach, in percent
 KAPPA = {"11": 81.9, "12": 93.6, "21": 93.5, "22": 92.0, "23": 88.0, "24": 90.2, "31": 94.1}
 
 
 @pytest.mark.data
-def test_the_isprs_samples_have_their_ground(data_dir: Path) -> None:
-    kappas = {}
-    for name in KAPPA:
-        cloud = read_cloud(data_dir / "pointclouds" / f"samp{name}-utm.pcd").points
-        truth = read_cloud(data_dir / "pointclouds" / f"samp{name}-utm-ground.pcd").points
-        places = set(map(tuple, truth.tolist()))
-        is_ground = np.array([tuple(place) in places for place in cloud.tolist()])
-        kappas[name] = agreement(find_ground(cloud).is_ground, is_ground)["kappa"]
-    assert kappas == pytest.approx(KAPPA, abs=0.1)
-    assert np.mean(list(kappas.values())) > 90.0
+@pytest.mark.parametrize("name", ["21", "24", "31", *also_long("11", "12", "22", "23")])
+def test_an_isprs_sample_has_its_ground(data_dir: Path, name: str) -> None:
+    cloud = read_cloud(data_dir / "pointclouds" / f"samp{name}-utm.pcd").points
+    truth = read_cloud(data_dir / "pointclouds" / f"samp{name}-utm-ground.pcd").points
+    places = set(map(tuple, truth.tolist()))
+    is_ground = np.array([tuple(place) in places for place in cloud.tolist()])
+    assert agreement(find_ground(cloud).is_ground, is_ground)["kappa"] == pytest.approx(KAPPA[name], abs=0.1)
 
 
 def test_a_house_and_a_bird_are_no_ground_and_a_slope_is() -> None:

@@ -1,0 +1,57 @@
+"""A page on which nothing changes rests: it asks for no animation frame and has no style and no layout computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from playwright.sync_api import CDPSession, Page
+
+from tests.browser.looking import until
+from tests.browser.one_screen import open_tab
+from tests.browser.test_one_screen import prepare
+
+# Counts how often the page asks for an animation frame.
+_COUNT = """() => {
+  const ask = window.requestAnimationFrame.bind(window);
+  window.framesAsked = 0;
+  window.requestAnimationFrame = (task) => { window.framesAsked += 1; return ask(task); };
+}"""
+# As if another tab were in front.
+_HIDE = """() => {
+  Object.defineProperty(document, "hidden", { value: true });
+  document.dispatchEvent(new Event("visibilitychange"));
+}"""
+WATCHED_MS = 250.0  #: 15 frames: a group that paints for a moment after it is opened is looked at again
+
+
+def work(page: Page, devtools: CDPSession) -> tuple[float, ...]:
+    """How often the page has asked for a frame, and how often Chromium has computed its styles and its layout."""
+    counts = {one["name"]: one["value"] for one in devtools.send("Performance.getMetrics")["metrics"]}
+    return page.evaluate("() => window.framesAsked"), counts["RecalcStyleCount"], counts["LayoutCount"]
+
+
+def rests(page: Page, devtools: CDPSession) -> bool:
+    """Whether the page does nothing for a while."""
+    before = work(page, devtools)
+    page.wait_for_timeout(WATCHED_MS)
+    return work(page, devtools) == before
+
+
+def test_the_lab_rests_while_it_is_paused_whatever_group_is_open_and_while_it_is_hidden(
+    page: Page, open_lab: Callable[..., Page]
+) -> None:
+    page.add_init_script(f"({_COUNT})()")
+    prepare(page, motion="no-preference")
+    open_lab(scans=15)
+    devtools = page.context.new_cdp_session(page)
+    devtools.send("Performance.enable")
+    at_rest = partial(rests, page, devtools)
+    tabs = page.get_by_role("tab").all()
+    assert len(tabs) > 8
+    for tab in tabs:
+        until(f"the lab to rest with {open_tab(page, tab)} open", at_rest, 8.0)
+    page.get_by_role("button", name="Play").click()
+    until("the lab to go", lambda: not at_rest())
+    page.evaluate(_HIDE)
+    until("the hidden lab to rest", at_rest)
