@@ -242,4 +242,4 @@ def test_guesses_of_codes_are_braked(guest: Person) -> None:
     while 429 not in answers:  # a slow machine allows some more
         answers.append(guest.http.get("/api/classes/BBBBBB").status_code)
     assert answers == [404] * (len(answers) - 1) + [429]
-    assert len(answers) > 60
+    assert len(answers) > 50  # of 60; the tests above gave some wrong codes
