@@ -121,3 +121,18 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     at_40_cm = [one.inner_text() for one in (dense, tree, points)]
     assert at_10_cm[2] == at_40_cm[2]
     assert at_10_cm[:2] != at_40_cm[:2]
+
+    section = open_section(page, server, "tsdf")
+    cells, distance = (section.locator("tbody tr").first.locator("td").nth(i) for i in (0, 1))
+    expect(cells).to_have_text("in the cell 1.2 … 1.3 m")
+    at = [first_number(distance, "at")]
+    wall = section.get_by_role("slider", name="Wall", exact=True)
+    wall.press("ArrowRight")
+    expect(wall).to_have_attribute("aria-valuetext", "1.24 m from the sensor")
+    at.append(first_number(distance, "at"))
+    assert abs(at[1] - at[0] - 0.01) < 0.0015
+    expect(cells).to_have_text("in the cell 1.2 … 1.3 m")
+    drag(page, section.get_by_role("slider", name="Truncation", exact=True), -40, 0)
+    expect(section.locator("tbody tr").nth(2).locator("td").last).to_have_text("nothing stored")
+    section.get_by_role("switch", name="Store free space too").press("Space")
+    expect(section.locator("tbody tr").nth(2).locator("td").last).to_contain_text("D = +0.")

@@ -48,6 +48,7 @@ POINTS = {
     "lifetime": r"12 seconds ago\. 3\d lethal cells of it are in the obstacle layer, and the path is 1\.2\d m longer",
     "stack": r"Nav2: a path of \d\.\d m",
     "octree": r"At 0\.45 m above the floor .* low table is not in this plane",
+    "tsdf": r"Where in its cell the wall is",
     "terrain": r"a patch has a plane",
     "next": r"one of several kinds of maps",
     "log": r"77 scans with 240 readings each",

@@ -14,6 +14,8 @@ import { stackScene } from "./navigation/stackScene";
 import { Octree } from "./octree/Octree";
 import { octreeScene } from "./octree/octreeScene";
 import type { Later, LaterId } from "./stage/later";
+import { Tsdf } from "./tsdf/Tsdf";
+import { tsdfScene } from "./tsdf/tsdfScene";
 
 export const LATER: Readonly<Record<LaterId, Later>> = {
   particles: { scene: particlesScene, figure: Particles },
@@ -25,4 +27,5 @@ export const LATER: Readonly<Record<LaterId, Later>> = {
   lifetime: { scene: lifetimeScene, figure: Lifetime },
   stack: { scene: stackScene, figure: Stack },
   octree: { scene: octreeScene, figure: Octree },
+  tsdf: { scene: tsdfScene, figure: Tsdf },
 };

@@ -62,6 +62,7 @@ import { SonarSection } from "./lecture/SonarSection";
 import { StackSection } from "./lecture/StackSection";
 import { TableSection } from "./lecture/TableSection";
 import { TerrainSection } from "./lecture/TerrainSection";
+import { TsdfSection } from "./lecture/TsdfSection";
 import { WindowSection } from "./lecture/WindowSection";
 
 interface Part extends Lesson {
@@ -105,6 +106,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   lifetime: LifetimeSection,
   stack: StackSection,
   octree: OctreeSection,
+  tsdf: TsdfSection,
   terrain: TerrainSection,
   next: NextSection,
   log: LogSection,

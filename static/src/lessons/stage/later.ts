@@ -13,7 +13,8 @@ export type LaterId =
   | "path"
   | "lifetime"
   | "stack"
-  | "octree";
+  | "octree"
+  | "tsdf";
 
 /** What a section of these has: the scene of the stage, and its figure or what stands beside its picture. */
 export interface Later {

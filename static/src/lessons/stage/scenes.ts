@@ -317,6 +317,7 @@ export const SCENES = {
   lifetime: () => laterScene("lifetime"),
   stack: () => laterScene("stack"),
   octree: () => laterScene("octree"),
+  tsdf: () => laterScene("tsdf"),
   terrain: () =>
     scene({
       scans: 77,

@@ -1,10 +1,7 @@
 /** Heights of a figure, CSS pixels: beside the stage, on a page of 1024 pixels, of 768, and of 390. */
 export type Reserve = readonly [wide: number, full: number, middle: number, narrow: number];
 
-/**
- * The lessons in their order: the anchor of each on the page, its title, and the height of its figure. Sections on
- * terrain and on other 3D maps belong between `file` and `next`; they come with their rooms.
- */
+/** The lessons in their order: the anchor of each on the page, its title, and the height of its figure. */
 export const LESSONS = [
   { id: "landmarks", title: "Landmarks or a grid", reserve: [395, 328, 350, 574] },
   { id: "grid", title: "A grid and three assumptions", reserve: [318, 408, 324, 606] },
@@ -41,6 +38,7 @@ export const LESSONS = [
   { id: "lifetime", title: "What the moving table teaches", reserve: [150, 82, 126, 228] },
   { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 534] },
   { id: "octree", title: "Why a plane is not enough", reserve: [314, 314, 314, 455] },
+  { id: "tsdf", title: "TSDF beside occupancy", reserve: [780, 709, 717, 973] },
   { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
   { id: "next", title: "Other maps", reserve: [329, 217, 307, 486] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },

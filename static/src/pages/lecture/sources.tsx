@@ -99,6 +99,12 @@ export const SOURCES = {
       1996, for signed distance fields
     </>
   ),
+  newcombe: (
+    <>
+      R. A. Newcombe and others, <cite>KinectFusion: real-time dense surface mapping and tracking</cite>, IEEE
+      International Symposium on Mixed and Augmented Reality, 2011
+    </>
+  ),
   kerbl: (
     <>
       B. Kerbl, G. Kopanas, T. Leimkühler and G. Drettakis,{" "}

@@ -282,6 +282,14 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes:
       "Move the cut from the floor to the ceiling: low table, open doors, lintels. Then the cells from 40 cm to 5 cm: watch the two bars change places.",
   },
+  tsdf: {
+    question: "Voxels of 10 cm, noise of 2 cm: how exactly can a wall’s place be known?",
+    options: ["To 10 cm: a voxel is the limit", "To 2 cm: the noise is the limit", "Better than both"],
+    right: 2,
+    answer: "Signed distances have their zero at the mean of the readings, between voxels; occupancy has whole cells.",
+    notes:
+      "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a greatest weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
+  },
   next: {
     question: "Which other maps are there, and what do they give up?",
     answer: "Octrees keep free space in 3D; distance fields keep surfaces; clouds and splats do not know free space.",

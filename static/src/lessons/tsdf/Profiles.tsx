@@ -1,0 +1,237 @@
+import { useRef } from "preact/hooks";
+import { toPixel } from "../../render/chart/scale";
+import { Handle } from "../../ui/Handle";
+import { keyed, plural, type Range, snap, written } from "../../ui/numbers";
+import { Plot } from "../common/Plot";
+import { CLAMP, type Crossing, centreOf, MOVE, REACH, RESOLUTION, type Voxel } from "./model";
+
+const HEIGHT = 404;
+const [LEFT, RIGHT] = [46, 8];
+/** Rows of the figure from above, px: the beam, log-odds, distances, weights. */
+const BEAM_Y = 30;
+const OCCUPANCY = { from: 168, to: 72, ...CLAMP };
+const DISTANCE = { from: 316, to: 208, low: -0.6, high: 0.6 };
+const WEIGHT = { from: 378, to: 344 };
+export const WALL: Range = { low: 0.65, high: 1.35, step: 0.01 };
+export const TRUNCATION: Range = { low: 0.2, high: 0.6, step: 0.02 };
+
+interface ProfilesProps {
+  /** Where the wall was at first, m. */
+  readonly wall: number;
+  readonly isMoved: boolean;
+  readonly readings: readonly number[];
+  readonly occupancy: readonly (number | null)[];
+  readonly voxels: readonly Voxel[];
+  readonly crossing: Crossing | null;
+  readonly truncation: number;
+  readonly maxWeight: number;
+  readonly onWall: (metres: number) => void;
+  readonly onTruncation: (metres: number) => void;
+}
+
+/** The beam, and below it what each map keeps of it, voxel by voxel; wall and truncation are dragged. */
+export function Profiles(props: ProfilesProps) {
+  const { wall, isMoved, readings, occupancy, voxels, crossing, truncation, maxWeight } = props;
+  const before = useRef(0);
+  const now = wall + (isMoved ? MOVE : 0);
+  return (
+    <Plot height={HEIGHT}>
+      {(width) => {
+        const xs = { low: 0, high: REACH, from: LEFT, to: width - RIGHT };
+        const x = (metres: number): number => toPixel(metres, xs);
+        const ell = (value: number): number => toPixel(value, OCCUPANCY);
+        const d = (metres: number): number => toPixel(metres, DISTANCE);
+        const side = x(RESOLUTION) - x(0);
+        const perPixel = RESOLUTION / side;
+        const known = [...voxels.keys()].filter((k) => (voxels[k] as Voxel).weight > 0);
+        const line = known.map((k, i) => {
+          const isNext = i > 0 && known[i - 1] === k - 1;
+          return `${isNext ? "L" : "M"}${x(centreOf(k)).toFixed(1)} ${d((voxels[k] as Voxel).distance).toFixed(1)}`;
+        });
+        const knee = Math.max(0, now - truncation);
+        return (
+          <>
+            <path
+              class="tsdf-borders"
+              d={Array.from({ length: voxels.length + 1 }, (_, k) => `M${x(k * RESOLUTION)} 48V${WEIGHT.from}`).join(
+                "",
+              )}
+            />
+            <path class="tsdf-beam" d={`M${x(0)} ${BEAM_Y}H${x(now)}`} />
+            <path class="tsdf-sensor" d={`M${x(0)} ${BEAM_Y - 8}l14 8l-14 8Z`} />
+            {isMoved && <path class="tsdf-wall before" d={`M${x(wall)} 14V${WEIGHT.from}`} />}
+            <path class="tsdf-wall" d={`M${x(now)} 14V${WEIGHT.from}`} />
+            <path class="tsdf-readings" d={readings.map((z) => `M${x(z).toFixed(1)} ${BEAM_Y + 4}v12`).join("")} />
+            <text x={x(0) + 20} y={BEAM_Y - 8}>
+              {plural(readings.length, "reading")}
+            </text>
+
+            <text class="tsdf-title" x={LEFT} y={OCCUPANCY.to - 8}>
+              occupancy: ℓ of each cell
+            </text>
+            <Unknown cells={occupancy.map((l) => l === null)} text="unknown" x={x} scale={OCCUPANCY} />
+            {occupancy.map((l, k) =>
+              l === null ? null : (
+                <rect
+                  key={k}
+                  class={l > 0 ? "tsdf-bar occupied" : "tsdf-bar free"}
+                  x={x(k * RESOLUTION) + 1}
+                  width={side - 2}
+                  y={Math.min(ell(l), ell(0))}
+                  height={Math.abs(ell(l) - ell(0))}
+                />
+              ),
+            )}
+            <path class="tsdf-zero" d={`M${LEFT} ${ell(0)}H${width - RIGHT}`} />
+            {[-2, 0, 3].map((tick) => (
+              <text key={tick} x={LEFT - 6} y={ell(tick) + 4} text-anchor="end">
+                {written(tick, 0)}
+              </text>
+            ))}
+
+            <text class="tsdf-title" x={LEFT} y={DISTANCE.to - 8}>
+              signed distance D, m
+            </text>
+            <Unknown cells={voxels.map(({ weight }) => weight === 0)} text="nothing stored" x={x} scale={DISTANCE} />
+            <path class="tsdf-zero" d={`M${LEFT} ${d(0)}H${width - RIGHT}`} />
+            <path
+              class="tsdf-limit"
+              d={`M${LEFT} ${d(truncation)}H${width - RIGHT}M${LEFT} ${d(-truncation)}H${width - RIGHT}`}
+            />
+            {[-truncation, 0, truncation].map((tick) => (
+              <text key={tick} x={LEFT - 4} y={d(tick) + 4} text-anchor="end">
+                {tick === 0 ? "0" : written(tick, 2)}
+              </text>
+            ))}
+            <path class="tsdf-line" d={line.join("")} />
+            {known.map((k) => {
+              const { distance } = voxels[k] as Voxel;
+              return (
+                <circle
+                  key={k}
+                  class={distance < 0 ? "tsdf-dot behind" : "tsdf-dot"}
+                  cx={x(centreOf(k))}
+                  cy={d(distance)}
+                  r={3.5}
+                />
+              );
+            })}
+            {crossing && <path class="tsdf-crossing" d={`M${x(crossing.at)} ${d(0) - 8}l7 8l-7 8l-7 -8Z`} />}
+
+            <text class="tsdf-title" x={LEFT} y={WEIGHT.to - 6}>
+              weight W of each voxel
+            </text>
+            {voxels.map(({ weight }, k) => (
+              <rect
+                key={k}
+                class="tsdf-weight"
+                x={x(k * RESOLUTION) + 1}
+                width={side - 2}
+                y={toPixel(weight, { ...WEIGHT, low: 0, high: Math.max(readings.length, 1) })}
+                height={((WEIGHT.from - WEIGHT.to) * weight) / Math.max(readings.length, 1)}
+              />
+            ))}
+            {maxWeight < readings.length && (
+              <path
+                class="tsdf-limit"
+                d={`M${LEFT} ${toPixel(maxWeight, { ...WEIGHT, low: 0, high: readings.length })}H${width - RIGHT}`}
+              />
+            )}
+            <path class="tsdf-zero" d={`M${LEFT} ${WEIGHT.from}H${width - RIGHT}`} />
+            {[0, 0.5, 1, 1.5, 2].map((tick) => (
+              <text key={tick} x={x(tick)} y={WEIGHT.from + 17} text-anchor={tick === 2 ? "end" : "middle"}>
+                {tick === 2 ? "2 m" : written(tick, tick % 1 === 0 ? 0 : 1)}
+              </text>
+            ))}
+
+            <Handle
+              label="Wall"
+              sentence="Moves the wall that is measured."
+              axis="x"
+              tone="tone-robot"
+              now={wall}
+              low={WALL.low}
+              high={WALL.high}
+              text={`${written(now, 2)} m from the sensor`}
+              grab={{ x: x(now) - 20, y: 0, width: 40, height: 56 }}
+              onStart={() => {
+                before.current = wall;
+              }}
+              onDrag={(dx, _, fine) => {
+                props.onWall(snap(before.current + (fine ? 0.2 : 1) * dx * perPixel, WALL));
+              }}
+              onEnd={() => undefined}
+              onKey={(key, shift) => {
+                const next = keyed(key, shift, wall, WALL);
+                if (next !== null) props.onWall(next);
+                return next !== null;
+              }}
+            >
+              <rect class="handle-mark" x={x(now) - 5} y={4} width={10} height={24} rx={5} />
+              <text class="tsdf-wall-name" x={x(now) + 10} y={18}>
+                wall, {written(now, 2)} m
+              </text>
+            </Handle>
+            <Handle
+              label="Truncation"
+              sentence="Distance before and behind a reading within which voxels are updated."
+              axis="x"
+              tone="tone-robot"
+              now={truncation}
+              low={TRUNCATION.low}
+              high={TRUNCATION.high}
+              text={`${written(truncation, 2)} metres`}
+              grab={{ x: x(knee) - 20, y: d(truncation) - 20, width: 40, height: 40 }}
+              onStart={() => {
+                before.current = truncation;
+              }}
+              onDrag={(dx, _, fine) => {
+                props.onTruncation(snap(before.current - (fine ? 0.2 : 1) * dx * perPixel, TRUNCATION));
+              }}
+              onEnd={() => undefined}
+              onKey={(key, shift) => {
+                const next = keyed(key, shift, truncation, TRUNCATION);
+                if (next !== null) props.onTruncation(next);
+                return next !== null;
+              }}
+            >
+              <circle class="handle-mark" cx={x(knee)} cy={d(truncation)} r={7} />
+            </Handle>
+          </>
+        );
+      }}
+    </Plot>
+  );
+}
+
+interface UnknownProps {
+  /** Which cells hold nothing. */
+  readonly cells: readonly boolean[];
+  readonly text: string;
+  readonly x: (metres: number) => number;
+  readonly scale: { readonly from: number; readonly to: number };
+}
+
+/** A shade over the cells that hold nothing, with a word where there is room for it. */
+function Unknown({ cells, text, x, scale }: UnknownProps) {
+  const first = cells.flatMap((is, k) => (is && !cells[k - 1] ? [k] : []));
+  return (
+    <>
+      {first.map((k) => {
+        const rest = cells.slice(k).indexOf(false);
+        const end = rest < 0 ? cells.length : k + rest;
+        const [from, to] = [x(k * RESOLUTION), x(end * RESOLUTION)];
+        return (
+          <g key={k}>
+            <rect class="tsdf-unknown" x={from} width={to - from} y={scale.to} height={scale.from - scale.to} />
+            {to - from > 8 * text.length && (
+              <text x={(from + to) / 2} y={0.25 * scale.to + 0.75 * scale.from + 4} text-anchor="middle">
+                {text}
+              </text>
+            )}
+          </g>
+        );
+      })}
+    </>
+  );
+}
