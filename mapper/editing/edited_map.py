@@ -32,6 +32,7 @@ MAX_EDITS = 2000
 _EVERY = 20  #: edits between two kept states
 _LEAST_KEPT = 3  #: states
 MOST_KEPT_CELLS = 1 << 26  #: of all kept states
+_AT_ONCE = 1 << 16  #: cells that are turned at a time
 _EDGE = 1e-6  #: cells; so that a turn by 90° does not add a row for the sake of a rounding error
 
 
@@ -122,18 +123,18 @@ class EditedMap:
             self._kept[self._n] = self._state
             self._drop_states()
 
-    def undo(self) -> bool:
-        """Undo the last edit; return whether there was one."""
+    def undo(self, steps: int = 1) -> bool:
+        """Undo the last ``steps`` edits, or all if there are fewer; return whether there was one."""
         if self._n == 0:
             return False
-        self._go_to(self._n - 1)
+        self._go_to(max(self._n - steps, 0))
         return True
 
-    def redo(self) -> bool:
-        """Make the edit again that was undone last; return whether there was one."""
+    def redo(self, steps: int = 1) -> bool:
+        """Make the ``steps`` edits again that were undone last, or all; return whether there was one."""
         if not self.can_redo:
             return False
-        self._go_to(self._n + 1)
+        self._go_to(min(self._n + steps, len(self._operations)))
         return True
 
     def _drop_states(self) -> None:
@@ -287,12 +288,13 @@ def _rotate(state: _State, edit: Rotate) -> _State:
     new = GridGeometry(old.resolution, rows, cols, (float(low[0]), float(low[1]), 0.0), old.limits)
     values: Int8Array = np.full(new.shape, VALUES["unknown"], dtype=np.int8)
     keepout: Int8Array = np.zeros(new.shape, dtype=np.int8)
-    of_row = np.arange(cols)
-    for row in range(rows):
-        at = turned.world_to_cell(new.cell_to_world(np.column_stack([np.full_like(of_row, row), of_row])))
+    for begin in range(0, values.size, _AT_ONCE):
+        flat = np.arange(begin, min(begin + _AT_ONCE, values.size))
+        at = turned.world_to_cell(new.cell_to_world(np.column_stack(np.divmod(flat, cols))))
         held = ((at >= 0) & (at < old.shape)).all(axis=1)
         source = at[held, 0], at[held, 1]
-        values[row, held], keepout[row, held] = state.values[source], state.keepout[source]
+        values.reshape(-1)[flat[held]] = state.values[source]
+        keepout.reshape(-1)[flat[held]] = state.keepout[source]
     return _State(new, values, keepout)
 
 

@@ -11,10 +11,9 @@ from mapper.localization.textbook import augmented_share
 Float64Array = NDArray[np.float64]
 
 RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhere
-PATIENCE = 4  #: scans that are compared before the first reset,
-MOST_PATIENCE = (
-    64  #: and before a later one, at most: each reset doubles their number, each scan that fits takes one off
-)
+#: Scans that are compared before the first reset, and at most before a later one: each reset doubles their number,
+#: each scan that fits takes one off.
+PATIENCE, MOST_PATIENCE = 4, 64
 INTERVAL = 2  #: updates from one comparison to the next
 LOST, SEARCHING = 0.5, 0.1  #: weight of the particles that are added: once the robot is lost, and before convergence
 

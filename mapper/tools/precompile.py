@@ -42,6 +42,7 @@ from mapper.replay import Replay
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
+from mapper.simulation.faults import reflected_away
 from mapper.simulation.kernels.raycast import arc_clearance
 from mapper.simulation.sensors_3d import Sensor3D, measure_3d
 from mapper.slam import SlamConfig, slam_log
@@ -84,6 +85,7 @@ def precompile() -> None:
     for scan, pose in simulation.advance(SECONDS):
         recording.append(scan, pose)
     arc_clearance(world.segments, *world.start, 0.5, 0.1, 0.5, 5)
+    reflected_away(world, np.full(2, 1.0), np.zeros(2), world.start)
     measure_3d(world, Sensor3D(), world.start, np.random.default_rng(0))
     replay = Replay(recording.as_log(), MappingConfig(resolution=0.1))
     for model, update, traversal, no_return in itertools.product(

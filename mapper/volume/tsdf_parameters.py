@@ -41,7 +41,7 @@ TSDF_PARAMETERS: tuple[Parameter, ...] = (
 class TsdfConfig:
     """Parameters of :class:`mapper.volume.tsdf.TsdfVolume`, see the table :data:`TSDF_PARAMETERS`.
 
-    Raises :class:`ConfigError` for a value outside its row and for a truncation of less than a voxel.
+    Raises :class:`ConfigError` for a value outside its row and for a truncation of less than two voxels.
     """
 
     resolution: float = 0.02

@@ -10,6 +10,7 @@ from server.classes.classroom import Classroom, Member
 from server.classes.codes import new_code, normalised
 
 MAX_CLASSES = 32
+MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
 LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
 
 
@@ -78,13 +79,15 @@ class Classes:
             return
         if found.is_locked:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
-        if found.present >= self._max_followers:
+        if found.present >= self._max_followers or found.is_full:
             raise ClassBudgetError("class.crowded", "As many people as may follow this class already do.")
 
     def join(self, code: str, visitor: str) -> tuple[Classroom, Member]:
-        """Join a class. Raises as :meth:`get` and :meth:`check`."""
+        """Join a class. Raises as :meth:`get` and :meth:`check`, and for too many connections of a visitor."""
         found = self.get(code)
         self.check(found, visitor)
+        if found.connections_of(visitor) >= MAX_CONNECTIONS:
+            raise ClassBudgetError("class.connections", "This browser shows the class on as many pages as it may.")
         return found, found.join(visitor)
 
     def close(self, found: Classroom) -> None:

@@ -36,6 +36,7 @@ from server.stream.class_messages import (
 
 STATE_EVERY_S = 0.2  #: shortest time between two messages of the state
 MAX_QUESTIONS = 200
+MAX_NUMBERS = 10_000  #: of followers while the class lasts: who drops the cookie gets another number
 #: Commands with which a follower to whom the robot was handed may drive it.
 DRIVERS_COMMANDS = frozenset({"drive", "teleport", "auto"})
 _encoder = msgspec.json.Encoder()
@@ -64,6 +65,7 @@ class Classroom:
         self.owner = owner  #: the lecturer's visitor id; None until somebody takes it over
         self.session: str | None = None  #: id of the session that is shown
         self.stage = 0  #: number of that session, from 1
+        self.stage_over = asyncio.Event()  #: set once that session is not shown any more
         self.view = ClassView("other")
         self.is_locked = self.has_ended = False
         self.driver: int | None = None
@@ -88,13 +90,19 @@ class Classroom:
         """Followers that are connected."""
         return len({member.number for member in self.members if member.number})
 
+    @property
+    def is_full(self) -> bool:
+        """Whether no further visitor gets a number."""
+        return len(self._numbers) >= MAX_NUMBERS
+
+    def connections_of(self, visitor: str) -> int:
+        """Return how many connections a visitor has."""
+        number = 0 if visitor == self.owner else self._numbers.get(visitor)
+        return sum(member.number == number for member in self.members)
+
     def knows(self, visitor: str) -> bool:
         """Whether a visitor has joined before."""
         return visitor == self.owner or visitor in self._numbers
-
-    def number_of(self, visitor: str) -> int | None:
-        """Return the number of a follower; None if the visitor has not joined."""
-        return self._numbers.get(visitor)
 
     def join(self, visitor: str) -> Member:
         """Return a new connection of the lecturer or a follower, to which the complete state will be sent."""
@@ -170,6 +178,8 @@ class Classroom:
         if session != self.session:
             self.session = session
             self.stage = self.stage + 1
+            self.stage_over.set()
+            self.stage_over = asyncio.Event()
             self._hand(None)
         self.view = view
         self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
@@ -190,6 +200,8 @@ class Classroom:
     def end(self) -> None:
         """End the class: everybody is told, and the connections close."""
         self.has_ended = True
+        self.driver = None
+        self.stage_over.set()
         self._publish_state()
 
     # -- messages -------------------------------------------------------------------------------------------------

@@ -8,6 +8,12 @@ from mapper.core.errors import ConfigError
 from server.stream.class_messages import AskCommand, ClassAxis, ClassQuestion
 
 BINS = 20  #: parts of the axis of a guess, in which answers are counted
+LEAST_WIDTH, GREATEST_WIDTH = 1e-12, 1e15  #: of the axis of a guess
+
+
+def part_of(axis: ClassAxis, value: float) -> int:
+    """Return in which of the :data:`BINS` parts of an axis a guess lies; that at the end lies in the last."""
+    return min(BINS - 1, int((value - axis.low) / ((axis.high - axis.low) / BINS)))
 
 
 @dataclass(slots=True)
@@ -37,6 +43,9 @@ class Question:
             raise ConfigError("class.options", "A question needs at least two options, none of them empty.")
         if asked.axis is not None and not asked.axis.low < asked.axis.high:
             raise ConfigError("class.axis", "The least guess must be less than the greatest.")
+        if asked.axis is not None and not LEAST_WIDTH <= asked.axis.high - asked.axis.low <= GREATEST_WIDTH:
+            # The parts of a wider or narrower axis have no width as a number.
+            raise ConfigError("class.axis", f"Guesses may be {LEAST_WIDTH:g} to {GREATEST_WIDTH:g} apart.")
         question = cls(number, asked.text.strip(), options, asked.axis)
         question.set_right(asked.right)
         return question
@@ -66,9 +75,8 @@ class Question:
                 counts[int(value)] += 1
             return counts
         counts = [0] * BINS
-        width = (self.axis.high - self.axis.low) / BINS
         for value in self.answers.values():
-            counts[min(BINS - 1, int((value - self.axis.low) / width))] += 1
+            counts[part_of(self.axis, value)] += 1
         return counts
 
     def message(self, *, lecturer: bool) -> ClassQuestion:

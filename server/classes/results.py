@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Iterable
 
-from server.classes.questions import BINS, Question
+from server.classes.questions import BINS, Question, part_of
 
 
 def results_csv(questions: Iterable[Question]) -> str:
@@ -22,9 +22,9 @@ def results_csv(questions: Iterable[Question]) -> str:
             else:
                 width = (one.axis.high - one.axis.low) / BINS
                 option, unit = "", one.axis.unit
-                low, high = f"{one.axis.low + at * width:g}", f"{one.axis.low + (at + 1) * width:g}"
-                last = at == BINS - 1 and one.right == one.axis.high
-                right = one.right is not None and (float(low) <= one.right < float(high) or last)
+                low, high = f"{one.axis.low + at * width:.10g}", f"{one.axis.low + (at + 1) * width:.10g}"
+                known_right = one.right is not None and one.axis.low <= one.right <= one.axis.high
+                right = known_right and part_of(one.axis, one.right or 0.0) == at
             known = "" if one.right is None else "yes" if right else "no"
             writer.writerow([one.id, _plain(one.text), _plain(option), low, high, _plain(unit), count, known])
     return out.getvalue()

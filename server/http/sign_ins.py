@@ -66,7 +66,8 @@ class SignIns:
 
     def end_all(self) -> None:
         """End all cookies that were given so far. Raises as :meth:`end`."""
-        self._ended_until = int(self._clock())
+        # A cookie that was given in the second of an earlier end bears the next second.
+        self._ended_until = max(int(self._clock()), self._ended_until + 1)
         self._ended.clear()
         self._write()
 

@@ -20,6 +20,7 @@ from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, i
 
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
+LEAVING_S = 1.0  #: for pages to leave a session that their class does not show any more
 MAX_THROTTLED = 1200  #: commands in a row that came too fast, before the socket is closed
 
 _log = structlog.get_logger(__name__)
@@ -44,10 +45,12 @@ class Allowance:
 class Following:
     """A client that follows the lecturer of a class: it sees the session, and its commands are refused.
 
-    ``may`` says whether a command of that type is allowed all the same.
+    ``may`` says whether a command of that type is allowed all the same. ``over`` is set once the class does not show
+    the session any more: the connection then ends.
     """
 
     may: Callable[[str], bool]
+    over: asyncio.Event
 
 
 async def exchange(
@@ -72,6 +75,8 @@ async def exchange(
         asyncio.create_task(_send(websocket, session, client), name="stream out"),
         asyncio.create_task(_receive(websocket, session, client, following), name="stream in"),
     ]
+    if following is not None:
+        tasks.append(asyncio.create_task(_leave(following.over), name="session of a class"))
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
@@ -83,6 +88,14 @@ async def exchange(
             if isinstance(result, Exception) and not isinstance(result, WebSocketDisconnect):
                 _log.error("a stream failed", exc_info=result)
                 await _close(websocket, INTERNAL, "internal")
+        if following is not None and following.over.is_set():
+            await _close(websocket, ENDED, "class.not_shown")
+
+
+async def _leave(over: asyncio.Event) -> None:
+    """Return a while after ``over``: the page hears of it from the class and ends the connection without an error."""
+    await over.wait()
+    await asyncio.sleep(LEAVING_S)
 
 
 async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:

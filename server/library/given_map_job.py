@@ -56,7 +56,7 @@ def _made(job: GivenMapJob) -> GivenMap:
     )
     if given.values.size > MOST_CELLS:
         raise LimitError("map.cells", f"The map has {given.values.size:,} cells; at most {MOST_CELLS:,} are used here.")
-    if not (given.values == 0).any() and not (given.values >= 0).any():
+    if not (given.values >= 0).any():
         raise ReadError("map.empty", "The map has no known cells: nothing can be localized in it.")
     given.write(Path(job.out))
     jobs.note_progress(1.0)

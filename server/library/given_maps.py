@@ -102,6 +102,7 @@ class GivenMaps:
             async with self._turns.of(owner):
                 worker = self._worker = self._worker or self._make_worker()
                 made = await outcome_of(worker, worker.submit(job), job.timeout_s)
+            self._logs.get(owner, log_id)  # it may have been deleted meanwhile
             self._put(fresh, out)
             return made
         finally:
@@ -112,6 +113,7 @@ class GivenMaps:
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
         try:
             await asyncio.to_thread(given.write, fresh)
+            self._logs.get(owner, log_id)
             self._put(fresh, self.path(owner, log_id))
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)

@@ -11,13 +11,20 @@ import json
 import tarfile
 import tempfile
 from collections.abc import Iterable
-from pathlib import Path, PurePosixPath
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from mapper.core.errors import LimitError, ReadError
+from mapper.core.errors import LimitError, MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS
 from server.library.given_map import GivenMap
+
+if TYPE_CHECKING:
+    from mapper.io.logs.archive import Member
 
 MOST_FILES = 8  #: in an archive
 MOST_BYTES = 256 << 20  #: of all of them together
+MOST_NAME_BYTES = 200  #: of a file's name
 _YAML = (".yaml", ".yml")
 _IMAGES = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif")
 _MASK = "_keepout"
@@ -27,9 +34,9 @@ _EDITS = ".edits.json"
 def archived(files: Iterable[tuple[str, bytes]]) -> bytes:
     """Return a tar archive of files, by name. The same files give the same bytes."""
     out = io.BytesIO()
-    with tarfile.open(fileobj=out, mode="w", format=tarfile.USTAR_FORMAT) as archive:
+    with tarfile.open(fileobj=out, mode="w", format=tarfile.PAX_FORMAT) as archive:
         for name, data in files:
-            member = tarfile.TarInfo(name[-100:])
+            member = tarfile.TarInfo(name)
             member.size = len(data)
             archive.addfile(member, io.BytesIO(data))
     return out.getvalue()
@@ -44,13 +51,10 @@ def is_map(source: Path) -> bool:
     if is_bee_map(source):
         return True
     try:
-        with tarfile.open(source, "r:") as archive:
-            names: list[str] = []
-            for member in archive:
-                names.append(PurePosixPath(member.name).name.lower())
-                if len(names) > MOST_FILES or not names[-1].endswith((*_YAML, *_IMAGES, _EDITS)):
-                    return False
-    except (OSError, tarfile.TarError, EOFError, ValueError):
+        names = [one.name.lower() for one in _files_in(source)]
+    except (OSError, MapperError):
+        return False
+    if not all(name.endswith((*_YAML, *_IMAGES, _EDITS)) for name in names):
         return False
     return any(name.endswith(_YAML) for name in names) and any(name.endswith(_IMAGES) for name in names)
 
@@ -99,25 +103,30 @@ def _origin_of(path: Path) -> str | None:
     return f"Made by {n} edit{'' if n == 1 else 's'} of {name[:100]!r}." if n else None
 
 
+def _files_in(source: Path) -> list[Member]:
+    """Return the files in a tar archive. Raises :class:`OSError`, :class:`ReadError` and :class:`LimitError`."""
+    from mapper.io.logs.archive import BLOCK, is_tar, members  # noqa: PLC0415 - as the readers of maps
+
+    with source.open("rb") as file:
+        if not is_tar(file.read(BLOCK)):
+            raise ReadError(
+                "map.files", "These are no map files: choose a yaml together with its image, or a map of CMU's course."
+            )
+    # Long names have records of their own.
+    found, _ = members(source, replace(DEFAULT_LIMITS, max_archive_files=4 * MOST_FILES))
+    if len(found) > MOST_FILES:
+        raise LimitError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
+    return found
+
+
 def _unpacked(source: Path, folder: Path) -> list[str]:
     """Write the files of a tar archive into ``folder`` by their last names, and return these."""
-    names: list[str] = []
-    room = MOST_BYTES
-    try:
-        with tarfile.open(source, "r:") as archive:
-            for member in archive:
-                name = PurePosixPath(member.name).name
-                if not member.isfile() or not name or len(names) >= MOST_FILES:
-                    raise ReadError("map.files", f"Map files are a yaml and an image, at most {MOST_FILES} files.")
-                room -= member.size
-                if room < 0:
-                    raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
-                content = archive.extractfile(member)
-                if content is not None:
-                    (folder / name).write_bytes(content.read())
-                    names.append(name)
-    except (tarfile.TarError, EOFError, ValueError):
-        raise ReadError(
-            "map.files", "These are no map files: choose a yaml together with its image, or a map of CMU's course."
-        ) from None
-    return names
+    found = _files_in(source)
+    if sum(one.size for one in found) > MOST_BYTES:
+        raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
+    for one in found:
+        if len(one.name.encode()) > MOST_NAME_BYTES:
+            raise ReadError("map.files", f"The file name {one.name!r:.60} is too long.")
+        with one.open() as content:
+            (folder / one.name).write_bytes(content.read())
+    return [one.name for one in found]

@@ -18,6 +18,7 @@ class Standing:
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._known = {path: _identity(path) for path in paths}
+        self._folders = {path for path in paths if path.is_dir()}
 
     def check(self) -> None:
         """Raise :class:`StorageError` unless all of them are what they were, and can be written."""
@@ -25,7 +26,7 @@ class Standing:
             if _identity(path) != known:
                 raise StorageError(
                     "library.gone",
-                    f"The service's {'folder' if path.suffix == '' else 'database'} was moved or removed: "
+                    f"The service's {'folder' if path in self._folders else 'database'} was moved or removed: "
                     "nothing can be stored until it is back, or the service is started again.",
                 )
             if not os.access(path, os.W_OK) or os.statvfs(path).f_flag & os.ST_RDONLY:

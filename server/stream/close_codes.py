@@ -43,6 +43,8 @@ NO_ACKS = CloseCode(
     "no frame was acknowledged for 30 s: connect again",
     "The server closed the connection because this page did not answer for a long time.",
 )
-ENDED = CloseCode(4410, "the session has ended", "This session has ended.", may_be_over=True)
+ENDED = CloseCode(
+    4410, "the session has ended, or its class does not show it any more", "This session has ended.", may_be_over=True
+)
 
 CLOSE_CODES = (POLICY, TOO_LONG, INTERNAL, RESTARTING, REFUSED, NO_ACKS, ENDED)

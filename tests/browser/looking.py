@@ -145,8 +145,8 @@ def end_session(page: Page) -> None:
 
 def open_group(page: Page, title: str) -> Locator:
     """Open a group of the dock of the log page or of the lab; return its panel."""
-    # A tab may have a number behind its title; titles may end alike.
-    name = re.compile(f"^{re.escape(title)}")
+    # A tab may have a number or "on" behind its title; titles may begin and end alike.
+    name = re.compile(rf"^{re.escape(title)}(?! (?!on$)[a-z])")
     page.get_by_role("tab", name=name).click()
     return page.get_by_role("tabpanel", name=name)
 

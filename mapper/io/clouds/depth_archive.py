@@ -6,6 +6,7 @@ says where a file is written.
 
 from __future__ import annotations
 
+import lzma
 import re
 import shutil
 import zipfile
@@ -26,6 +27,9 @@ TUM_LISTS = ("depth.txt", "groundtruth.txt")
 _TUM_IMAGE = re.compile(r"[\w.-]{1,100}\.png", re.ASCII)
 _PLAIN = re.compile(r"[\w][\w.-]{0,100}", re.ASCII)
 _PIECE = 1 << 20
+_DAMAGE = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, NotImplementedError, ValueError, RuntimeError, OSError,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +71,9 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
                 raise LimitError("depth.too_many", f"The archive has more than {limits.max_depth_frames} files.")
             files = [_of_entry(one) for one in entries if not one.is_dir()]
             _write(files, archive, into, limits, path.stat().st_size, progress)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, ValueError, RuntimeError) as error:
+    except _DAMAGE as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of the disk: bz2 raises one without a number for damaged data
         raise ReadError("log.archive", "The zip archive is damaged, ends early, or is encrypted.") from error
     return []
 

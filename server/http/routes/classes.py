@@ -124,7 +124,7 @@ def link_of(room: Classroom) -> str:
 
 
 def _shown(classes: Classes, room: Classroom, sessions: SessionRegistry, visitor: str) -> SessionHost:
-    """Return the session that a class shows, for somebody who has joined."""
+    """Return the session that a class shows, for somebody who has joined or may join."""
     classes.check(room, visitor)
     if room.session is None:
         raise MapperError("class.no_session", "The lecturer shows no map now.")
@@ -147,7 +147,7 @@ async def shown(
     session = _shown(classes, room, sessions, visitor)
     from server.http.stream_connection import Following, exchange  # noqa: PLC0415 - comes with the first session
 
-    following = Following(lambda command: room.may_drive(visitor, command))
+    following = Following(lambda command: room.may_drive(visitor, command), room.stage_over)
     await exchange(websocket, session, settings.max_class_followers, following)
 
 

@@ -172,7 +172,8 @@ def assessed(
     is_ground = find_ground(points, parameters.ground).is_ground if values["filter"] else np.ones(len(points), np.bool_)
     right = {} if truth is None else agreement(is_ground, truth)
     x0, y0, x1, y1 = bounds
-    shape = (int(np.ceil((y1 - y0) / config.patch)), int(np.ceil((x1 - x0) / config.patch)), 10)
+    rows, cols = (max(int(np.ceil(side / config.patch)), 1) for side in (y1 - y0, x1 - x0))  # of a wall one, too
+    shape = (rows, cols, 10)
     if shape[0] * shape[1] > MOST_PATCHES:
         raise LimitError(
             "terrain.patches",

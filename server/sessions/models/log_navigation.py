@@ -74,8 +74,19 @@ class LogNavigation(Navigation):
         if costmap is None:
             return
         if costmap.parameters.values["map"] == "given" and self._given is not self._given_map():
-            costmap.renew_plan(self._plan(), replay.grid)
-            self._is_new = True
+            try:
+                costmap.renew_plan(self._plan(), replay.grid)
+                self._is_new = True
+            except ConfigError as error:  # the costmap keeps the map from before
+                self._given = self._given_map()
+                result.notice(error.code, error.message)
+        n = replay.grid.geometry.rows * replay.grid.geometry.cols
+        if n > MOST_CELLS and costmap.parameters.values["map"] == "belief":
+            self.end(result)
+            result.notice(
+                "costmap.too_large", f"The map has {n} cells now, and a costmap at most {MOST_CELLS}: it has ended."
+            )
+            return
         if replay.index < self._index:
             costmap.begin(replay.grid)  # what later scans marked is not known yet
         else:

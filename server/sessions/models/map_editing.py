@@ -128,10 +128,10 @@ class MapModel(SessionModel):
                 edited.apply(operation_of(command))
             case "map_history":
                 steps = integer(command, "steps")
-                step = edited.undo if steps < 0 else edited.redo
-                for _ in range(abs(steps)):
-                    if not step():
-                        break
+                if steps < 0:
+                    edited.undo(-steps)
+                elif steps > 0:
+                    edited.redo(steps)
             case other:
                 raise ProtocolError("command.unknown", f"A map has no command {other!r:.80}.")
         self._is_stale = True

@@ -19,6 +19,7 @@ from mapper.volume.faces import FaceRule
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.drawings import Drawing, Point
+from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.terrain_view import TerrainView
@@ -43,9 +44,6 @@ PIECE_S = 0.05  #: of drawing voxels
 FILL_S = 20.0  #: in which a sequence plays at first
 MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 LOG_ODDS = 3.5  #: the range of the map from above
-NO_READINGS: dict[str, Any] = {
-    "scan_pose": [0.0, 0.0, 0.0], "ranges": [], "angle_min": 0.0, "angle_increment": 0.0, "range_max": 0.0,
-}  # fmt: skip
 
 
 class VolumeModel(SessionModel):

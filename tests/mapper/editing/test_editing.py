@@ -12,8 +12,9 @@ import pytest
 from PIL import Image
 
 from mapper.core.errors import ConfigError, LimitError, ReadError
-from mapper.editing import EditedMap, operation_dict, parse_operation
+from mapper.editing import EditedMap, edited_map, operation_dict, parse_operation
 from mapper.editing.files import apply_edits, edits_text, parse_edits, save_edited
+from mapper.editing.operations import Paint
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 
@@ -234,3 +235,39 @@ def test_a_map_comes_with_a_mask_and_states_are_dropped(monkeypatch: pytest.Monk
     assert (edited.keepout[3, 4], edited.can_redo, edited.n_undone) == (50, True, 70)
     with pytest.raises(ConfigError, match=r"The keepout mask has \(2, 2\) values"):
         EditedMap(made().geometry, made().values, mask[:2, :2])
+
+
+def test_many_steps_are_undone_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    edited = after(made(), *[STROKE] * 45)
+    done: list[Paint] = []
+    paint = edited_map._APPLY[Paint]
+
+    def counted(state: Any, edit: Paint) -> Any:
+        done.append(edit)
+        return paint(state, edit)
+
+    monkeypatch.setitem(edited_map._APPLY, Paint, counted)
+    assert edited.undo(44)
+    assert (len(edited.operations), edited.n_undone, len(done)) == (1, 44, 1)
+    assert edited.undo(5)
+    assert not edited.undo()
+    assert edited.redo(99)
+    assert (len(edited.operations), edited.can_redo, len(done)) == (45, False, 46)
+
+
+def test_a_tall_map_is_turned_in_few_pieces_and_as_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = after(made(), TURN)
+    monkeypatch.setattr(edited_map, "_AT_ONCE", 7)
+    np.testing.assert_array_equal(after(made(), TURN).values, whole.values)
+    monkeypatch.undo()
+    calls: list[Any] = []
+    world_to_cell = GridGeometry.world_to_cell
+
+    def counted(self: GridGeometry, points: Any) -> Any:
+        calls.append(points)
+        return world_to_cell(self, points)
+
+    monkeypatch.setattr(GridGeometry, "world_to_cell", counted)
+    tall = EditedMap(GridGeometry(0.1, 5000, 1), np.zeros((5000, 1), np.int8))
+    after(tall, {"op": "rotate", "angle": 0.0})
+    assert len(calls) == 1

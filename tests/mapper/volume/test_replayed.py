@@ -152,6 +152,15 @@ def test_a_zip_writes_no_file_outside_and_none_too_large(tmp_path: Path) -> None
         path.write_bytes(data)
         with pytest.raises(ReadError, match=r"damaged, ends early, or is encrypted\."):
             unpack_depth_archive(path, out, DEFAULT_LIMITS)
+    for method in (zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2):
+        with zipfile.ZipFile(path, "w", method) as archive:
+            archive.writestr("a.depth.png", np.random.default_rng(1).bytes(3000))
+        (into := tmp_path / f"method {method}").mkdir()
+        damaged = bytearray(path.read_bytes())
+        damaged[60:1500] = bytes(1440)
+        path.write_bytes(damaged)
+        with pytest.raises(ReadError, match=r"damaged, ends early, or is encrypted\."):
+            unpack_depth_archive(path, into, DEFAULT_LIMITS)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("holiday.jpg", b"a")
     with pytest.raises(MapperError, match="holds no folder of depth images"):

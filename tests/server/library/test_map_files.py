@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import tarfile
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +15,14 @@ from mapper.editing.files import map_files
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap
 from mapper.io.costmaps.reading import CostmapStream
+from server.downloads import file_stem
+from server.library import LogNotFoundError, StorageError
 from server.library.costmap_pack import costmap_codes
-from server.library.given_map import read_given_map
+from server.library.given_map import GivenMap, read_given_map
+from server.library.given_maps import GivenMaps
 from server.library.map_files import archived, is_map, read_map
 from server.library.map_pack import map_codes, summarise_map
+from server.library.standing import Standing
 
 GEOMETRY = GridGeometry(0.1, 4, 6, (1.0, -2.0, 0.5))
 VALUES = np.array([[0, 100, -1, 0, 0, 40]] * 4, np.int8)
@@ -53,9 +59,14 @@ def test_a_map_is_read_with_its_mask_and_what_made_it(tmp_path: Path) -> None:
     assert map_codes(found).tolist() == [[1, 2, 0, 1, 1, 0]] * 4
 
 
-def test_a_picture_of_a_large_map_keeps_its_walls() -> None:
-    from server.library.given_map import GivenMap
+def test_a_map_of_a_long_name_is_read_back(tmp_path: Path) -> None:
+    name = "план этажа " * 10
+    found = read_map(upload(tmp_path, files_of(file_stem(name))), "map", tmp_path)
+    assert found.title == f"{file_stem(name)}.yaml"
+    assert found.keepout is not None
 
+
+def test_a_picture_of_a_large_map_keeps_its_walls() -> None:
     values = np.full((1000, 700), -1, np.int8)
     values[10, 20], values[999, 699] = 100, 0
     codes = map_codes(GivenMap("large", GridGeometry(0.05, 1000, 700), values))
@@ -96,6 +107,31 @@ def test_what_is_refused(tmp_path: Path) -> None:
             read_map(upload(tmp_path, files), "map", tmp_path)
 
 
+def test_names_in_an_archive_are_no_paths_and_fit_into_a_folder(tmp_path: Path) -> None:
+    path, files = tmp_path / "upload", files_of()
+    with tarfile.open(path, "w", format=tarfile.PAX_FORMAT) as archive:
+        for name, data in files.items():
+            member = tarfile.TarInfo(f"../{name}")
+            member.size = len(data)
+            archive.addfile(member, io.BytesIO(data))
+        archive.addfile(tarfile.TarInfo("somewhere/.."))
+    assert is_map(path)
+    assert read_map(path, "map", tmp_path).title == "room.yaml"
+    assert [*tmp_path.iterdir()] == [path]
+    with tarfile.open(path, "w", format=tarfile.PAX_FORMAT) as archive:
+        archive.addfile(tarfile.TarInfo("é" * 150 + ".yaml"))
+    with pytest.raises(ReadError, match="too long"):
+        read_map(path, "map", tmp_path)
+
+
+def test_an_archive_of_endless_names_is_no_map(tmp_path: Path) -> None:
+    # tarfile calls itself for each record of a name.
+    name = tarfile.TarInfo("name")
+    name.type, name.size = tarfile.GNUTYPE_LONGNAME, 5
+    (tmp_path / "upload").write_bytes((name.tobuf(tarfile.GNU_FORMAT) + b"name\0".ljust(512, b"\0")) * 3000)
+    assert not is_map(tmp_path / "upload")
+
+
 def test_the_picture_of_recorded_costmaps_has_their_obstacles() -> None:
     stream = CostmapStream("/costmap_raw")
     for k, cost in enumerate((0, 254, 0)):
@@ -103,3 +139,30 @@ def test_the_picture_of_recorded_costmaps_has_their_obstacles() -> None:
         costs[0, 0], costs[1, 2] = cost, 255
         stream.add(RecordedCostmap(k, k, "odom", "master", GridGeometry(0.1, 2, 3), costs))
     assert costmap_codes({"/costmap_raw": stream}).tolist() == [[1, 1, 0], [2, 1, 1]]
+
+
+async def test_no_map_is_kept_for_a_log_that_was_deleted_meanwhile(tmp_path: Path) -> None:
+    class Logs:
+        is_deleted = False
+
+        def get(self, owner: str, log_id: str) -> None:
+            if self.is_deleted:
+                raise LogNotFoundError("log.unknown", "There is no such log.")
+
+        async def given_map(self, owner: str, log_id: str) -> GivenMap:
+            self.is_deleted = True
+            return GivenMap("room", GEOMETRY, VALUES)
+
+    maps = GivenMaps(Logs(), lambda: None, tmp_path / "maps", lambda: 1 << 20)  # type: ignore[arg-type,return-value]
+    with pytest.raises(LogNotFoundError):
+        await maps.of_log("somebody", "log", "map", None, None)
+    assert (maps.total_bytes, [*(tmp_path / "maps").iterdir()]) == (0, [])
+
+
+def test_a_folder_with_a_dot_in_its_name_is_called_a_folder(tmp_path: Path) -> None:
+    (folder := tmp_path / "my.data").mkdir()
+    standing = Standing([folder])
+    standing.check()
+    folder.rename(tmp_path / "moved")
+    with pytest.raises(StorageError, match="folder was moved"):
+        standing.check()

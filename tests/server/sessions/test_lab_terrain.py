@@ -165,3 +165,11 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     view.obey({"type": "terrain", "values": {"patch": 0.01}}, result)
     view.draw(result)
     assert "take greater ones" in str(result.slots["terrain"]["problem"])
+
+
+def test_points_in_a_vertical_plane_have_a_row_of_patches() -> None:
+    rng = np.random.default_rng(2)
+    wall = np.column_stack([np.zeros(500), rng.uniform(0.0, 5.0, 500), rng.uniform(0.0, 3.0, 500)])
+    found = assessed(wall, (0.0, 0.0, 0.0, 5.0), TerrainParameters())
+    assert found is not None
+    assert found.terrain.classes.shape == (20, 1)

@@ -29,6 +29,7 @@ class Log:
     def __init__(self, model: LogModel) -> None:
         self.model = model
         self.answers: list[dict[str, Any]] = []
+        self.notices: list[str] = []
 
     def do(self, **command: Any) -> dict[str, Any]:
         result = TickResult()
@@ -37,6 +38,7 @@ class Log:
             self.model.advance(0.0, result)
         self.model.draw(result)
         self.answers = [answer for _, answer in result.answers]
+        self.notices = [notice["code"] for notice in result.notices]
         return self.model.messages()[-1]
 
     @property
@@ -135,3 +137,24 @@ async def test_what_a_log_cannot_have_is_refused(log: Log, monkeypatch: pytest.M
     with pytest.raises(ConfigError, match="a costmap at most 10; choose a coarser resolution"):
         log.do(type="costmap")
     assert log.model._navigation.layers == ()
+
+
+async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
+    log: Log, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log.do(type="seek", index=150)
+    small = GivenMap("given", GridGeometry(0.1, 4, 5), np.zeros((4, 5), np.int8))
+    log.model.localization.show_map(small)
+    log.do(type="costmap", values=STATIC_ONLY | {"map": "given"})
+    monkeypatch.setattr(log_navigation, "MOST_CELLS", 25)
+    log.model.localization.show_map(GivenMap("larger", GridGeometry(0.1, 6, 5), np.zeros((6, 5), np.int8)))
+    log.do(type="step")
+    assert (log.notices, log.costs.shape) == (["costmap.too_large"], (4, 5))
+    log.do(type="step")
+    assert (log.notices, log.costs.shape) == ([], (4, 5))
+    log.model.localization.show_map(small)
+    monkeypatch.undo()
+    log.do(type="costmap", values={"map": "belief"})
+    monkeypatch.setattr(log_navigation, "MOST_CELLS", 25)
+    log.do(type="step")
+    assert (log.notices, log.model._navigation.layers) == (["costmap.too_large"], ())

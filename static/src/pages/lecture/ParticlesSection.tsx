@@ -18,9 +18,9 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           <p>
             The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
             pointers on it at equal distances, turned by one random number r: drag the pointer with the handle. A
-            particle of weight w is then drawn ⌊Mw⌋ or ⌈Mw⌉ times, of M draws in all. With independent draws the numbers
-            vary more, and particles that are equally good are lost by chance: choose “independent” and press the button
-            a few times.
+            particle of weight w is then drawn Mw times, rounded down or up, of M draws in all. With independent draws
+            the numbers vary more, and particles that are equally good are lost by chance: choose “independent” and
+            press the button a few times.
           </p>
           <p>
             <b>N_eff</b> = 1 / Σ w² says how many particles the weights amount to. Drawing anew makes the weights equal
