@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from mapper.core.array_types import Float32Array, Int32Array, UInt8Array, UInt32Array
+from mapper.core.array_types import Int32Array, UInt8Array, UInt32Array
 from mapper.core.errors import WorkCancelledError
 from mapper.volume.blocks import BLOCK, KEYS
 from mapper.volume.kernels.faces import CHUNK, fill_chunk, merge_faces
@@ -142,7 +143,7 @@ def triangles_of(quads: UInt8Array) -> tuple[UInt8Array, UInt32Array]:
 
 
 def first_face(
-    volume: OccupancyVolume, rule: FaceRule, origin: Float32Array, direction: Float32Array
+    volume: OccupancyVolume, rule: FaceRule, origin: ArrayLike, direction: ArrayLike
 ) -> tuple[int, int, int] | None:
     """Return the key of the voxel whose drawn face a ray from ``origin`` (3,) along ``direction`` (3,) meets first.
 
