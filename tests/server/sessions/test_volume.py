@@ -14,7 +14,6 @@ from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file
 from mapper.volume.scan_sequence import ScanSequence, gather
 from mapper.volume.sources import Insertion, insert_all, open_source
 from server.library.volume_pack import read_volume_pack, write_volume_pack
-from server.sessions.models.volume_start import bounds_of, first_resolution
 from tests.mapper.io.logs.recorded import written
 from tests.mapper.io.logs.test_clouds import recording_of_room
 from tests.server.library.small_logs import carmen
@@ -116,13 +115,3 @@ def test_a_log_without_clouds_makes_no_map_in_3d(service: Service, tmp_path: Pat
     log = uploaded(service, path)
     answer = service.http.post("/api/sessions", json={"kind": "volume", "log": log})
     assert (answer.status_code, answer.json()["code"]) == (422, "clouds.none")
-
-
-def test_a_sparse_cloud_begins_at_a_resolution_that_holds_it() -> None:
-    points = np.random.default_rng(1).uniform(-1100.0, 1100.0, (100, 3)).astype(np.float32)
-    stamps, nowhere = np.zeros(1, np.int64), np.full((1, 3), np.nan)
-    sparse = ScanSequence("test", points, np.array([0, 100]), nowhere, stamps, np.zeros(3))
-    resolution = first_resolution(sparse, *bounds_of(sparse))
-    volume = OccupancyVolume(VolumeConfig(resolution=resolution))
-    volume.insert_scan(points, None)
-    assert volume.n_known == len(np.unique(np.floor(points / resolution), axis=0)) > 90
