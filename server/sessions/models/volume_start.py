@@ -56,11 +56,12 @@ def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high:
     longest, reach = float((high - low).max()), float(np.abs(np.stack([low, high])).max())
     some = source.points[:: max(1, -(-len(source.points) // 100_000))]
     some = some[((some >= low) & (some <= high)).all(axis=1)]
-    fitting = [one for one in RESOLUTIONS if longest <= VOXELS_ACROSS * one and reach <= 30_000.0 * one]
-    for one in fitting:
+    for one in RESOLUTIONS:
+        if longest > VOXELS_ACROSS * one or reach > 30_000.0 * one:
+            continue
         if len(some) >= POINTS_A_VOXEL * len(first_in_cubes(some, one)):
             return one
-    return max(fitting[0], RESOLUTIONS[2]) if fitting else RESOLUTIONS[-1]
+    return RESOLUTIONS[-1] if longest > 10.0 * RESOLUTIONS[-1] else RESOLUTIONS[2]
 
 
 def first_look(low: Float64Array, high: Float64Array, resolution: float) -> Look:
