@@ -73,8 +73,8 @@ class VolumeModel(SessionModel):
         self._stale_grid = True
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
-        points = CloudPoints(source if isinstance(source, ScanSequence) else None, self._low, self._high)
-        self._terrain = TerrainView(points, points.first)
+        points = CloudPoints(source if isinstance(source, ScanSequence) else None, self._low, self._high, other)
+        self._terrain = TerrainView(points, points.first, host)
         duration = float(self._times[-1])
         speeds = (0.1, max(100.0, duration / 5.0))
         super().__init__(
@@ -284,7 +284,9 @@ class VolumeModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the wanted scans that is in the map."""
+        """The share of the wanted scans that is in the map, or of the terrain that is done."""
+        if self._terrain.share is not None:
+            return self._terrain.share
         return self._map.index / self._target if self._target and self.is_catching_up else None
 
     def draw(self, result: TickResult) -> None:

@@ -92,7 +92,7 @@ function Begin({ store }: { readonly store: Store }) {
 }
 
 function Numbers({ message }: { readonly message: TerrainMessage }) {
-  const { points, ground, kappa, total_error, safe, unsafe, problem } = message;
+  const { points, ground, kappa, total_error, truth, safe, unsafe, problem } = message;
   if (problem !== null) return <p role="alert">{problem}</p>;
   return (
     <div role="status" class="terrain-numbers">
@@ -103,7 +103,7 @@ function Numbers({ message }: { readonly message: TerrainMessage }) {
         {ground.toLocaleString("en")} of {points.toLocaleString("en")} points are taken for ground.
         {kappa !== null &&
           total_error !== null &&
-          ` Against the true world: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+          ` Against ${truth ?? "the truth"}: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
       </p>
     </div>
   );

@@ -18,7 +18,15 @@ export function VolumeTerrain({ store }: { readonly store: Store }) {
       <div class="volume-above-map">
         <BeliefView store={store} />
       </div>
-      <TerrainGroup store={store} isFile />
+      <div>
+        <TerrainGroup store={store} isFile />
+        {store.terrain.message.value?.is_on === true && store.terrain.message.value.truth === null && (
+          <p class="quiet">
+            Which points are ground is not known. Compare with a file of those that are (tab Compare): κ and the error
+            are shown here.
+          </p>
+        )}
+      </div>
     </div>
   );
 }
