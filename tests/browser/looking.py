@@ -174,8 +174,8 @@ def centre(locator: Locator) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-# Resolves when an element has stayed at its place for a while.
-_STILL = """async (element) => {
+#: Resolves when an element has stayed at its place for a while.
+STILL = """async (element) => {
   for (let place = "", since = 0; performance.now() - since < 150 || place === ""; ) {
     await new Promise(requestAnimationFrame);
     const box = element.getBoundingClientRect();
@@ -204,7 +204,7 @@ def painted(page: Page) -> None:
 def still(locator: Locator) -> tuple[float, float]:
     """Return the middle of an element once it has stopped moving, in CSS pixels of the viewport, scrolled into view."""
     locator.scroll_into_view_if_needed()
-    locator.evaluate(_STILL)
+    locator.evaluate(STILL)
     return centre(locator)
 
 

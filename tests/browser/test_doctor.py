@@ -6,7 +6,7 @@ import re
 
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import await_true, open_group
+from tests.browser.looking import STILL, await_true, open_group
 
 SECONDS = 120  #: in a fresh clone kernels are compiled first
 
@@ -23,6 +23,7 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
     opened_sample(page, server)
     doctor = page.get_by_role("region", name="Log doctor")
     # It looks by itself, says how much it found in the room that it had, and tells what when asked.
+    doctor.evaluate(STILL)  # the page around it takes its place
     place = doctor.bounding_box()
     verdict = doctor.get_by_role("button", name="No problems found")
     expect(verdict).to_be_visible(timeout=SECONDS * 1000)
