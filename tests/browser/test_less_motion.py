@@ -45,6 +45,8 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
     page.goto(server)
     facts = page.locator(".hero-facts")
     expect(facts).to_contain_text("readings so far")
+    until("the front page's robot to stand", lambda: not frame(page)["playing"])
+    settled_digest(page)
     before = facts.inner_text()
     page.wait_for_timeout(500)
     assert facts.inner_text() == before

@@ -34,7 +34,7 @@ class Fingers:
             part = i / steps
             places = [(x0 + (x1 - x0) * part, y0 + (y1 - y0) * part) for (x0, y0), (x1, y1) in ways]
             self._touch("touchMove", *places)
-            self.page.wait_for_timeout(16)
+            self.page.evaluate("() => new Promise(requestAnimationFrame)")
         before_lifting()
         self._touch("touchEnd")
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from playwright.sync_api import Page, WebSocket, expect
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from mapper.io.clouds import read_cloud
 from mapper.volume import OccupancyVolume, VolumeConfig
-from tests.browser.looking import await_true, until
+from tests.browser.looking import POLLING_MS, await_true, until
 from tests.mapper.io.logs.recorded import SECOND, cloud, transform, written
 
 T0 = 1000 * SECOND
@@ -79,8 +81,13 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
 
     def asked() -> bool:
         right, down = next(clicks)
+        page.evaluate("() => { window.voxelBefore = gridbloom.connection.store.voxel.peek(); }")
         page.mouse.click(box["x"] + right * box["width"], box["y"] + down * box["height"])
-        page.wait_for_timeout(200)
+        # One click at a time: each has its answer, unless the scene was not yet there.
+        with suppress(PlaywrightTimeoutError):
+            page.wait_for_function(
+                "() => gridbloom.connection.store.voxel.peek() !== voxelBefore", timeout=5000, polling=POLLING_MS
+            )
         return bool(page.evaluate("() => gridbloom.connection.store.voxel.peek()?.centre"))
 
     until("a voxel is asked about", asked)
