@@ -75,7 +75,10 @@ class LabNavigation(Navigation):
         time = self._mapper.simulation.time
         if self._costmap is None or not self.is_driving or 0.0 <= time - self._steered < CONTROL_S - 1e-6:
             return
-        velocities = self._path.control(believed_now(self._mapper), self._costmap.parameters)
+        pose, parameters = believed_now(self._mapper), self._costmap.parameters
+        if self._path.limit(self._costmap.speed_limit(pose), parameters.pursuit.desired_linear_vel):
+            result.slot(self._path.message())
+        velocities = self._path.control(pose, parameters)
         if velocities is not None:
             self._steered = time
             linear, angular = (round(v, 3) for v in velocities)
@@ -135,6 +138,8 @@ class LabNavigation(Navigation):
             are_new |= costmap.update(mapper.simulation.time, pose)
             self._is_stale |= are_new
         moved = self._pose is None or any(abs(a - b) > 1e-3 for a, b in zip(pose, self._pose, strict=True))
+        greatest = costmap.parameters.pursuit.desired_linear_vel
+        self._is_stale |= self._path.limit(costmap.speed_limit(pose), greatest)
         if self._is_stale or (moved and is_scan and self._path.goal is not None):
             self._is_stale, self._pose = False, pose
             self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, are_new=are_new)

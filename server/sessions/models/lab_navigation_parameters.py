@@ -20,6 +20,7 @@ from mapper.costmap.parameters import (
     ObstacleConfig,
     StaticConfig,
 )
+from mapper.costmap.speed_filter import ABSOLUTE
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
 
@@ -31,6 +32,7 @@ def _layer(name: str, label: str, sentence: str) -> Parameter:
     return Parameter(name, label, "layers", "flag", True, sentence)
 
 
+SPEED_LIMITS = ("percentage", "absolute")
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
 MAPS = ("belief", "plan", "map_3d", "terrain", "given")
 PLANNED = ("plan", "given")  #: maps that do not change by themselves
@@ -40,6 +42,12 @@ TABLE: tuple[Parameter, ...] = (
     _layer("obstacle_layer", "Obstacle", "What the scans mark; the beams that pass clear it."),
     _layer("dynamic_layer", "Dynamic", "What the scans mark, for the lifetime of an obstacle."),
     _layer("keepout_filter", "Keepout", "What you paint: the robot does not go there."),
+    _layer("speed_filter", "Speed limits", "Whether painted speed limits slow the robot down."),
+    Parameter(
+        "speed_limits", "Speed limits are", "layers", "choice", "percentage",
+        "Percentage: of the desired linear velocity, type 1 of Nav2's speed filter. Absolute: m/s, type 2.",
+        choices=SPEED_LIMITS,
+    ),
     _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),
     Parameter(
         "map", "Static map", "static", "choice", "belief",
@@ -163,6 +171,8 @@ def from_nav2(
 ) -> LabParameters:
     """Return the parameters of a Nav2 parameter file, of others those ``before``.
 
+    Of its filters only their kind and whether they are on is taken: their masks are other files.
+
     Raises :class:`ConfigError` for a value beyond the lab's bounds.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
@@ -183,6 +193,12 @@ def from_nav2(
                 "clearing": config.clearing,
                 "obstacle_max_range": config.obstacle_max_range,
             }
+    for one in found.filters:
+        if one.kind == "speed":
+            kind = "absolute" if one.type == ABSOLUTE else "percentage"
+            values |= {"speed_filter": one.enabled, "speed_limits": kind}
+        elif one.kind == "keepout":
+            values["keepout_filter"] = one.enabled
     values |= {name: getattr(planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
     values |= {name: getattr(pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)

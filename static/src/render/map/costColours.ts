@@ -43,6 +43,10 @@ function ofPotential(byte: number): Rgba {
   return [fromLab(mixed(low, high, (byte - 1) / 254)), band % 2 === 0 ? 0.75 : 0.45];
 }
 
+/** A speed limit, the denser the slower: the mask's value 1 … 100. */
+const ofSpeed = (value: number): Rgba => [tokenRgb("--speed-limit"), value > 100 ? 0 : 0.75 - 0.0045 * value];
+
 export const costColours = (isOver: boolean): Uint8Array<ArrayBuffer> =>
   row((byte) => ofCost(costOfByte(byte), isOver));
+export const speedColours = (): Uint8Array<ArrayBuffer> => row((byte) => ofSpeed(costOfByte(byte)));
 export const potentialColours = (): Uint8Array<ArrayBuffer> => row(ofPotential);
