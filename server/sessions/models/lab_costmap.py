@@ -13,6 +13,7 @@ from mapper.costmap import (
     NO_INFORMATION,
     CellReason,
     DecayLayer,
+    GivenLayer,
     InflationLayer,
     KeepoutLayer,
     LayeredCostmap,
@@ -28,6 +29,7 @@ from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
+from mapper.terrain import Terrain
 from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
 from server.sessions.models.painted_zones import SpeedZones, Stroke
 from server.stream.layers import GridLayer, Layer
@@ -57,6 +59,7 @@ class LabCostmap:
         self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
         self._master = GridLayer("costmap", "Costmap", "costs")
         self._limits = GridLayer("speed_filter", "Speed limits", "speed")
+        self._terrain: Terrain | None = None
         self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
         self.begin(grid)
 
@@ -68,6 +71,9 @@ class LabCostmap:
         self._static = StaticLayer(self.geometry, map_.classify(), StaticConfig(), general)
         self._obstacle = ObstacleLayer(self.geometry, parameters.obstacle, general)
         self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
+        self._graded = GivenLayer(self.geometry, "terrain_layer", self._why_terrain)
+        if self._terrain is not None:
+            self._graded.take(self._terrain.costs(), self._terrain.patches.geometry)
         self._keepout = KeepoutLayer(self.geometry)
         self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"])
         self._zones = None
@@ -82,7 +88,7 @@ class LabCostmap:
     def _stack(self) -> None:
         """Lay the layers that are on over each other."""
         parameters = self.parameters
-        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._keepout)
+        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout)
         below = [layer for name, layer in zip(LAYERS, layers, strict=False) if parameters.is_on(name)]
         if self._zones is not None and parameters.is_on("keepout_filter"):
             below.append(self._zones)
@@ -94,13 +100,14 @@ class LabCostmap:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The costs, each layer's own, and the speed limits."""
-        return (self._master, *self._sheets.values(), self._limits)
+        """The costs, each layer's own, that of a terrain only with one, and the speed limits."""
+        sheets = [one for name, one in self._sheets.items() if name != "terrain_layer" or self._terrain is not None]
+        return (self._master, *sheets, self._limits)
 
     @property
     def cells(self) -> int:
         """Cells of the grids that it holds."""
-        return 18 * self.geometry.rows * self.geometry.cols
+        return 20 * self.geometry.rows * self.geometry.cols
 
     @property
     def costs(self) -> UInt8Array:
@@ -124,6 +131,24 @@ class LabCostmap:
         observation = observation_of_scan(scan, sensor_pose, inf_is_valid=True)
         self._obstacle.observe(observation)
         self._dynamic.observe(observation)
+
+    def lay_terrain(self, terrain: Terrain | None) -> None:
+        """Take other patches for the terrain's layer; None for none."""
+        self._terrain = terrain
+        if terrain is None:
+            self._graded.set(np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8))
+        else:
+            self._graded.take(terrain.costs(), terrain.patches.geometry)
+
+    def _why_terrain(self, row: int, col: int) -> str:
+        """Say what the patch at a cell of the costmap is."""
+        if self._terrain is None:
+            return "There is no terrain: begin it in the group Terrain."
+        geometry = self._terrain.patches.geometry
+        at_row, at_col = (int(k) for k in geometry.world_to_cell(self.geometry.cell_to_world((row, col))))
+        if not geometry.contains((at_row, at_col)):
+            return "Terrain: there is no patch here."
+        return self._terrain.why(at_row, at_col)
 
     def renew_plan(self, plan: StaticMap, grid: OccupancyGrid) -> None:
         """Use another map in the place of the belief."""
@@ -180,7 +205,7 @@ class LabCostmap:
         box = self.costmap.update(now, pose)
         if box is None:
             return False
-        own = (self._static, self._obstacle, self._dynamic, self._keepout, self._inflation)
+        own = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout, self._inflation)
         for (name, sheet), layer in zip(self._sheets.items(), own, strict=True):
             costs = None if layer is None or not self.parameters.is_on(name) else layer.costs
             self._show(sheet, costs)

@@ -16,6 +16,7 @@ from mapper.costmap.parameters import (
     OBSTACLE_PARAMETERS,
     CostmapConfig,
     DecayConfig,
+    GivenConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
@@ -28,12 +29,12 @@ def _row(table: tuple[Parameter, ...], name: str, **changes: Any) -> Parameter: 
     return replace(next(row for row in table if row.name == name), **changes)
 
 
-def _layer(name: str, label: str, sentence: str) -> Parameter:
-    return Parameter(name, label, "layers", "flag", True, sentence)
+def _layer(name: str, label: str, sentence: str, *, initial: bool = True) -> Parameter:
+    return Parameter(name, label, "layers", "flag", initial, sentence)
 
 
 SPEED_LIMITS = ("percentage", "absolute")
-LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
+LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "terrain_layer", "keepout_filter", "inflation_layer")
 MAPS = ("belief", "plan", "map_3d", "terrain", "given")
 PLANNED = ("plan", "given")  #: maps that do not change by themselves
 
@@ -41,6 +42,9 @@ TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
     _layer("obstacle_layer", "Obstacle", "What the scans mark; the beams that pass clear it."),
     _layer("dynamic_layer", "Dynamic", "What the scans mark, for the lifetime of an obstacle."),
+    _layer(
+        "terrain_layer", "Terrain", "Costs of the patches of the group Terrain, where it is on.", initial=False
+    ),
     _layer("keepout_filter", "Keepout", "What you paint: the robot does not go there."),
     _layer("speed_filter", "Speed limits", "Whether painted speed limits slow the robot down."),
     Parameter(
@@ -160,6 +164,7 @@ class LabParameters:
         configs: dict[str, LayerConfig] = {
             "static_layer": StaticConfig(),
             "obstacle_layer": self.obstacle,
+            "terrain_layer": GivenConfig(),
             "inflation_layer": self.inflation,
         }
         layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
@@ -176,11 +181,13 @@ def from_nav2(
     Raises :class:`ConfigError` for a value beyond the lab's bounds.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
-    values |= dict.fromkeys(("static_layer", "obstacle_layer", "inflation_layer"), False)
+    values |= dict.fromkeys(("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer"), False)
     for layer in found.layers:
         config = layer.config
         if isinstance(config, StaticConfig):
             values["static_layer"] = config.enabled
+        elif isinstance(config, GivenConfig):
+            values["terrain_layer"] = config.enabled
         elif isinstance(config, InflationConfig):
             values |= {
                 "inflation_layer": config.enabled,

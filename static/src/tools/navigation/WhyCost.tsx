@@ -10,6 +10,7 @@ export const LAYER_NAMES: Readonly<Record<string, string>> = {
   static_layer: "Static",
   obstacle_layer: "Obstacle",
   dynamic_layer: "Dynamic",
+  terrain_layer: "Terrain",
   keepout_filter: "Keepout",
   inflation_layer: "Inflation",
 };
