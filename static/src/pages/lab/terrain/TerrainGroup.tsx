@@ -56,7 +56,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { values } = terrain.values;
   return (
     <div class="terrain-group">
-      <Numbers message={message} />
+      <Numbers message={message} isFile={isFile} />
       <ParameterRows rows={view} values={values} set={set} />
       <Asked message={message} />
       {!isFile && <CostmapChoice store={store} />}
@@ -91,7 +91,7 @@ function Begin({ store }: { readonly store: Store }) {
   );
 }
 
-function Numbers({ message }: { readonly message: TerrainMessage }) {
+function Numbers({ message, isFile }: { readonly message: TerrainMessage; readonly isFile: boolean }) {
   const { points, ground, kappa, total_error, truth, safe, unsafe, problem } = message;
   if (problem !== null) return <p role="alert">{problem}</p>;
   return (
@@ -104,6 +104,7 @@ function Numbers({ message }: { readonly message: TerrainMessage }) {
         {kappa !== null &&
           total_error !== null &&
           ` Against ${truth ?? "the truth"}: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+        {isFile && truth === null && " Compare with a file of the true ground points (tab Compare) for κ."}
       </p>
     </div>
   );

@@ -15,18 +15,11 @@ export function VolumeTerrain({ store }: { readonly store: Store }) {
   if (!hasPoints) return <p class="quiet">An octree has no points: a terrain is made of a cloud.</p>;
   return (
     <div class="volume-above">
+      <h2 class="visually-hidden">Terrain</h2>
       <div class="volume-above-map">
         <BeliefView store={store} />
       </div>
-      <div>
-        <TerrainGroup store={store} isFile />
-        {store.terrain.message.value?.is_on === true && store.terrain.message.value.truth === null && (
-          <p class="quiet">
-            Which points are ground is not known. Compare with a file of those that are (tab Compare): κ and the error
-            are shown here.
-          </p>
-        )}
-      </div>
+      <TerrainGroup store={store} isFile />
     </div>
   );
 }
