@@ -36,7 +36,7 @@ $(VENV)/.installed: pyproject.toml requirements/dev.txt
 lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that pyproject.toml allows, for Python 3.11 and later
 	$(PIP) uv
 	$(LOCK) --upgrade --all-extras --group build pyproject.toml --output-file requirements/dev.txt
-	$(LOCK) --upgrade --constraint requirements/dev.txt pyproject.toml --output-file requirements/runtime.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt --extra postgres pyproject.toml --output-file requirements/runtime.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group docs --output-file requirements/docs.txt
 
@@ -71,9 +71,10 @@ test-pages: setup
 kernels: setup ## compile every kernel once, so that no test waits for it
 	$(BIN)/python -m mapper.tools.precompile
 
-programs: setup ## find Chromium and PostgreSQL, or install them where that is possible
+programs: setup ## find Chromium, PostgreSQL and HAProxy, or install them where that is possible
 	$(BIN)/python -m tests.browser.find_chromium
 	$(BIN)/python -m tests.server.library.postgresql
+	$(BIN)/python -m tests.haproxy
 
 test: setup ## what CI runs; PYTEST=tests/mapper names some of the tests
 	$(MAKE) --jobs 2 check-python kernels check-pages test-pages programs
