@@ -18,7 +18,7 @@ RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 # and each service that a test starts would be compiled anew.
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: serve setup lock docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
+.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
@@ -39,6 +39,11 @@ lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that p
 	$(LOCK) --upgrade --constraint requirements/dev.txt --extra postgres pyproject.toml --output-file requirements/runtime.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group docs --output-file requirements/docs.txt
+
+sbom: $(VENV)/.installed ## build/sbom.json: what the service is made of, as CycloneDX, from requirements/runtime.txt
+	$(PIP) cyclonedx-bom
+	mkdir -p build
+	$(BIN)/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible --output-file build/sbom.json requirements/runtime.txt
 
 $(VENV)/.docs: $(VENV)/.installed requirements/docs.txt
 	$(PIP) --require-hashes --requirement requirements/docs.txt
