@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hashlib
+import shutil
 import time
 import uuid
 from collections.abc import AsyncIterator, Collection, Iterator
@@ -241,7 +242,11 @@ class Blobs:
 def _empty(folder: Path, min_age_s: float) -> None:
     for path in folder.iterdir():  # obstore does not list the parts of an upload
         with contextlib.suppress(FileNotFoundError):
-            if not min_age_s or path.stat().st_mtime < time.time() - min_age_s:
+            if min_age_s and path.stat().st_mtime >= time.time() - min_age_s:
+                continue
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
                 path.unlink()
 
 

@@ -193,7 +193,9 @@ def do_in_process(job: WorkerJob[T], lease: str) -> T:
 def worker_at(place: str | None, memory_bytes: int, folder: Path) -> Worker:
     """Return the worker at ``place``: None is this machine, ``tcp://HOST:PORT`` the scheduler of a Dask cluster.
 
-    With ``tls`` for ``tcp``, Dask's own settings name the certificates (``distributed.comm.tls``). Raises :class:`StorageError` where there is none. Blocks until it is there.
+    With ``tls`` for ``tcp``, Dask's own settings name the certificates (``distributed.comm.tls``).
+
+    Raises :class:`StorageError` where there is none. Blocks until it is there.
     """
     if place is None:
         return PoolWorker(memory_bytes)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import threading
 from collections.abc import Callable, Iterator
@@ -17,10 +16,8 @@ from distributed.security import Security
 
 from mapper.core.errors import ConfigError
 from mapper.io.maps import load_map
-from server.cli import app
 from server.fleet import Fleet, Result, workers_at
 from server.fleet.page import write_page
-from server.library.workers import PoolWorker
 from tests.server.library.small_logs import carmen
 
 

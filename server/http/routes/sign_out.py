@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from urllib.parse import parse_qs
 
 import structlog
@@ -44,9 +45,9 @@ async def sign_out(request: Request) -> Response:
     response: Response = RedirectResponse("/", status_code=303)
     try:
         if everywhere:
-            sign_ins.end_all()
+            await asyncio.to_thread(sign_ins.end_all)
         else:
-            sign_ins.end(request.cookies.get(TOKEN_COOKIE, ""))
+            await asyncio.to_thread(sign_ins.end, request.cookies.get(TOKEN_COOKIE, ""))
         await services.library.sign_in_ends.put(sign_ins.ended)
     except (OSError, StorageError) as error:
         _log.warning("an ended sign-in cannot be recorded", reason=str(error))
