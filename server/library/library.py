@@ -63,6 +63,7 @@ class Library:
         from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.pose_jobs import PoseJobs  # noqa: PLC0415
+        from server.library.puzzles import MadePuzzles  # noqa: PLC0415
         from server.library.slam_jobs import SlamKind  # noqa: PLC0415
         from server.library.tags import Tags  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
@@ -93,6 +94,7 @@ class Library:
         self._standing = Standing([root, scratch, *([root / "library.db"] if settings.database_url is None else [])])
         self.links = Links(self._database)
         self.notes = Notes(self._database)
+        self.puzzles = MadePuzzles(self._database)
         self.tags = Tags(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         self._intake = UploadReceiver(blobs, max_bytes=settings.max_upload_bytes)
@@ -107,18 +109,10 @@ class Library:
         self.localization = PoseJobs(self._database, self, new_worker, root / "localization", kind)
         self.merges = MergeJobs(self._database, self, new_worker, root / "merges")
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
-        self._inspections = Inspections(
-            self._catalogue,
-            timeout_s=self._limits.read_timeout_s,
-            cpu_s=self._limits.read_cpu_s,
-            memory_bytes=memory,
-        )
+        timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
+        self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(
-            self._catalogue,
-            scratch,
-            timeout_s=self._limits.read_timeout_s,
-            cpu_s=self._limits.read_cpu_s,
-            memory_bytes=memory,
+            self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory
         )
         self._pictures = MomentPictures(self._catalogue)
         self._old_pictures = OldPictures(self._catalogue, self._reader)
@@ -136,6 +130,7 @@ class Library:
         stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
         await self._catalogue.start(stores_match=stores_match)
         await self.links.start()
+        await self.puzzles.start()
         await self.tags.start()
         # As with blobs: the files may belong to another database, or this database may be new.
         await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
@@ -178,12 +173,12 @@ class Library:
         self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
+        self.puzzles.drop(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        return (
-            self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes - self.maps.total_bytes
-        )
+        taken = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
+        return self._limits.max_total_bytes - taken
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
