@@ -88,6 +88,7 @@ class Library:
             memory_bytes=memory,
             cpu_s=self._limits.read_cpu_s,
             worker=new_worker(),
+            scratch=scratch,
         )
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)
@@ -111,9 +112,7 @@ class Library:
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
         timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
-        self.scores = RelationScores(
-            self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory
-        )
+        self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
         self._old_pictures = OldPictures(self._catalogue, self._reader)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)

@@ -123,7 +123,7 @@ function Page() {
 const room = followedCode === null ? null : classroom.peek();
 if (room) {
   room.own.value = "puzzle";
-  followPages("other");
+  followPages(null);
 } else showOther();
 if (chosen.peek() !== null) void begin(chosen.peek() ?? "");
 render(

@@ -30,7 +30,7 @@ def test_the_agreement_of_a_line_that_is_partly_there() -> None:
     line = np.column_stack([np.arange(100) * 0.05, np.zeros(100)])
     assert wall_agreement(line, line) == 1.0
     assert wall_agreement(line[:60], line, 0.01) == pytest.approx(2 * 1.0 * 0.6 / 1.6)  # all of it right, 60 % found
-    shifted = line + [0.0, 0.1]
+    shifted = line + np.array([0.0, 0.1])
     assert wall_agreement(shifted, line, 0.1) == 1.0
     assert wall_agreement(shifted, line, 0.099) == 0.0
     assert wall_agreement(line[:0], line) == 0.0

@@ -91,7 +91,6 @@ def test_a_repaired_map_solves_it(owner: httpx.Client, service: Service) -> None
     state(owner, session, "/answer", cause="resolution")
     assert state(owner, session, "/check")["best"] == 0.0
 
-
     async def repair() -> None:
         async with service.connect(session, additional_headers={"Authorization": f"Bearer {TOKEN}"}) as socket:
             watcher = Watcher(socket)
@@ -119,7 +118,7 @@ def test_a_world_with_a_fault_becomes_a_puzzle(owner: httpx.Client, guest: httpx
     session = begun(guest, f"/api/shared-puzzles/{made['token']}/sessions")
     assert state(guest, session, "/answer", cause="mount_yaw")["is_named"]
     assert state(guest, session)["first"]["agreement"] < 0.8
-    assert [one["token"] for one in owner.get("/api/puzzles").json()["mine"]][0] == made["token"]
+    assert owner.get("/api/puzzles").json()["mine"][0]["token"] == made["token"]
     assert owner.delete(f"/api/puzzles/{made['token']}").status_code == 204
     assert guest.get(f"/api/shared-puzzles/{made['token']}").status_code == 404
     assert guest.get(f"/api/sessions/{session}").status_code in (401, 404)  # the attempts have ended
