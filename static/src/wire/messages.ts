@@ -319,6 +319,32 @@ export interface ClassQuestion {
   readonly right: number | null;
 }
 
+/** How far one follower is with the puzzle; followers are known by number only. */
+export interface ClassSolver {
+  /** number of the follower */
+  readonly number: number;
+  /** whether the cause is named */
+  readonly is_named: boolean;
+  /** share of the repair, 0 to 1 */
+  readonly repair: number;
+  /** whether the puzzle is solved */
+  readonly is_solved: boolean;
+  /** points, 0 to 100 */
+  readonly points: number;
+}
+
+/** The puzzle that the class solves. */
+export interface ClassPuzzle {
+  /** its title */
+  readonly title: string;
+  /** how many have begun */
+  readonly begun: number;
+  /** how many have solved it */
+  readonly solved: number;
+  /** how far each is; lecturer only, for others empty */
+  readonly board: readonly ClassSolver[];
+}
+
 /** The part of the map that a picture shows, with the size of the picture. */
 export interface ClassLook {
   /** the place in the middle, m */
@@ -1222,6 +1248,8 @@ export interface ClassState {
   readonly driver: number | null;
   /** the question that is asked; null: none */
   readonly question: ClassQuestion | null;
+  /** the puzzle that is solved; null: none */
+  readonly puzzle?: ClassPuzzle | null;
 }
 
 /** The first message: who one is in the class. */
@@ -1560,6 +1588,19 @@ const isClassQuestion: Check = isObject({
   counts: oneOf(isListOf(isInteger), isNull),
   right: oneOf(isNumber, isNull),
 });
+const isClassSolver: Check = isObject({
+  number: isInteger,
+  is_named: isFlag,
+  repair: isNumber,
+  is_solved: isFlag,
+  points: isInteger,
+});
+const isClassPuzzle: Check = isObject({
+  title: isText,
+  begun: isInteger,
+  solved: isInteger,
+  board: isListOf(isClassSolver),
+});
 const isClassLook: Check = isObject({
   x: isNumber,
   y: isNumber,
@@ -1858,6 +1899,7 @@ export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record
     hands: isListOf(isInteger),
     driver: oneOf(isInteger, isNull),
     question: oneOf(isClassQuestion, isNull),
+    puzzle: optional(oneOf(isClassPuzzle, isNull)),
   },
   welcome: {
     role: isLiteral("follower", "lecturer"),
