@@ -59,11 +59,11 @@ def open_source(
     path = Path(path)
     if is_depth_folder(path):
         folder = read_depth_folder(path, limits=limits)
-        return ScanSource("depth images", map(_placed, folder.clouds()), len(folder), list(folder.notes))
+        return ScanSource("depth images", map(placed_scan, folder.clouds()), len(folder), list(folder.notes))
     kind = None if path.is_dir() else cloud_format(file_head(path, limits))
     if kind == "scan graph":
         graph = read_scan_graph(path, limits=limits, progress=progress)
-        return ScanSource(kind, map(_placed, graph), None, [])
+        return ScanSource(kind, map(placed_scan, graph), None, [])
     if kind is None:
         return _of_recording(open_posed_clouds(path, topic=topic, limits=limits, progress=progress))
     cloud = read_cloud(path, limits=limits, progress=progress)
@@ -86,7 +86,8 @@ def file_head(path: Path, limits: Limits) -> bytes:
     return head[:HEAD_BYTES]
 
 
-def _placed(posed: PosedCloud) -> PlacedScan:
+def placed_scan(posed: PosedCloud) -> PlacedScan:
+    """Return the finite points of a cloud at its pose."""
     points = posed.points_in_map()
     return PlacedScan(points[posed.cloud.finite], posed.origin, posed.cloud.stamp_ns)
 
@@ -101,7 +102,7 @@ def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
     n = 0
     for posed in clouds:
         n += 1
-        yield _placed(posed)
+        yield placed_scan(posed)
     if n < clouds.stream.count:
         notes.append(f"{clouds.stream.count - n} of {clouds.stream.count} clouds have no pose and are left out.")
 

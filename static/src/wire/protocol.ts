@@ -46,6 +46,8 @@ export type {
   Point,
   Pose,
   ServerMessage,
+  SurfaceMessage,
+  SurfaceVoxelMessage,
   Table,
   TerrainMessage,
   TerrainPatch,

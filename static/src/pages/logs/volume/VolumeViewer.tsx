@@ -41,7 +41,7 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare }: Volum
     if (notice) toast(notice.message, notice.kind);
   });
   useSignalEffect(() => {
-    if (store.voxel.value?.centre) openGroup.value = "why";
+    if (store.voxel.value?.centre || store.surface.voxel.value?.centre) openGroup.value = "why";
   });
   if (status.value === "gone") {
     return (

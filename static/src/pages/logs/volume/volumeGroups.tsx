@@ -5,6 +5,7 @@ import type { Store } from "../../../store/store";
 import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
 import type { DockGroup } from "../../../ui/Dock";
+import { SurfaceGroup } from "./SurfaceGroup";
 import { VolumeAbove } from "./VolumeAbove";
 import { VolumeCompare } from "./VolumeCompare";
 import { VolumeDownloads } from "./VolumeDownloads";
@@ -41,6 +42,12 @@ const GROUPS: readonly Group[] = [
     content: ({ store }) => <VolumeMapGroup store={store} />,
   },
   {
+    id: "surface",
+    title: "Surface",
+    purpose: "Where the surface is, between voxels: each keeps its mean signed distance to it.",
+    content: ({ store }) => <SurfaceGroup store={store} />,
+  },
+  {
     id: "why",
     title: "Why",
     purpose: "Click a voxel to see which beams made it what it is.",
@@ -68,7 +75,7 @@ const GROUPS: readonly Group[] = [
     id: "download",
     title: "Download",
     purpose: "The map as files.",
-    content: ({ session }) => <VolumeDownloads session={session} />,
+    content: ({ store, session }) => <VolumeDownloads store={store} session={session} />,
   },
 ];
 
