@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from playwright.sync_api import Page, WebSocket, expect
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from mapper.io.clouds import read_cloud
 from mapper.volume import OccupancyVolume, VolumeConfig
-from tests.browser.looking import await_true, until
+from tests.browser.looking import POLLING_MS, await_true, until
 from tests.mapper.io.logs.recorded import SECOND, cloud, transform, written
 
 T0 = 1000 * SECOND
@@ -65,7 +67,8 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
     volume = opened(page, server, path)
     assert volume["has_free"]
     assert volume["free"] > 5 * volume["occupied"] > 0
-    until("the chunks are in the browser", lambda: received > volume["occupied"])
+    # Playwright tells of what came only while it is asked for something.
+    until("the chunks are in the browser", lambda: page.title() and received > volume["occupied"])
     expect(page.locator(".volume-facts")).to_have_attribute("data-chunks", str(volume["chunks"]))
     assert volume["quads"] < volume["occupied"]
     # Each chunk is sent once, with what viser says of it, and old ones are not sent to who connects later.
@@ -78,8 +81,13 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
 
     def asked() -> bool:
         right, down = next(clicks)
+        page.evaluate("() => { window.voxelBefore = gridbloom.connection.store.voxel.peek(); }")
         page.mouse.click(box["x"] + right * box["width"], box["y"] + down * box["height"])
-        page.wait_for_timeout(200)
+        # One click at a time: each has its answer, unless the scene was not yet there.
+        with suppress(PlaywrightTimeoutError):
+            page.wait_for_function(
+                "() => gridbloom.connection.store.voxel.peek() !== voxelBefore", timeout=5000, polling=POLLING_MS
+            )
         return bool(page.evaluate("() => gridbloom.connection.store.voxel.peek()?.centre"))
 
     until("a voxel is asked about", asked)
