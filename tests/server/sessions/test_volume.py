@@ -154,7 +154,7 @@ async def test_a_surface_follows_the_timeline_and_its_parameters_and_is_download
 
             def is_drawn() -> bool:
                 now = page.newest["surface"]
-                return page.newest["frame"]["index"] == now["index"] == index and now["pending"] == 0
+                return (page.newest["frame"]["index"], now["index"], now["pending"]) == (index, index, 0)
 
             await page.until(is_drawn)
             return page.newest["surface"]
