@@ -28,6 +28,15 @@ MOST_IN_SCAN = 50_000  #: points of a scan of several from which on one point is
 FAR_M = np.array([1000.0, 1000.0, 100.0])  #: a cloud this far from 0, x y z, is moved to it: float32 has steps of 0.5 m
 #: at a northing of 5,400 km, and airborne scans are hundreds of metres high
 OFFSET_STEP_M = 100.0
+#: Of each axis that may point up the rotation that turns it to z.
+UPS = {
+    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+}
 FIELDS = ("rgb", "intensity", "class")  #: of a cloud's points that are kept
 
 
@@ -62,6 +71,22 @@ class ScanSequence:
         return PlacedScan(
             points.astype(np.float64), origin if np.isfinite(origin).all() else None, int(self.stamps_ns[index])
         )
+
+    def with_up(self, axis: str) -> ScanSequence:
+        """Return the scans turned so that an axis of the file, one of :data:`UPS`, points up.
+
+        Raises :class:`ConfigError` for another one.
+        """
+        if axis not in UPS:
+            raise ConfigError("volume.up", f"An axis that points up is one of {', '.join(UPS)}, not {axis!r:.80}.")
+        turn = np.array(UPS[axis], dtype=np.float64)
+        depth = self.depth
+        if depth is not None:
+            poses = depth.poses.copy()
+            poses[:, :3] = turn @ depth.poses[:, :3]
+            depth = replace(depth, poses=poses)
+        points = np.ascontiguousarray(self.points @ turn.T.astype(np.float32))
+        return replace(self, points=points, origins=self.origins @ turn.T, offset=turn @ self.offset, depth=depth)
 
     @property
     def has_origins(self) -> bool:

@@ -308,10 +308,8 @@ class VolumeModel(SessionModel):
     @property
     def fraction(self) -> float | None:
         """The share of the wanted scans that is in the map."""
-        if not (self._target and self.is_catching_up):
-            return None
         behind = self._map if self._shown.index == self._target else self._shown
-        return behind.index / self._target
+        return behind.index / self._target if self._target and self.is_catching_up else None
 
     def draw(self, result: TickResult) -> None:
         """Assess the terrain if it has to be."""

@@ -16,7 +16,7 @@ from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from mapper.volume.depth_sequence import DepthSequence, GatheredDepth
 from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.replayed_surface import ReplayedSurface
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scan_sequence import UPS, ScanSequence
 from mapper.volume.surface_chunks import STEPS, SurfaceChunks, cut_between
 from mapper.volume.surface_questions import first_surface, why_surface
 from mapper.volume.tsdf import CENTRE
@@ -185,3 +185,26 @@ def test_without_the_place_of_the_sensor_there_is_no_surface() -> None:
     source.origins[:] = np.nan
     with pytest.raises(ConfigError, match="does not say where the sensor was"):
         ReplayedSurface(source, CONFIG)
+
+
+@pytest.mark.parametrize("axis", UPS)
+def test_turned_scans_have_the_same_surface_turned(axis: str) -> None:
+    source = images(2)
+    turn = np.array(UPS[axis], dtype=np.float64)
+    assert np.linalg.det(turn) == pytest.approx(1.0)
+    signs = {"-": -1.0}
+    up = np.zeros(3)
+    up["xyz".index(axis[-1])] = signs.get(axis[0], 1.0)
+    np.testing.assert_array_equal(turn @ up, [0.0, 0.0, 1.0])
+    turned = source.with_up(axis)
+    np.testing.assert_allclose(turned.points, source.points @ turn.T.astype(np.float32))
+    now = ReplayedSurface(turned, CONFIG)
+    now.go_to(1)
+    place = first_surface(now.volume, turn @ [0.1, 0.02, 0.03], turn @ [1.0, 0.0, 0.0])
+    assert place is not None
+    np.testing.assert_allclose(turn.T @ place, [2.0, 0.02, 0.03], atol=0.006)
+
+
+def test_another_axis_than_three_cannot_point_up() -> None:
+    with pytest.raises(ConfigError, match=r"one of z, -z, y, -y, x, -x, not 'w'"):
+        images(2).with_up("w")

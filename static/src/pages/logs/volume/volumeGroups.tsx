@@ -6,6 +6,7 @@ import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
 import type { DockGroup } from "../../../ui/Dock";
 import { SurfaceGroup } from "./SurfaceGroup";
+import { UpChoice } from "./UpChoice";
 import { VolumeAbove } from "./VolumeAbove";
 import { VolumeCompare } from "./VolumeCompare";
 import { VolumeDownloads } from "./VolumeDownloads";
@@ -19,6 +20,10 @@ export interface VolumeView {
   /** The id of the log that the map is of; null if it is not known. */
   readonly log: string | null;
   readonly onCompare: (other: string | null) => void;
+  /** The axis of the file that points up. */
+  readonly up: string;
+  /** Open the file again with another axis up; null where it cannot be. */
+  readonly onUp: ((axis: string) => void) | null;
 }
 
 interface Group {
@@ -33,7 +38,12 @@ const GROUPS: readonly Group[] = [
     id: "look",
     title: "View",
     purpose: "What of the map is drawn, and what its colours mean.",
-    content: ({ store }) => <LookGroup store={store} />,
+    content: ({ store, up, onUp }) => (
+      <>
+        <LookGroup store={store} />
+        {onUp && <UpChoice store={store} up={up} onUp={onUp} />}
+      </>
+    ),
   },
   {
     id: "map",
