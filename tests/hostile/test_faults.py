@@ -16,13 +16,14 @@ import time
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
 
-from tests.hostile.test_crash import PATIENCE_S, WHO, files, put, served, uploads
+from tests.hostile.test_crash import WHO, files, put, served, uploads
 from tests.server.library.small_logs import carmen
-from tests.server.service import until
+from tests.server.service import PATIENCE_S, until
 
 ROUNDS = int(os.environ.get("GRIDBLOOM_FAULTS", "1000"))
 MOST_KEPT = 24  #: uploads; older ones are deleted
@@ -153,8 +154,8 @@ class Faults:
             assert files(self.folder)["blobs"] == len(set(self.ledger.kept.values()))
 
     @staticmethod
-    def _read(client: httpx.Client, log_id: str) -> dict[str, object]:
-        def now() -> dict[str, object] | None:
+    def _read(client: httpx.Client, log_id: str) -> dict[str, Any]:
+        def now() -> dict[str, Any] | None:
             log = client.get(f"/api/logs/{log_id}").json()
             return log if log["state"] in ("ready", "failed") else None
 

@@ -148,20 +148,20 @@ def fairness() -> None:
         cookie = "; ".join(f"{name}={value}" for name, value in cookies.items())
         address = f"{server.replace('http', 'ws', 1)}/api/sessions/{session_id}/stream"
         headers, protocols = {"Cookie": cookie}, [Subprotocol("gridbloom.v2")]
-        with connect(address, subprotocols=protocols, additional_headers=headers, max_size=None) as stream:
-            slider = Slider(stream)
-            slider.at_the_end(count)
-            for case in ("long stories", *CASES):
-                alone: list[float] = []
-                beside: list[float] = []
-                for _ in range(ROUNDS):
+        for case in ("long stories", *CASES):
+            alone: list[float] = []
+            beside: list[float] = []
+            for _ in range(ROUNDS):
+                with connect(address, subprotocols=protocols, additional_headers=headers, max_size=None) as stream:
+                    slider = Slider(stream)
+                    slider.at_the_end(count)
                     alone += [slider.lap() for _ in range(LAPS)]
                     with _beside(server, case):
                         beside += [slider.lap() for _ in range(LAPS)]
-                    time.sleep(BEGUN_S)
-                cells = [1000.0 * of(times) for times in (alone, beside) for of in (statistics.median, _most)]
-                ratio = cells[2] / cells[0]
-                print(f"{case:<24}" + "".join(f"{value:>10.0f}" for value in cells) + f"{ratio:>10.2f}", flush=True)
+                time.sleep(BEGUN_S)
+            cells = [1000.0 * of(times) for times in (alone, beside) for of in (statistics.median, _most)]
+            ratio = cells[2] / cells[0]
+            print(f"{case:<24}" + "".join(f"{value:>10.0f}" for value in cells) + f"{ratio:>10.2f}", flush=True)
 
 
 def _most(times: list[float]) -> float:
