@@ -678,6 +678,8 @@ export interface TerrainMessage {
   readonly kappa: number | null;
   /** points that are classified wrongly, %; null: as above */
   readonly total_error: number | null;
+  /** what they are compared with; null: as above */
+  readonly truth: string | null;
   /** patches that are safe */
   readonly safe: number;
   /** patches that are unsafe */
@@ -1847,6 +1849,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     ground: isInteger,
     kappa: oneOf(isNumber, isNull),
     total_error: oneOf(isNumber, isNull),
+    truth: oneOf(isText, isNull),
     safe: isInteger,
     unsafe: isInteger,
     unknown: isInteger,
