@@ -43,12 +43,19 @@ class CuttingProxy:
                 client, _ = self._listener.accept()
             except OSError:
                 return
-            if self._is_cut.is_set():
+            try:
+                server = socket.create_connection(("127.0.0.1", self._target_port))
+            except OSError:  # the service has ended
                 client.close()
                 continue
-            server = socket.create_connection(("127.0.0.1", self._target_port))
-            with self._lock:
-                self._sockets |= {client, server}
+            with self._lock:  # it is refused here, or cut() finds it
+                is_cut = self._is_cut.is_set()
+                if not is_cut:
+                    self._sockets |= {client, server}
+            if is_cut:
+                client.close()
+                server.close()
+                continue
             ends = threading.Barrier(2, action=lambda pair=(client, server): self._forget(*pair))  # type: ignore[misc]
             for source, sink in ((client, server), (server, client)):
                 threading.Thread(target=self._pump, args=(source, sink, ends), daemon=True).start()

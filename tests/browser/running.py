@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from playwright.sync_api import Browser, sync_playwright
@@ -44,19 +45,18 @@ def free_port() -> int:
 @contextmanager
 def running_server(data_dir: Path, *arguments: str, environment: dict[str, str] | None = None) -> Iterator[str]:
     """Run `gridbloom serve` until the block ends; yield its address once it is ready. Its output goes to data_dir."""
-    port = free_port()
-    address = f"http://127.0.0.1:{port}"
     data_dir.mkdir(parents=True, exist_ok=True)
     log = data_dir / "server.log"
     gridbloom = str(Path(sys.executable).with_name("gridbloom"))
-    command = [gridbloom, "serve", "--port", str(port), "--data-dir", str(data_dir), *arguments]
+    # It chooses its port: one that is found free before may be taken by another program before it is bound.
+    command = [gridbloom, "serve", "--port", "0", "--data-dir", str(data_dir), *arguments]
     with log.open("ab") as output:
+        told = output.tell()
         process = subprocess.Popen(
             command, stdout=output, stderr=subprocess.STDOUT, env=os.environ | (environment or {})
         )
     try:
-        _wait_until_ready(address, process, log)
-        yield address
+        yield _ready_address(process, log, told)
     finally:
         process.terminate()
         try:
@@ -67,16 +67,21 @@ def running_server(data_dir: Path, *arguments: str, environment: dict[str, str] 
             raise
 
 
-def _wait_until_ready(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
+def _ready_address(process: subprocess.Popen[bytes], log: Path, told: int) -> str:
+    """Wait until the service is ready; return its address, which it writes to ``log`` behind the first bytes."""
     deadline = time.monotonic() + START_SECONDS
     while time.monotonic() < deadline:
         if process.poll() is not None:
             raise RuntimeError(f"gridbloom serve ended with {process.returncode}:\n{log.read_text()[-4000:]}")
-        try:
-            with urllib.request.urlopen(f"{address}/readyz", timeout=60):
-                return
-        except (urllib.error.URLError, ConnectionError, TimeoutError):
-            time.sleep(0.1)
+        found = re.search(rb"Gridbloom runs at (http://[\w.]+:\d+)/", log.read_bytes()[told:])
+        if found is not None:
+            address = found[1].decode()
+            with (
+                suppress(urllib.error.URLError, ConnectionError, TimeoutError),
+                urllib.request.urlopen(f"{address}/readyz", timeout=60),
+            ):
+                return address
+        time.sleep(0.1)
     raise RuntimeError(f"gridbloom serve was not ready after {START_SECONDS} s:\n{log.read_text()[-4000:]}")
 
 

@@ -164,7 +164,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     }""")
     await_true(page, "() => gridbloom.connection.store.world.peek().name === 'room'")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.5)
-    open_group(page, "Moving table")
+    open_group(page, "Table")
     page.get_by_role("button", name="Add a table").click()
     expect(page.get_by_role("slider", name="My guess")).to_be_visible()
     told_sliders(page)
@@ -237,7 +237,6 @@ def test_a_cell_under_the_cursor_is_spoken_in_its_turn(open_lab: Callable[..., P
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     for i in range(30):  # over many cells: not each of them is said, but the last one is, in full
         page.mouse.move(x + 4 * i, y)
-        page.wait_for_timeout(15)
     place = page.locator(".readout dd").first
 
     def said() -> str:
@@ -249,5 +248,5 @@ def test_a_cell_under_the_cursor_is_spoken_in_its_turn(open_lab: Callable[..., P
     page.keyboard.press("Shift+ArrowUp")
     until("the next cell", lambda: said().startswith(f"Row {place.inner_text()}, column"))
     times = page.evaluate("() => said.map(([at]) => at)")
-    assert 2 <= len(times) < 30
+    assert len(times) >= 2
     assert min(later - at for at, later in pairwise(times)) > 300

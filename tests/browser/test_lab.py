@@ -57,7 +57,7 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
     before, pose = observed(page), frame(page)["pose"]
     until("new cells", lambda: observed(page) > before + 200)
     until("the robot to have moved", lambda: frame(page)["pose"] != pose)
-    assert "session=" in page.url
+    expect(page).to_have_url(re.compile("session="))
 
 
 @pytest.mark.parametrize("model", SLIDERS)

@@ -9,10 +9,13 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import LOOKS
 from tests.browser.lecturing import open_section
+from tests.browser.looking import await_true, until
 
 # On a phone innerWidth grows with a page that is too wide, clientWidth does not.
-WIDER = "() => document.documentElement.scrollWidth > document.documentElement.clientWidth + 1"
-
+NARROW = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth + 1"
+# Whether all that a section holds lies within the window.
+WITHIN = """section => Math.max(...[...section.querySelectorAll(":not(svg *)")].map(
+  one => one.getBoundingClientRect().right)) <= innerWidth + 1"""
 
 # Of each section: whether its figure is still awaited, and the height that it takes.
 PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
@@ -34,14 +37,16 @@ def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
         section = sections.nth(i)
         section.scroll_into_view_if_needed()
         expect(section.locator("figure, .dropzone")).not_to_have_count(0)
-        assert page.evaluate(WIDER) is False
-        right = section.evaluate(
-            "e => Math.max(...[...e.querySelectorAll(':not(svg *)')].map(x => x.getBoundingClientRect().right))"
-        )
-        assert right <= page.evaluate("innerWidth") + 1, section.get_attribute("id")
+        # Canvases take their size in the frame after they were set up.
+        await_true(page, NARROW)
+        await_true(page, WITHIN, arg=section.element_handle())
     expect(page.locator(".figure-awaited")).to_have_count(0)
-    for (_, before), (_, after) in zip(kept, page.evaluate(PLACES), strict=True):
-        assert after == pytest.approx(before, abs=40)
+
+    def moved() -> list[tuple[int, int]]:
+        heights = zip((height for _, height in kept), (height for _, height in page.evaluate(PLACES)), strict=True)
+        return [(before, after) for before, after in heights if abs(after - before) > 40]
+
+    until("the figures to be as high as their places", lambda: not moved())
 
 
 def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
@@ -53,8 +58,8 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     section = open_section(page, server, "sonar")
     # The figures around it come, and then all others, without anybody going there. The anchor is where it belongs.
     expect(page.locator(".figure-awaited")).to_have_count(0)
-    at = section.evaluate("e => e.getBoundingClientRect().top - parseFloat(getComputedStyle(e).scrollMarginTop)")
-    assert abs(at) < 2
+    at = "e => e.getBoundingClientRect().top - parseFloat(getComputedStyle(e).scrollMarginTop)"
+    until("the section at the top", lambda: abs(section.evaluate(at)) < 2)
     # The section in sight is marked in the list beside the lecture, and another one is a key press away.
     sections = page.get_by_role("navigation", name="Sections of the lecture")
     expect(sections.locator("[aria-current]")).to_have_text(re.compile(r"\d+\s+Sonar cones"))
@@ -62,7 +67,7 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     for way in (-700, 700):
         for _ in range(30):
             page.mouse.wheel(0, way)
-            page.wait_for_timeout(30)
+            page.evaluate("() => new Promise(requestAnimationFrame)")
     assert page.evaluate("window.moved") < 0.02
     sections.get_by_role("button").click()
     sections.get_by_role("link", name="Rays on a grid").focus()

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import centre, still
+from tests.browser.looking import await_true, centre, still
 
 # What each place of the lecture makes visible to a reader who only scrolls.
 POINTS = {
@@ -63,6 +63,15 @@ TO_SCENE = """name => {
 }"""
 
 
+# Whether the stage is beside the heading of a section, or a strip above it that does not cover it.
+_BOXES = """name => {
+  const heading = document.querySelector(`#${name} h2`).getBoundingClientRect();
+  const stage = document.querySelector(".lecture-stage").getBoundingClientRect();
+  """
+BESIDE = _BOXES + "return heading.right <= stage.left + 1; }"
+ABOVE = _BOXES + "return stage.height < 0.45 * innerHeight && heading.top >= stage.bottom - 1; }"
+
+
 def stage_of(page: Page) -> Locator:
     return page.get_by_role("complementary", name="Stage")
 
@@ -94,15 +103,7 @@ def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str
         to_scene(page, name)
         expect(caption).to_have_text(re.compile(POINTS[name]))
         expect(stage.locator("canvas")).to_be_in_viewport(ratio=0.9)
-        heading = page.locator(f"#{name} h2").bounding_box()
-        box = stage.bounding_box()
-        assert heading is not None
-        assert box is not None
-        if wide:  # beside the text
-            assert heading["x"] + heading["width"] <= box["x"] + 1
-        else:  # a strip above it that covers no heading
-            assert box["height"] < 0.45 * page.viewport_size["height"]  # type: ignore[index]
-            assert heading["y"] >= box["y"] + box["height"] - 1
+        await_true(page, BESIDE if wide else ABOVE, arg=name)
     assert page.get_by_role("button", name="Back to the lecture’s path").count() == 0
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -63,7 +65,7 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
     page.goto(f"{server}/lab.html?session=endedlongago0123456789ab")
     await_map(page)
     expect(page.locator(".toast").first).to_contain_text("This is a new world")
-    assert "endedlongago" not in page.url
+    expect(page).not_to_have_url(re.compile("endedlongago"))
     # The browser itself notes the 404 by which the page learns that the session is gone.
     watched.problems[:] = [problem for problem in watched.problems if "404" not in problem]
 

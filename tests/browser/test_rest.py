@@ -50,7 +50,7 @@ def test_the_lab_rests_while_it_is_paused_whatever_group_is_open_and_while_it_is
     tabs = page.get_by_role("tab").all()
     assert len(tabs) > 8
     for tab in tabs:
-        until(f"the lab to rest with {open_tab(page, tab)} open", at_rest, 8.0)
+        until(f"the lab to rest with {open_tab(page, tab)} open", at_rest)
     page.get_by_role("button", name="Play").click()
     until("the lab to go", lambda: not at_rest())
     page.evaluate(_HIDE)

@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 from tests.browser.looking import still
 from tests.browser.slides import cut_off, settle, slide_ids, small_texts
 from tests.browser.test_axe import nothing_wrong, violations
+from tests.browser.test_targets import small
 
 LABEL_PX = 22  #: least size of text on a screen of 1920 x 1080
 
@@ -19,6 +20,11 @@ LABEL_PX = 22  #: least size of text on a screen of 1920 x 1080
 def number(page: Page) -> int:
     """Return the number of the slide."""
     return int(page.locator(".presenter-number").inner_text().split("/")[0])
+
+
+def at(page: Page, end: str) -> None:
+    """Wait until the address ends so: Playwright hears of it a moment after the key was pressed."""
+    expect(page).to_have_url(re.compile(re.escape(end) + "$"))
 
 
 def present(page: Page, server: str, fragment: str = "") -> None:
@@ -45,10 +51,10 @@ def test_a_slide_asks_then_lets_predict_then_shows_then_answers(page: Page, serv
     expect(page.locator(".presenter-answer")).to_have_text("")
     page.keyboard.press("ArrowRight")
     expect(page.locator(".presenter-answer")).to_contain_text("× B was not right. Bayes")
-    assert page.url.endswith("?present#sonar/4")
+    at(page, "?present#sonar/4")
     before = number(page)
     page.keyboard.press("ArrowRight")
-    assert page.url.endswith("?present#mount")
+    at(page, "?present#mount")
     assert number(page) == before + 1
     page.keyboard.press("PageUp")
     expect(page.locator(".presenter-answer")).to_contain_text("was not right")
@@ -63,9 +69,9 @@ def test_pages_turn_whatever_has_the_focus(page: Page, server: str) -> None:
     expect(slider).to_be_focused()
     chosen = slider.get_attribute("aria-valuetext")
     page.keyboard.press("PageDown")
-    assert page.url.endswith("#log-odds/4")
+    at(page, "#log-odds/4")
     page.keyboard.press("ArrowLeft")
-    assert page.url.endswith("#log-odds/3")
+    at(page, "#log-odds/3")
     assert slider.get_attribute("aria-valuetext") == chosen
     # With Tab the slider takes the arrows, and the slide says so; the clicker's keys still turn the page.
     page.keyboard.press("Shift+Tab")
@@ -74,20 +80,20 @@ def test_pages_turn_whatever_has_the_focus(page: Page, server: str) -> None:
     expect(page.locator(".presenter-arrows")).to_contain_text("Show the belief after reading")
     page.keyboard.press("ArrowLeft")
     assert slider.get_attribute("aria-valuetext") != chosen
-    assert page.url.endswith("#log-odds/3")
+    at(page, "#log-odds/3")
     page.keyboard.press("PageDown")
-    assert page.url.endswith("#log-odds/4")
+    at(page, "#log-odds/4")
     page.keyboard.press("Escape")  # gives the arrows back, and does not end the presentation
     expect(page.locator(".presenter-arrows")).to_have_count(0)
     page.keyboard.press("ArrowLeft")
-    assert page.url.endswith("#log-odds/3")
+    at(page, "#log-odds/3")
     page.keyboard.press("b")
     expect(page.locator(".blank-screen")).to_be_visible()
     page.keyboard.press("b")
     expect(page.locator(".blank-screen")).to_have_count(0)
     page.keyboard.press("Escape")
     expect(page.locator(".presenter")).to_have_count(0)
-    assert page.url.endswith("/lecture.html#log-odds")
+    at(page, "/lecture.html#log-odds")
     expect(page.locator("#log-odds h2")).to_be_in_viewport()
 
 
@@ -114,7 +120,9 @@ def test_a_dragged_handle_follows_the_pointer_on_an_enlarged_slide(page: Page, s
 def test_the_derivation_comes_line_by_line(page: Page, server: str) -> None:
     present(page, server, "#cell-derivation/2")
     lines = page.locator("#cell .derivation-line")
-    assert [line.is_visible() for line in lines.all()] == [True, True, False, False, False]
+    expect(lines).to_have_count(5)
+    for i in range(5):
+        expect(lines.nth(i)).to_be_visible(visible=i < 2)
     page.keyboard.press("Space")
     expect(lines.nth(2)).to_be_visible()
     expect(page.locator("#cell figure")).to_be_hidden()
@@ -146,6 +154,7 @@ def test_the_speakers_window_shows_notes_and_the_next_slide(page: Page, server: 
     expect(speaker.get_by_role("button", name="Blank")).to_have_attribute("aria-pressed", "false")
     page.context.set_offline(False)
     assert violations(speaker) == []
+    assert small(speaker) == []
 
 
 def drag_to(page: Page, grip: Locator, onto: Locator) -> None:
@@ -183,6 +192,8 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
     dialog.get_by_label("Link of the lab").fill(f"{server}/lab.html#s=abc")
     dialog.get_by_role("button", name="Add at the end").click()
     expect(dialog.locator(".deck-row")).to_have_count(total + 2)
+    assert violations(page, ".deck-dialog") == []
+    assert small(page) == []
     nothing_wrong(page)
     # a slide is dragged by its grip, or goes by the arrow keys, and its picture is beside the list
     grips = dialog.locator(".deck-grip")
@@ -219,8 +230,8 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
     # The address holds the deck; so it opens elsewhere, and at its slide.
     page.keyboard.press("End")
     page.keyboard.press("Shift+ArrowLeft")
+    expect(page).to_have_url(re.compile(r"#own-text&deck=[\w-]+$"))
     link = page.url
-    assert re.search(r"#own-text&deck=[\w-]+$", link)
     page.goto("about:blank")
     page.goto(link)
     expect(page.locator(".own-text h2")).to_have_text("Exercises")

@@ -34,7 +34,7 @@ class Fingers:
             part = i / steps
             places = [(x0 + (x1 - x0) * part, y0 + (y1 - y0) * part) for (x0, y0), (x1, y1) in ways]
             self._touch("touchMove", *places)
-            self.page.wait_for_timeout(16)
+            self.page.evaluate("() => new Promise(requestAnimationFrame)")
         before_lifting()
         self._touch("touchEnd")
 
@@ -268,7 +268,7 @@ def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callabl
     until("the wall to be gone", lambda: added() == [])
 
     page.get_by_role("button", name="Move the robot").tap()
-    open_group(page, "Moving table")
+    open_group(page, "Table")
     page.get_by_role("button", name="Add a table").tap()
     guess = page.get_by_role("slider", name="My guess")
     guess.wait_for()

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.looking import await_map, frame, open_group, settled_digest, until
+from tests.browser.looking import await_map, frame, open_group, settled_digest, still, until
 from tests.marks import also_long
 
 # The place of the most occupied cell nearest to the robot but out of its reach (a finger on a wall beside the robot
@@ -211,6 +211,7 @@ def test_a_long_press_explains_a_cell(open_lab: Callable[..., Page]) -> None:
 def test_in_a_log_the_explanation_replaces_the_open_group(viewer: Page) -> None:
     open_group(viewer, "Download")
     picture = viewer.locator(".picture").first
+    still(picture)
     before = picture.bounding_box()
     ask(viewer)
     group = viewer.get_by_role("tabpanel", name="Why")

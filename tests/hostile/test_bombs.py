@@ -60,7 +60,6 @@ CASES: dict[str, tuple[Callable[[], bytes], str]] = {
 
 @pytest.mark.sampled
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="what a process held at most is read there")
-@pytest.mark.timeout(600)
 def test_files_that_expand_to_4_gib_are_refused_in_bounded_memory(tmp_path):
     paths = []
     for number, (make, _) in enumerate(CASES.values()):
@@ -72,7 +71,7 @@ def test_files_that_expand_to_4_gib_are_refused_in_bounded_memory(tmp_path):
     log_bytes, chunk_bytes = DEFAULT_LIMITS.max_unpacked_bytes // share, DEFAULT_LIMITS.max_chunk_bytes // share
     done = subprocess.run(
         [sys.executable, "-m", "tests.hostile.peak", str(log_bytes), str(chunk_bytes), *map(str, paths)],
-        cwd=ROOT, capture_output=True, text=True, timeout=500, check=True,
+        cwd=ROOT, capture_output=True, text=True, timeout=1500, check=True,
     )  # fmt: skip
     before, *after = map(json.loads, done.stdout.splitlines())
     assert {case: one["code"] for case, one in zip(CASES, after, strict=True)} == {

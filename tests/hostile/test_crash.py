@@ -115,7 +115,7 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
         assert put(client, "long", LONG).status_code == 202
         for name, data in QUEUED.items():
             assert put(client, name, data).status_code == 202
-        until(lambda: uploads(client)["long"]["state"] == "reading")
+        until(lambda: uploads(client)["long"]["state"] != "queued")
         process.send_signal(signal.SIGKILL)
         process.wait(PATIENCE_S)
     with served(tmp_path) as (process, client):
@@ -128,9 +128,9 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
         assert opens(client, "long")
         # Every process of the service is asked to stop, as a service manager does.
         assert put(client, "late", LATE).status_code == 202
-        until(lambda: uploads(client)["late"]["progress"] > 0.0)
+        until(lambda: (late := uploads(client)["late"])["progress"] > 0.0 or late["state"] == "ready")
         os.killpg(process.pid, signal.SIGTERM)
-        process.wait(30)
+        process.wait(PATIENCE_S)
     with served(tmp_path) as (process, client):
         assert settled(client, "late")["state"] == "ready"
         if hasattr(resource, "prlimit"):  # on Linux one process can limit another's files

@@ -120,7 +120,6 @@ async def guest_session(process: Process) -> str:
         return str(answer.json()["id"])
 
 
-@pytest.mark.timeout(400)
 @pytest.mark.parametrize(("cells", "side_m"), [LESS_WIDE, pytest.param(*WIDE, marks=pytest.mark.long)])
 async def test_twelve_guests_download_a_wide_map(process: Process, cells: int) -> None:
     session = await guest_session(process)
@@ -174,6 +173,6 @@ async def test_it_ends_while_clients_read_nothing_of_their_downloads(process: Pr
             if number < 2:
                 assert b"200 OK" in await asyncio.to_thread(connection.recv, 4096)
         process.popen.send_signal(signal.SIGTERM)
-        _, errors = await asyncio.to_thread(process.popen.communicate, timeout=30)
+        _, errors = await asyncio.to_thread(process.popen.communicate, timeout=PATIENCE_S)
     assert process.popen.returncode == 0
     assert "Traceback" not in errors

@@ -18,6 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin, Subprotocol
 
 from tests.server.listening import listening_ports
+from tests.server.service import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 TOKEN = "correct-horse-battery"
@@ -42,18 +43,18 @@ def guarded(tmp_path: Path) -> Iterator[tuple[int, int]]:
         yield process.pid, int(found[1])
     finally:
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=60)
+        process.communicate(timeout=PATIENCE_S)
 
 
 def opened(port: int, path: str, host: str, origin: str | None, protocol: str) -> ClientConnection:
     """Connect to ``port`` of this machine, as a browser does that knows it as ``host``."""
     connection = connect(
         f"ws://{host}{path}",
-        sock=socket.create_connection(("127.0.0.1", port), timeout=20),
+        sock=socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S),
         origin=None if origin is None else Origin(origin),
         subprotocols=[Subprotocol(protocol)],
         proxy=None,
-        open_timeout=20,
+        open_timeout=PATIENCE_S,
     )
     connection.close()
     return connection
@@ -63,21 +64,21 @@ def test_no_port_answers_another_sites_page_without_the_token(guarded: tuple[int
     pid, port = guarded
     headers = {"Authorization": f"Bearer {TOKEN}"}
     base = f"http://127.0.0.1:{port}"
-    session_id = httpx.post(f"{base}/api/sessions", json={"kind": "simulation"}, headers=headers, timeout=60).json()[
-        "id"
-    ]
+    session_id = httpx.post(
+        f"{base}/api/sessions", json={"kind": "simulation"}, headers=headers, timeout=PATIENCE_S
+    ).json()["id"]
     scene = f"/scenes/{session_id}/"
     with connect(
         f"ws://127.0.0.1:{port}{scene}", subprotocols=[VISER], additional_headers=headers, max_size=None, proxy=None
     ) as view:
-        assert view.recv(timeout=60)
+        assert view.recv(timeout=PATIENCE_S)
         ports = listening_ports(pid)
         assert port in ports
         for one in ports:
             for host in (EVIL, f"127.0.0.1:{one}"):
                 for path in ("/", "/index.html", scene, f"/api/sessions/{session_id}", "/metrics"):
                     url = f"http://127.0.0.1:{one}{path}"
-                    answer = httpx.get(url, headers={"Host": host, "Origin": f"https://{EVIL}"}, timeout=20)
+                    answer = httpx.get(url, headers={"Host": host, "Origin": f"https://{EVIL}"}, timeout=PATIENCE_S)
                     assert answer.status_code in (401, 421), (one, host, path)
                     assert set(answer.json()) == {"code", "message", "detail"}
                 for path in ("/", scene, f"/api/sessions/{session_id}/stream"):
@@ -86,4 +87,4 @@ def test_no_port_answers_another_sites_page_without_the_token(guarded: tuple[int
                             with pytest.raises((InvalidHandshake, EOFError)):
                                 opened(one, path, host, origin, protocol)
         assert ports == {port}
-        view.ping().wait(20)  # the view that has the token goes on
+        view.ping().wait(PATIENCE_S)  # the view that has the token goes on

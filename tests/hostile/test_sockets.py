@@ -128,7 +128,8 @@ async def test_a_broken_websocket_is_closed(service: Service, undisturbed: Undis
                 with contextlib.suppress(ConnectionError):  # closed before all of it was read
                     connection.sendall(data)
                 assert await asyncio.to_thread(close_code, connection) in (code, None), case
-        assert (await asyncio.to_thread(service.http.get, f"/api/sessions/{session_id}")).json()["watching"] == 0
+        session = service.state.sessions.get(session_id)
+        await eventually(lambda: not session.watched)
 
 
 async def test_pings_and_empty_parts_without_end_cost_only_their_sender(

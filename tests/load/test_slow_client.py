@@ -1,4 +1,4 @@
-"""A client that looks twice a second gets nothing older than half a second, and a fast one beside it is undisturbed.
+"""A client that looks seldom gets nothing older than its last looks, and a fast one beside it is undisturbed.
 
 The exact statement, tick by tick on a clock of the test's own, is in tests/server/stream/test_hub.py; here real sockets
 and real sessions show that nothing between the hub and the client (buffers, threads, the event loop) spoils it.
@@ -13,9 +13,9 @@ from collections.abc import Iterator
 import pytest
 
 from server.stream.layers import GridLayer
-from tests.server.service import Service, Watcher, running, settings_for
+from tests.server.service import Service, Watcher, eventually, running, settings_for
 
-PERIOD_S = 0.5
+FRAMES = 5  #: that the fast client gets between two looks of the slow one
 LOOKS = 10
 
 
@@ -27,8 +27,10 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 
 
 async def drain(watcher: Watcher) -> int:
-    """Read all that waits in the socket; return the number of binary frames."""
+    """Read all that waits in the socket, a binary frame at least; return how many they are."""
     before = watcher.frames
+    while watcher.frames == before:
+        await watcher.read()
     while True:
         try:
             await watcher.read(0.02)
@@ -36,7 +38,7 @@ async def drain(watcher: Watcher) -> int:
             return watcher.frames - before
 
 
-async def test_a_client_at_two_hertz_is_at_most_half_a_second_behind(service: Service) -> None:
+async def test_a_slow_client_gets_the_newest_map_and_does_not_delay_a_fast_one(service: Service) -> None:
     session_id = service.begin(kind="simulation", world="office", seed=1)
     async with service.connect(session_id) as slow_socket, service.connect(session_id) as fast_socket:
         slow, fast = Watcher(slow_socket), Watcher(fast_socket)
@@ -50,28 +52,19 @@ async def test_a_client_at_two_hertz_is_at_most_half_a_second_behind(service: Se
         reading = asyncio.create_task(keep_reading())
         await drain(slow)
         await slow.acknowledge()
-        slow.ages.clear()
-        fast_before = fast.frames
-        ticks_before = service.state.sessions.get(session_id).hub.frame_number
-        over: list[float] = []  #: how much longer than the period each look came after the one before
-        frames: list[int] = []
-        last = time.monotonic()
+        looks = [time.monotonic()] * 2
         for _ in range(LOOKS):
-            await asyncio.sleep(last + PERIOD_S - time.monotonic())
-            now = time.monotonic()
-            over.append(now - last - PERIOD_S)
-            last = now
-            frames.append(await drain(slow))
+            # The fast one goes on while the other reads nothing. It is the clock, so that a slow machine is none.
+            seen = fast.frames
+            await eventually(lambda seen=seen: fast.frames >= seen + FRAMES)  # type: ignore[misc]
+            slow.ages.clear()
+            assert await drain(slow) <= 2
+            looks.append(time.monotonic())
+            # What was on its way at the look before may have come after it.
+            assert max(slow.ages) <= looks[-1] - looks[-3]
             await slow.acknowledge()
-        ticks = service.state.sessions.get(session_id).hub.frame_number - ticks_before
-        got = fast.frames - fast_before
         looking = False
         await reading
-        assert all(n >= 1 for n in frames)  # there is something new at every look
-        assert max(frames) <= 2
-        # A machine that is too busy to wake this test in time may not be held against the server.
-        assert max(slow.ages) <= PERIOD_S + max(over)
-        assert got >= 0.8 * ticks
 
 
 async def test_a_client_that_never_reads_costs_the_others_nothing(service: Service) -> None:

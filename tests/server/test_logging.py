@@ -18,7 +18,7 @@ from websockets.typing import Subprotocol
 
 from server.logging import configure_logging, short_hash, without_secrets
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, once_read, running, settings_for, until
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
 
 TOKEN = "correct-horse-battery"
 BEARER = {"Authorization": f"Bearer {TOKEN}"}
@@ -71,10 +71,10 @@ def test_no_log_line_contains_a_secret(
         link = http.post("/api/links", json={"session": session_id})
         secret = link.json()["token"]
         base = f"http://127.0.0.1:{service.port}"
-        guest_id = httpx.post(f"{base}/api/shared/{secret}/sessions", json={}, timeout=60).json()["id"]
-        httpx.get(f"{base}/shared/{secret}", timeout=60)
-        httpx.get(f"{base}/?token={TOKEN}", timeout=60)
-        httpx.get(f"{base}/api/sessions/{session_id}?token=wrong-{TOKEN}", timeout=60)
+        guest_id = httpx.post(f"{base}/api/shared/{secret}/sessions", json={}, timeout=PATIENCE_S).json()["id"]
+        httpx.get(f"{base}/shared/{secret}", timeout=PATIENCE_S)
+        httpx.get(f"{base}/?token={TOKEN}", timeout=PATIENCE_S)
+        httpx.get(f"{base}/api/sessions/{session_id}?token=wrong-{TOKEN}", timeout=PATIENCE_S)
         for one in (session_id, guest_id, world_id):
             visit(service, f"/api/sessions/{one}/stream", "gridbloom.v2")
             visit(service, f"/scenes/{one}/", f"viser-v{viser.__version__}")

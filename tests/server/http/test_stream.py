@@ -41,13 +41,18 @@ async def test_a_session_streams_its_map(service: Service) -> None:
         np.testing.assert_allclose(watcher.log_odds(), expected_log_odds(service, session_id), atol=5.5 / 254 + 1e-6)
         frame = watcher.newest["frame"]
         assert len(frame["ranges"]) == 360
-        assert watcher.frames > watcher.scans >= 1  # a scan is sent once, however many frames show it
         assert WORLDS["room"].is_free(frame["pose"][:2])
         hello = watcher.newest["hello"]
         assert hello["kind"] == "simulation"
         # A session that nobody has touched differs in nothing from what its table calls initial.
         first = {row["name"]: row["initial"] for row in hello["parameters"]["table"]}
         assert first == {name: value for name, value in hello["parameters"]["values"].items() if name not in LOG_ONLY}
+        # A scan is sent once, however many frames show it.
+        frames, scans = watcher.frames, watcher.scans
+        await watcher.send("parameters", values={"log_odds_hit": 0.3})
+        await watcher.until(lambda: watcher.frames > frames)
+        await watcher.settle()
+        assert watcher.scans == scans >= 1
 
 
 async def test_every_kind_of_change_reaches_the_picture(service: Service) -> None:

@@ -91,7 +91,7 @@ def running_postgresql() -> Iterator[Cluster]:
         finally:
             server.send_signal(signal.SIGINT)  # which ends its clients' connections
             try:
-                server.wait(60)
+                server.wait(180)
             except subprocess.TimeoutExpired:
                 server.kill()
                 server.wait()

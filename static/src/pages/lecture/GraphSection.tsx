@@ -18,15 +18,15 @@ export function GraphSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The solution is the pose of every node with the least sum of squared residuals, each in standard deviations,
-            eᵀ Ω e. Least squares give way to the <b class="noun-hit">wrong loop</b>: it is one spring among many, but
-            very short, and it folds the map. A <b>robust kernel</b> takes weight from loops with large residuals, as
-            the curve shows, and the others hold the graph. Its scale begins large, where no loop is refused, and
-            shrinks while the graph is solved. A kernel cannot tell a wrong loop that nothing contradicts from a right
-            one.
+            eᵀ Ω e. Plain least squares follow the <b class="noun-hit">wrong loop</b>: it is only one spring among many,
+            but its residual is large, and it folds the map. A <b>robust kernel</b> reduces the weight of loops with
+            large residuals, as the curve shows, so the others determine the result. Its scale is large at first, so
+            that no loop is rejected, and shrinks while the graph is solved. A kernel cannot tell a wrong loop that
+            nothing contradicts from a right one.
           </p>
           <p>
-            A log whose poses drift is healed like this on its page: each scan is matched with those before it, loops
-            are found by correlation, and the graph of all poses is solved.
+            “Heal” on the page of a log whose poses drift does this: each scan is matched with those before it, loops
+            are found by correlative matching, and the graph of all poses is solved.
           </p>
         </>
       }

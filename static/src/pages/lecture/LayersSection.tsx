@@ -16,10 +16,10 @@ export function LayersSection({ id, number, title }: SectionHead) {
       sources={[["nav2-costmap", ""]]}
       after={
         <p>
-          The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass. In Nav2 it
-          marks up to 2.5 m and clears up to 3 m at first: farther away the crate is not in it. Where it is free it
-          cannot free a wall of the static layer, because the greater cost counts. The <b>dynamic layer</b> forgets what
-          it has not seen again for some time; Nav2’s own layers do not, and its documentation refers to the
+          The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass. By
+          default, Nav2 marks up to 2.5 m and clears up to 3 m: a crate farther away is not marked. It cannot clear a
+          wall of the static layer, because the greater cost counts. The <b>dynamic layer</b> removes an obstacle that
+          has not been seen again for some time; Nav2’s own layers do not, and its documentation refers to the
           spatio-temporal voxel layer for this. A painted zone lies below the inflation here; in Nav2’s list of filters
           a keepout filter comes after all layers, and is not inflated.
         </p>
@@ -27,10 +27,10 @@ export function LayersSection({ id, number, title }: SectionHead) {
     >
       <p>
         A map says what is there; a planner needs what it <b>costs</b> to be there. Nav2’s costmap has one number for
-        each cell: 0 is free, 254 is lethal, 253 is too near for a robot of any heading, 255 is unknown. It is made of{" "}
-        <b>layers</b>, one over the other: each lays its costs over those below, and the greater one counts. The saved
-        map is only the first. Drag the crate into the robot’s view, switch layers off, and read with the cross what
-        each says.
+        each cell: 0 is free, 254 is lethal, 253 means a collision at any heading, 255 is unknown. It is made of{" "}
+        <b>layers</b>, applied one after the other: each combines its costs with those below, and the greater cost
+        counts. The saved map is only the first. Drag the crate into the robot’s view, switch layers off, and read with
+        the cross what each says.
       </p>
     </Section>
   );

@@ -18,11 +18,11 @@ export function OctreeSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            In a dense grid half the side makes <b>eight</b> times as many cells, most of them in empty rooms. An{" "}
-            <b>octree</b> stores eight cells of one state as a single node, and where nobody has looked it has no nodes:
-            it grows with the surfaces, about <b>four</b> times. The price is a descent from the root for each cell that
-            is read or changed, and nodes that are larger than cells: in a building as small and flat as this one the
-            tree pays only for fine cells.
+            Halving the side of the cells of a dense grid makes <b>eight</b> times as many of them, most in empty rooms.
+            An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
+            measured: it grows with the surfaces, about <b>four</b> times. The price is a descent from the root for each
+            cell that is read or changed, and nodes that are larger than cells: in a building as small and flat as this
+            one the tree pays off only with fine cells.
           </p>
           <p>
             A <b>point cloud</b> keeps each reading and does not depend on the side of a cell; it grows with each scan,

@@ -39,15 +39,15 @@ export function OdometrySection({ id, number, title }: SectionHead) {
       sources={[["probabilistic-robotics", "chapter 5, for the errors of odometry"]]}
       after={
         <p>
-          An error of the heading does most harm: all that is driven afterwards is turned. The lidar is more accurate
-          than the wheels between two scans, so each scan of the right map is matched with the three before it, in the
-          way that the next two sections show. Small errors remain and add up, only more slowly; the section after them
-          removes those too.
+          Heading errors do the most harm: everything driven afterwards is rotated. The lidar is more accurate than the
+          wheels between two scans, so each scan of the right map is matched with the three before it, in the way that
+          the next two sections show. Small errors remain and add up, only more slowly; the section after them removes
+          those too.
         </p>
       }
     >
       <p>
-        So far every pose was given. Wheels slip, and the errors of raw odometry add up: after a round the same wall is
+        So far every pose was given. Wheels slip, and the errors of raw odometry add up: after one lap the same wall is
         drawn in several places. Here the heading is wrong by{" "}
         <DragNumber
           label="Error of the heading"

@@ -17,9 +17,9 @@ export function ProbableSection({ id, number, title }: SectionHead) {
       after={
         <p>
           <b>With cabinets</b> only one position fits the scan: the product is there, however far off the odometry is
-          within its uncertainty. <b>With doors</b> at equal distances several positions fit, and the odometry chooses
-          among them: off by more than half a distance it chooses the wrong one. In the <b>bare</b> corridor every
-          position fits equally, and the product is the odometry alone.
+          within its uncertainty. <b>With doors</b> at equal distances several positions fit, and the odometry decides
+          between them: if it is off by more than half that distance, it picks the wrong one. In the <b>bare</b>{" "}
+          corridor every position fits equally, and the product is the odometry alone.
         </p>
       }
     >

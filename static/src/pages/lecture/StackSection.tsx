@@ -20,16 +20,16 @@ export function StackSection({ id, number, title }: SectionHead) {
       ]}
       after={
         <p>
-          Each part trusts the one before. A map with double walls gives poor weights; a wrong pose puts the obstacle
-          layer’s marks beside the walls of the static layer, and doors close; a table in the saved map is driven around
-          for ever. When a robot does not find its way, look at the picture in this order.
+          Each part relies on the one before. A map with double walls gives poor weights; a wrong pose puts the obstacle
+          layer’s marks beside the walls of the static layer and closes doors; a table in the saved map is avoided for
+          ever. When a robot does not find its way, check the parts in this order.
         </p>
       }
     >
       <p>
-        The parts together, as in a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map, it is
-        saved, and does not change any more; on another day a particle filter finds the robot on it; costs, a path, and
-        the drive follow. Drag the goal on the stage, press a part to begin with it, or play all of it.
+        All parts together, as on a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map, which is
+        saved and no longer changes; on another day a particle filter finds the robot in it; then come the costs, a path
+        and the drive. Drag the goal on the stage, press a part to begin with it, or play all of it.
       </p>
     </Section>
   );

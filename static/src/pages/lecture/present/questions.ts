@@ -16,7 +16,7 @@ export interface Question {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "One of five cells caused an echo, and four are found empty. What of the fifth?",
+    question: "One of five cells caused an echo; four are found empty. What about the fifth?",
     options: ["Its probability of occupied rises", "It stays as the echo left it", "It depends on the map’s algorithm"],
     right: 2,
     answer: "The joint distribution concludes that it is the fifth cell; a grid of independent cells cannot.",
@@ -234,7 +234,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     right: 2,
     answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
     notes:
-      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without its root is a slip of the printed source.",
+      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The printed source gives the slope without the root.",
   },
   layers: {
     question: "A crate stands in the way, and the saved map does not have it. Who knows?",
@@ -248,15 +248,17 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "cost_scaling_factor is doubled. Do paths come nearer to the walls?",
     options: ["Yes", "No, they keep away"],
     right: 0,
-    answer: "Yes: the cost falls faster, so that near the wall is cheap. The name is often taken the other way.",
+    answer:
+      "Yes: the cost falls faster, so that near the wall is cheap. The name is often understood the other way round.",
     notes:
-      "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is shut.",
+      "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is closed.",
   },
   path: {
     question: "How does a robot find the cheapest way without trying all of them?",
     options: ["It goes straight and avoids", "A wave of costs from cell to cell", "It learns the way"],
     right: 1,
-    answer: "Each cell gets its least cost to come; the path goes back from the goal along it. A* expands fewer cells.",
+    answer:
+      "Each cell gets the least cost of reaching it; the path is traced back from the goal. A* expands fewer cells.",
     notes:
       "Drag the goal from room to room. Then play the search with Dijkstra and with A*, and compare the two numbers of cells.",
   },
@@ -264,7 +266,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "The table is gone, and the robot still drives around it. Why?",
     options: ["The planner is slow", "No beam has passed there since", "The laser is too low"],
     right: 1,
-    answer: "Only a beam clears an obstacle layer, and the path leads away. A lifetime forgets by the clock.",
+    answer:
+      "Only a beam clears an obstacle layer, and the path leads away. With a lifetime it is removed after a set time.",
     notes:
       "Saved map, obstacle layer, lifetime: three answers. With the obstacle layer drag the robot near. With the lifetime move the seconds past it. Ask what a short lifetime risks.",
   },
@@ -288,7 +291,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     right: 2,
     answer: "Signed distances have their zero at the mean of the readings, between voxels; occupancy has whole cells.",
     notes:
-      "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a greatest weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
+      "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a maximum weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
   },
   next: {
     question: "Which other maps are there, and what do they give up?",
