@@ -65,7 +65,9 @@ class SimulationModel(SessionModel):
         self._volume = VolumeView(host, mapper, self.playback)
         self._terrain = TerrainView(self._volume)
         self._navigation = self.costed = LabNavigation(
-            mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
+            mapper,
+            {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid},
+            lambda: self._terrain.terrain,
         )
         self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.commands)
         self._questions = CellQuestions(self._explained)
