@@ -75,6 +75,9 @@ async def _lifespan(
         stack.push_async_callback(downloads.close)
         open_scenes = Scenes()
         stack.push_async_callback(open_scenes.close)
+        opened = Classes(settings.max_class_followers, settings.class_code)
+        watching = asyncio.create_task(opened.watch(), name="classes")
+        stack.callback(watching.cancel)
         install(
             app,
             Services(
@@ -85,7 +88,7 @@ async def _lifespan(
                 downloads=downloads,
                 scenes=open_scenes,
                 sign_ins=sign_ins,
-                classes=Classes(settings.max_class_followers, settings.class_code),
+                classes=opened,
             ),
         )
         yield

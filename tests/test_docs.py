@@ -1,4 +1,4 @@
-"""The README agrees with the code: its tables are written from it. ``python tests/test_docs.py --write``."""
+"""The README and docs/ agree with the code: tables are written from it. ``python tests/test_docs.py --write``."""
 
 from __future__ import annotations
 
@@ -29,6 +29,8 @@ README = Path(__file__).parents[1] / "README.md"
 ROOT = README.parent
 DOCS = ROOT / "docs"
 TESTING = DOCS / "testing.md"
+SERVICE = DOCS / "service.md"
+COMMAND_LINE = DOCS / "command-line.md"
 PAGES = [*sorted(DOCS.rglob("*.md")), README, ROOT / "CONTRIBUTING.md"]
 
 
@@ -67,21 +69,25 @@ def routes_table() -> str:
     return "\n".join(lines)
 
 
-TABLES = {"parameters": parameters_table, "routes": routes_table, "settings": settings_table}
+TABLES = {
+    COMMAND_LINE: {"parameters": parameters_table},
+    SERVICE: {"routes": routes_table, "settings": settings_table},
+}
 
 
-def with_tables(text: str) -> str:
-    """The README's text with every table written anew."""
-    for name, table in TABLES.items():
+def with_tables(page: Path) -> str:
+    """A page's text with each of its tables written anew."""
+    text = page.read_text()
+    for name, table in TABLES[page].items():
         pattern = rf"(?s)<!-- {name} -->.*?<!-- /{name} -->"
-        assert re.search(pattern, text), f"the README has no place for the {name}"
+        assert re.search(pattern, text), f"{page.name} has no place for the {name}"
         text = re.sub(pattern, lambda _, n=name, t=table: f"<!-- {n} -->\n{t()}\n<!-- /{n} -->", text)  # type: ignore[misc]
     return text
 
 
-def test_the_tables_are_those_of_the_code() -> None:
-    text = README.read_text()
-    assert with_tables(text) == text, "write them anew: python tests/test_docs.py --write"
+@pytest.mark.parametrize("page", TABLES, ids=lambda page: page.name)
+def test_the_tables_are_those_of_the_code(page: Path) -> None:
+    assert with_tables(page) == page.read_text(), "write them anew: python tests/test_docs.py --write"
 
 
 def _routes(router: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
@@ -97,12 +103,12 @@ def _routes(router: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
 def test_every_public_route_is_named() -> None:
     routes = set(_routes(create_app(Settings())))
     assert ("PUT", "/api/logs") in routes
-    text = README.read_text()
+    text = SERVICE.read_text()
     assert [f"{method} {path}" for method, path in sorted(routes) if f"| `{method} {path}` |" not in text] == []
 
 
-@pytest.mark.parametrize("command", re.findall(r"^    curl (.+)$", README.read_text(), re.MULTILINE))
-def test_every_curl_address_of_the_readme_is_a_route(command: str) -> None:
+@pytest.mark.parametrize("command", re.findall(r"^    curl (.+)$", SERVICE.read_text(), re.MULTILINE))
+def test_every_curl_address_is_a_route(command: str) -> None:
     (address,) = re.findall(r"http://127\.0\.0\.1:8000(/[^\s\"?]*)", command)
     method = "PUT" if " -T " in f" {command}" else "POST" if " --json " in f" {command}" else "GET"
     routes = _routes(create_app(Settings()))
@@ -261,4 +267,5 @@ def test_every_picture_is_there() -> None:
 
 
 if __name__ == "__main__" and "--write" in sys.argv:
-    README.write_text(with_tables(README.read_text()))
+    for one in TABLES:
+        one.write_text(with_tables(one))

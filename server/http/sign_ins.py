@@ -11,6 +11,7 @@ import hashlib
 import hmac
 import json
 import secrets
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -27,7 +28,10 @@ _log = structlog.get_logger(__name__)
 
 
 class SignIns:
-    """Makes, checks and ends cookies. What ended is kept in ``file``, so that it stays ended after a restart."""
+    """Makes, checks and ends cookies. What ended is kept in ``file``, so that it stays ended after a restart.
+
+    Any thread may end cookies: writing the file can take long.
+    """
 
     def __init__(self, token: str | None, file: Path, clock: Callable[[], float] = time.time) -> None:
         self._key = None if token is None else hmac.digest(token.encode(), b"sign-in", hashlib.sha256)
@@ -35,6 +39,7 @@ class SignIns:
         self._clock = clock
         self._ended: dict[str, int] = {}  #: by name, the time at which it was given
         self._ended_until = 0  #: all that were given up to this time have ended
+        self._ending = threading.Lock()
         self._read()
 
     def cookie(self) -> str:
@@ -56,20 +61,22 @@ class SignIns:
         if parsed is None:
             return
         given, name = parsed
-        oldest = self._clock() - VALID_S
-        self._ended = {one: at for one, at in self._ended.items() if at > max(oldest, self._ended_until)}
-        self._ended[name] = given
-        while len(self._ended) > MAX_ENDED:
-            first = min(self._ended, key=self._ended.__getitem__)
-            self._ended_until = max(self._ended_until, self._ended.pop(first))
-        self._write()
+        with self._ending:
+            oldest = max(self._clock() - VALID_S, self._ended_until)
+            ended = {one: at for one, at in self._ended.items() if at > oldest} | {name: given}
+            while len(ended) > MAX_ENDED:
+                first = min(ended, key=ended.__getitem__)
+                self._ended_until = max(self._ended_until, ended.pop(first))
+            self._ended = ended
+            self._write()
 
     def end_all(self) -> None:
         """End all cookies that were given so far. Raises as :meth:`end`."""
-        # A cookie that was given in the second of an earlier end bears the next second.
-        self._ended_until = max(int(self._clock()), self._ended_until + 1)
-        self._ended.clear()
-        self._write()
+        with self._ending:
+            # A cookie that was given in the second of an earlier end bears the next second.
+            self._ended_until = max(int(self._clock()), self._ended_until + 1)
+            self._ended = {}
+            self._write()
 
     def _digest(self, given: int, name: str) -> str:
         return hmac.digest(self._key or b"", f"{given:x}.{name}".encode(), hashlib.sha256).hex()

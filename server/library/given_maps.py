@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import secrets
+import shutil
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Protocol
@@ -37,6 +38,11 @@ class GivenMaps:
         self._worker: Worker | None = None
         self._turns = FairLock()
         private_folder(folder)
+        for left in folder.iterdir():  # by a process that was killed
+            if left.is_dir() and not left.is_symlink():
+                shutil.rmtree(left, ignore_errors=True)
+            elif left.suffix != ".npz":
+                left.unlink(missing_ok=True)
         self._bytes = sum(file.stat().st_size for file in folder.glob("*.npz"))
 
     @property

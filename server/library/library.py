@@ -87,6 +87,7 @@ class Library:
             memory_bytes=memory,
             cpu_s=self._limits.read_cpu_s,
             worker=new_worker(),
+            scratch=scratch,
         )
         self._blobs = blobs = Blobs.at(settings.blobs, root)
         self._database = Database.open(settings.database_url, root)

@@ -142,7 +142,7 @@ class Screen:
             assert y >= 0, (self._size, where)
             assert x + wide <= width + 0.5, (self._size, where)
             assert y + high <= height + 0.5, (self._size, where)
-        assert seen["covered"] == [], (self._size, where)
+        assert seen["covered"] == [], (self._size, where, seen["covered"])
         assert seen["scroll"] == [0, 0, False], (self._size, where)
 
     def at_hand(self, controls: Locator) -> None:

@@ -164,7 +164,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     }""")
     await_true(page, "() => gridbloom.connection.store.world.peek().name === 'room'")
     until("the robot to be there", lambda: abs(frame(page)["pose"][1] - 5) < 0.5)
-    open_group(page, "Moving table")
+    open_group(page, "Table")
     page.get_by_role("button", name="Add a table").click()
     expect(page.get_by_role("slider", name="My guess")).to_be_visible()
     told_sliders(page)

@@ -14,6 +14,8 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 from tests.browser.conftest import WatchedPage, standing_world, visiting
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, await_true, open_group, until
+from tests.browser.test_axe import nothing_wrong
+from tests.browser.test_targets import small
 
 FOLLOWERS = 10
 CELL = [3.5, 2.5]
@@ -61,6 +63,8 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
             phone.goto(f"{server}/class/{code}")  # as by the QR code
         else:
             phone.goto(f"{server}/join")
+            nothing_wrong(phone)
+            assert small(phone) == []
             phone.get_by_label("Code").fill(f"{code[:3]} {code[3:]}".lower())
             phone.get_by_role("button", name="Join").click()
         expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
@@ -75,6 +79,9 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
     for i, phone in enumerate(phones):
         phone.get_by_role("button", name="A Yes" if i < 7 else "B No").click()
     expect(lecturers).to_contain_text(f"{FOLLOWERS} of {FOLLOWERS} answered")
+    for one in (page, phones[0]):  # with the question on both
+        nothing_wrong(one)
+        assert small(one) == []
     expect(lecturers.get_by_role("list", name="10 answered. Yes: 7; No: 3")).to_be_visible()
     expect(phones[0].get_by_role("list", name="10 answered")).to_have_count(0)  # not before the reveal
     page.get_by_role("button", name="Reveal").click()

@@ -130,7 +130,7 @@ def test_a_teleport_and_a_world_are_taken_back(open_lab: Callable[..., Page]) ->
 
 def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     send_robot(lab, [4.3, 5.2])
-    open_group(lab, "Moving table")
+    open_group(lab, "Table")
     figure = lab.locator(".table-figure")
     figure.get_by_role("button", name="Add a table").click()
     until("the table", lambda: len(edits(lab)["added"]) == 1)

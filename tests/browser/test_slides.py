@@ -12,6 +12,7 @@ from playwright.sync_api import Locator, Page, expect
 from tests.browser.looking import still
 from tests.browser.slides import cut_off, settle, slide_ids, small_texts
 from tests.browser.test_axe import nothing_wrong, violations
+from tests.browser.test_targets import small
 
 LABEL_PX = 22  #: least size of text on a screen of 1920 x 1080
 
@@ -153,6 +154,7 @@ def test_the_speakers_window_shows_notes_and_the_next_slide(page: Page, server: 
     expect(speaker.get_by_role("button", name="Blank")).to_have_attribute("aria-pressed", "false")
     page.context.set_offline(False)
     assert violations(speaker) == []
+    assert small(speaker) == []
 
 
 def drag_to(page: Page, grip: Locator, onto: Locator) -> None:
@@ -190,6 +192,8 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
     dialog.get_by_label("Link of the lab").fill(f"{server}/lab.html#s=abc")
     dialog.get_by_role("button", name="Add at the end").click()
     expect(dialog.locator(".deck-row")).to_have_count(total + 2)
+    assert violations(page, ".deck-dialog") == []
+    assert small(page) == []
     nothing_wrong(page)
     # a slide is dragged by its grip, or goes by the arrow keys, and its picture is beside the list
     grips = dialog.locator(".deck-grip")

@@ -1,20 +1,21 @@
 """Take the README's screenshots of the running program: ``python -m tests.pictures``.
 
-The picture of a real log is only taken where GRIDBLOOM_TEST_DATA names the folder of real logs.
+The pictures of real logs are only taken where GRIDBLOOM_TEST_DATA names the folder of real logs.
 """
 
 from __future__ import annotations
 
 import io
 import os
+import re
 import shutil
 import tempfile
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Page, ViewportSize
+from playwright.sync_api import Page, ViewportSize, expect
 
-from tests.browser.looking import await_map, frame, settled_digest, until
+from tests.browser.looking import await_map, frame, open_group, settled_digest, until
 from tests.browser.running import running_chromium, running_server
 
 HERE = Path(__file__).parent
@@ -46,8 +47,19 @@ def lab(page: Page, server: str) -> None:
     picture.quantize(192, dither=Image.Dither.NONE).save(HERE / "profile.png", optimize=True)
 
 
+def front(page: Page, server: str) -> None:
+    """The front page after some scans."""
+    page.goto(server)
+    await_map(page)
+    for _ in range(3):
+        page.get_by_role("button", name="Forward 10 scans").click()
+        settled_digest(page)
+    page.wait_for_timeout(500)
+    save(page, "front")
+
+
 def log(page: Page, server: str) -> None:
-    """The Intel Research Lab at the end of its log."""
+    """The Intel Research Lab at the end of its log, with the beams of one cell of a wall."""
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="intel-corrected").get_by_role("button", name="Open map").click()
     page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
@@ -55,8 +67,24 @@ def log(page: Page, server: str) -> None:
     page.keyboard.press("End")
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
+    page.evaluate("() => gridbloom.connection.store.explain([-3.475, -7.925])")
+    expect(page.locator(".why-chart").first).to_be_visible()
     page.wait_for_timeout(1500)
     save(page, "log")
+
+
+def healed(page: Page, server: str) -> None:
+    """ACES, Austin: the map along its odometry under the swipe, beside the map along the poses of SLAM."""
+    page.goto(f"{server}/logs.html")
+    page.locator(".log-card", has_text="aces").get_by_role("button", name="Open map").click()
+    page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    panel = open_group(page, "Heal").get_by_role("region", name="Heal its poses")
+    panel.get_by_role("button", name="Heal its poses").click()
+    panel.get_by_role("button", name="Compare with before").click(timeout=120_000)
+    expect(page.get_by_role("slider", name=re.compile("divider", re.IGNORECASE))).to_be_visible()
+    settled_digest(page)
+    page.wait_for_timeout(1500)
+    save(page, "healed")
 
 
 def lecture(page: Page, server: str) -> None:
@@ -75,13 +103,16 @@ def main() -> None:
         logs = Path(folder) / "logs"
         logs.mkdir()
         if data:
-            shutil.copy(Path(data) / "carmen" / "intel-corrected.log.gz", logs)
+            for name in ("intel-corrected", "aces"):
+                shutil.copy(Path(data) / "carmen" / f"{name}.log.gz", logs)
         with running_server(Path(folder) / "data", "--logs-dir", str(logs)) as server, running_chromium() as browser:
             page = browser.new_page(viewport=SIZE, color_scheme="light")
+            front(page, server)
             lab(page, server)
             lecture(page, server)
             if data:
                 log(page, server)
+                healed(page, server)
 
 
 if __name__ == "__main__":

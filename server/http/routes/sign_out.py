@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from urllib.parse import parse_qs
 
 import structlog
@@ -42,9 +43,9 @@ async def sign_out(request: Request) -> Response:
     response: Response = RedirectResponse("/", status_code=303)
     try:
         if everywhere:
-            sign_ins.end_all()
+            await asyncio.to_thread(sign_ins.end_all)
         else:
-            sign_ins.end(request.cookies.get(TOKEN_COOKIE, ""))
+            await asyncio.to_thread(sign_ins.end, request.cookies.get(TOKEN_COOKIE, ""))
     except OSError as error:
         _log.warning("an ended sign-in cannot be recorded", reason=error.strerror)
         message = "You are signed out until the service is started again: it cannot record it."

@@ -2,11 +2,11 @@ import { useRef } from "preact/hooks";
 import { toLattice } from "../../grid/lattice";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
+import { useInSight } from "../common/useInSight";
 import { cellSide, originAt, pipelineBeam } from "../stage/controls";
 import { nowOf } from "../stage/nowOf";
 import { readingOf } from "../stage/reading";
 import { SCENES } from "../stage/scenes";
-import { useSceneInSight } from "../stage/useSceneInSight";
 import "./endpoint.css";
 
 const DEGREE = Math.PI / 180;
@@ -14,7 +14,7 @@ const DEGREE = Math.PI / 180;
 /** The way from a reading to its cell in numbers, and the controls that the stage has no handle for. */
 export function Endpoint() {
   const root = useRef<HTMLDivElement>(null);
-  const scene = useSceneInSight(root, SCENES.endpoint);
+  const scene = useInSight(root, SCENES.endpoint);
   const reading = readingOf(scene, nowOf(scene), pipelineBeam.value);
   const side = cellSide.value;
   const [ox, oy] = originAt.value;

@@ -2,19 +2,23 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 import { NO_INFORMATION, nameOfCost } from "../../grid/costs";
 import { Slider } from "../../ui/Slider";
 import { isDark } from "../../ui/theme";
+import { useInSight } from "../common/useInSight";
 import type { Costs } from "./costmap";
 import { coloursOf } from "./paint";
-import { LAYERS, lifetime, probeAt, sheets, switched } from "./state";
+import { LAYERS, lifetime, probeAt, type Sheet as SheetOf, sheets, switched } from "./state";
 import { cellOf, GEOMETRY } from "./world";
 import "./navigation.css";
 
 const LIFETIME = 4;
+const currentSheets = (): readonly SheetOf[] => sheets.value;
 
 /** The layers of a costmap as sheets, the last one on top; each can be switched off. */
 export function Layers() {
+  const root = useRef<HTMLDivElement>(null);
+  const shown = useInSight(root, currentSheets);
   const cell = cellOf(probeAt.value);
   return (
-    <div class="costmap-layers">
+    <div class="costmap-layers" ref={root}>
       <table class="plain-table">
         <thead>
           <tr>
@@ -28,7 +32,7 @@ export function Layers() {
           </tr>
         </thead>
         <tbody>
-          {sheets.value.map(({ id, own, master }) => {
+          {shown.map(({ id, own, master }) => {
             const layer = LAYERS.find((one) => one.id === id);
             const isOn = switched.value[id];
             return (

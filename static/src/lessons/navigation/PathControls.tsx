@@ -5,8 +5,20 @@ import { Choice } from "../../ui/Choice";
 import { written } from "../../ui/numbers";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
+import { useInSight } from "../common/useInSight";
 import { useSeen, useSteps } from "../common/useSteps";
-import { groundCosts, method, pathGoal, pathStart, plan, planned, progress, ROBOT_RADIUS, robotRadius } from "./state";
+import {
+  groundCosts,
+  method,
+  type Plan,
+  pathGoal,
+  pathStart,
+  plan,
+  planned,
+  progress,
+  ROBOT_RADIUS,
+  robotRadius,
+} from "./state";
 import "./navigation.css";
 
 const METHODS = [
@@ -15,6 +27,12 @@ const METHODS = [
 ];
 const MS = 40;
 const PART = 0.02;
+
+/** The same search by both algorithms. */
+function bothSearches(): { readonly wave: Plan; readonly directed: Plan } {
+  const other = planned(groundCosts.value, pathStart.value, pathGoal.value, method.value !== "a_star");
+  return method.value === "a_star" ? { wave: other, directed: plan.value } : { wave: plan.value, directed: other };
+}
 
 /** The controls of the search for a path, and what both algorithms need for it. */
 export function PathControls() {
@@ -29,8 +47,7 @@ export function PathControls() {
       if (progress.peek() >= 1) playing.value = false;
     },
   );
-  const other = planned(groundCosts.value, pathStart.value, pathGoal.value, method.value !== "a_star");
-  const [wave, directed] = method.value === "a_star" ? [other, plan.value] : [plan.value, other];
+  const { wave, directed } = useInSight(root, bothSearches);
   const count = (cells: number): string => cells.toLocaleString("en");
   return (
     <div class="path-controls" ref={root}>

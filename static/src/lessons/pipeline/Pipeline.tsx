@@ -8,13 +8,13 @@ import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
+import { useInSight } from "../common/useInSight";
 import { useSeen, useSteps } from "../common/useSteps";
 import { pipelineBeam, pipelineStep } from "../stage/controls";
 import { nowOf } from "../stage/nowOf";
 import { readingOf } from "../stage/reading";
 import type { Scene } from "../stage/scene";
 import { SCENES } from "../stage/scenes";
-import { useSceneInSight } from "../stage/useSceneInSight";
 import { densityCharacter, stateCharacter } from "./density";
 import "./pipeline.css";
 
@@ -91,7 +91,7 @@ function boxes(scene: Scene): readonly Box[] {
 export function Pipeline() {
   const playing = useSignal(false);
   const root = useRef<HTMLDivElement>(null);
-  const found = boxes(useSceneInSight(root, SCENES.pipeline));
+  const found = boxes(useInSight(root, SCENES.pipeline));
   const at = pipelineStep.value;
   const go = (next: number): void => {
     pipelineStep.value = Math.min(LAST, Math.max(0, next));

@@ -1,9 +1,9 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Choice } from "../../ui/Choice";
+import { useInSight } from "../common/useInSight";
 import { nowOf } from "../stage/nowOf";
 import { SCENES } from "../stage/scenes";
-import { useSceneInSight } from "../stage/useSceneInSight";
 import { asText, densityCharacter, stateCharacter } from "./density";
 import "./pipeline.css";
 
@@ -16,7 +16,7 @@ const KINDS = [
 export function Terminal() {
   const kind = useSignal("density");
   const root = useRef<HTMLDivElement>(null);
-  const { map } = nowOf(useSceneInSight(root, SCENES.characters));
+  const { map } = nowOf(useInSight(root, SCENES.characters));
   const isDensity = kind.value === "density";
   return (
     <div class="terminal" ref={root}>

@@ -95,8 +95,8 @@ const GROUPS: readonly Group[] = [
   },
   {
     id: "table",
-    title: "Moving table",
-    purpose: "How long something stays in the map after it was removed",
+    title: "Table",
+    purpose: "A table that is moved: how long it stays in the map after it was removed",
     keeps: true,
     content: ({ store, comparison }) => <MovingTable store={store} comparison={comparison} />,
   },

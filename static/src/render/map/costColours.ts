@@ -25,24 +25,44 @@ function row(colour: (byte: number) => Rgba): Uint8Array<ArrayBuffer> {
 }
 
 /** The colour of a cost, and how much it hides of what is below. */
-function ofCost(cost: number, isOver: boolean): Rgba {
-  if (cost === 255) return [tokenRgb("--map-unobserved"), isOver ? 0 : 0.35];
-  if (cost === 0) return [tokenRgb("--surface"), isOver ? 0 : 0.75];
-  if (cost === LETHAL) return [tokenRgb("--cost-lethal"), 0.95];
-  if (cost === INSCRIBED) return [tokenRgb("--cost-inscribed"), 0.85];
+function ofCosts(isOver: boolean): (cost: number) => Rgba {
+  // Reading a colour is slow: the browser computes the style of an element for it.
+  const [unknown, free] = [tokenRgb("--map-unobserved"), tokenRgb("--surface")];
+  const [lethal, inscribed] = [tokenRgb("--cost-lethal"), tokenRgb("--cost-inscribed")];
   const [low, high] = [toLab(tokenRgb("--cost-low")), toLab(tokenRgb("--cost-high"))];
-  const share = cost / 252;
-  return [fromLab(mixed(low, high, share)), isOver ? 0.25 + 0.6 * share : 0.85];
+  return (cost) => {
+    if (cost === 255) return [unknown, isOver ? 0 : 0.35];
+    if (cost === 0) return [free, isOver ? 0 : 0.75];
+    if (cost === LETHAL) return [lethal, 0.95];
+    if (cost === INSCRIBED) return [inscribed, 0.85];
+    const share = cost / 252;
+    return [fromLab(mixed(low, high, share)), isOver ? 0.25 + 0.6 * share : 0.85];
+  };
 }
 
 /** A potential in bands, so that its fronts are seen. */
-function ofPotential(byte: number): Rgba {
-  if (byte === 0) return [tokenRgb("--surface"), 0];
+function ofPotential(): (byte: number) => Rgba {
+  const surface = tokenRgb("--surface");
   const [low, high] = [toLab(tokenRgb("--robot-fill")), toLab(tokenRgb("--beam-fill"))];
-  const band = Math.floor(((byte - 1) / 255) * BANDS);
-  return [fromLab(mixed(low, high, (byte - 1) / 254)), band % 2 === 0 ? 0.75 : 0.45];
+  return (byte) => {
+    if (byte === 0) return [surface, 0];
+    const band = Math.floor(((byte - 1) / 255) * BANDS);
+    return [fromLab(mixed(low, high, (byte - 1) / 254)), band % 2 === 0 ? 0.75 : 0.45];
+  };
 }
 
-export const costColours = (isOver: boolean): Uint8Array<ArrayBuffer> =>
-  row((byte) => ofCost(costOfByte(byte), isOver));
-export const potentialColours = (): Uint8Array<ArrayBuffer> => row(ofPotential);
+/** A speed limit, the denser the slower: the mask's value 1 … 100. */
+function ofSpeed(): (value: number) => Rgba {
+  const colour = tokenRgb("--speed-limit");
+  return (value) => [colour, value > 100 ? 0 : 0.75 - 0.0045 * value];
+}
+
+export function costColours(isOver: boolean): Uint8Array<ArrayBuffer> {
+  const colour = ofCosts(isOver);
+  return row((byte) => colour(costOfByte(byte)));
+}
+export function speedColours(): Uint8Array<ArrayBuffer> {
+  const colour = ofSpeed();
+  return row((byte) => colour(costOfByte(byte)));
+}
+export const potentialColours = (): Uint8Array<ArrayBuffer> => row(ofPotential());

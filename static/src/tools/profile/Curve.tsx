@@ -112,6 +112,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const windowText = half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`;
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
+  const windowTextY = Math.max(y(model.hit) - 13, curve.top + 12);
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
   const edgeAt = edgeTop + edgeHeight / 2;
@@ -174,7 +175,10 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
         </>
       )}
       {rangeShown && <line class="range-line" x1={rangeX} x2={rangeX} y1={curve.top} y2={curve.bottom} />}
-      {!noReturn && <line class="reading-line" x1={zx} x2={zx} y1={curve.top} y2={strip.top} />}
+      {!noReturn && (
+        // It begins below the window's label, whose middle is at the reading.
+        <line class="reading-line" x1={zx} x2={zx} y1={low ? curve.top : windowTextY + 4} y2={strip.top} />
+      )}
       <path class="profile-line" d={line} />
       {freeTo > curve.left && (
         <line class="profile-miss" x1={curve.left} x2={freeTo} y1={y(model.miss)} y2={y(model.miss)} />
@@ -268,12 +272,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
           />
           <ReadingLabel view={view} controls={controls} x={zx} y={curve.bottom + 14} above={40} height={54} />
           {!low && (
-            <text
-              class="label-window"
-              x={(hitFrom + hitTo) / 2}
-              y={Math.max(y(model.hit) - 13, curve.top + 12)}
-              text-anchor="middle"
-            >
+            <text class="label-window" x={(hitFrom + hitTo) / 2} y={windowTextY} text-anchor="middle">
               {windowText}
             </text>
           )}

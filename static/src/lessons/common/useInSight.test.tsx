@@ -4,8 +4,8 @@ import { h, render } from "preact";
 import { useRef } from "preact/hooks";
 import { act } from "preact/test-utils";
 import { afterEach, expect, test, vi } from "vitest";
-import { type Scene, scene } from "./scene";
-import { useSceneInSight } from "./useSceneInSight";
+import { type Scene, scene } from "../stage/scene";
+import { useInSight } from "./useInSight";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -26,7 +26,7 @@ test("a figure's scene follows while it is seen or printed, and otherwise stays"
   let shown = 0;
   function Figure() {
     const root = useRef<HTMLDivElement>(null);
-    shown = useSceneInSight(root, current).poses.length;
+    shown = useInSight(root, current).poses.length;
     drawn++;
     return h("div", { ref: root });
   }
