@@ -19,7 +19,7 @@ from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, while_connected
+from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
@@ -74,6 +74,7 @@ def _public(request: Request, room: Classroom) -> dict[str, Any]:
 async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
     """Open a class, or return the one that this visitor has open."""
     room = classes.open(visitor)
+    room.place = chosen_place(request)
     response.headers[CLASS_HEADER] = room.code
     return _public(request, room)
 
@@ -200,8 +201,8 @@ async def fork(
         if len(earlier) >= MAX_COPIES:  # made by pages that asked at the same time
             raise SessionBudgetError("class.copies", "You have as many copies of this world as you may: wait a moment.")
         plan = await _copy(session, settings.max_story_s)
-        where = {"address": client_address(request), "place": session.place}
-        made = await sessions.begin(plan, visitor, link=link, places=places_of(settings), **where)
+        address, places = client_address(request), places_of(settings)
+        made = await sessions.begin(plan, visitor, link=link, address=address, places=places, place=session.place)
         for one in earlier:  # not before there is another one
             with suppress(SessionNotFoundError):
                 await sessions.close(one.id)

@@ -70,6 +70,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/map.yaml"),
     ("GET", "/api/sessions/{session_id}/map.png"),
     ("GET", "/api/sessions/{session_id}/volume.{kind}"),
+    ("GET", "/api/sessions/{session_id}/surface.{kind}"),
 }
 NEVER = {
     ("GET", "/"),
