@@ -69,12 +69,16 @@ async def _lifespan(
         await registry.start()
         stack.push_async_callback(_within, END_S, registry.shutdown)
         library = await asyncio.to_thread(Library, settings)
+        library.sign_in_ends.take_over = sign_ins.take_over
         await library.start()
         stack.push_async_callback(library.close)
         downloads = Downloads(settings.data_dir)
         stack.push_async_callback(downloads.close)
         open_scenes = Scenes()
         stack.push_async_callback(open_scenes.close)
+        opened = Classes(settings.max_class_followers, settings.class_code)
+        watching = asyncio.create_task(opened.watch(), name="classes")
+        stack.callback(watching.cancel)
         install(
             app,
             Services(
@@ -85,7 +89,7 @@ async def _lifespan(
                 downloads=downloads,
                 scenes=open_scenes,
                 sign_ins=sign_ins,
-                classes=Classes(settings.max_class_followers, settings.class_code),
+                classes=opened,
             ),
         )
         yield

@@ -14,10 +14,13 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import uvicorn
+from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.http11 import Request
+from websockets.protocol import State
 
 from mapper.core.lazy_imports import hidden_modules
 from server.app import create_app
@@ -29,10 +32,12 @@ from server.logging import configure_logging
 from server.network_address import reachable
 from server.sessions import KINDS, Kind
 from server.settings import Settings
+from server.stream.frames import EXTENSION
 
 BACKLOG = 2048
 UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
 THREADS_END_S = 1.0  #: seconds within which threads must end after the service is closed
+MAX_AHEAD = 8  #: messages of a WebSocket that may wait for the application before reading pauses
 UNREAD_MS = 30_000  #: milliseconds without acknowledgement of sent data after which a connection is closed
 
 
@@ -77,7 +82,37 @@ class Socket(WebSocketsSansIOProtocol):
     """uvicorn's WebSocket protocol, which closes a connection whose handshake cannot be parsed.
 
     uvicorn would keep it open without an answer and raise an error at shutdown, so that sessions would not be closed.
+    It takes whole frames too, see :data:`server.stream.frames.EXTENSION`.
     """
+
+    def handle_connect(self, event: Request) -> None:
+        """Begin the application for a handshake."""
+        super().handle_connect(event)
+        if not self.handshake_complete:  # the handshake was not refused
+            self.scope["extensions"][EXTENSION] = {}  # type: ignore[typeddict-unknown-key, index]
+
+    def send_receive_event_to_app(self) -> None:
+        """Queue a message for the application.
+
+        uvicorn pauses reading at each message and resumes it afterwards, two system calls for an acknowledgement of 30
+        bytes; here only a client that is :data:`MAX_AHEAD` messages ahead waits.
+        """
+        was_paused = self.read_paused
+        is_ahead = self.queue.qsize() >= MAX_AHEAD
+        self.read_paused = was_paused or not is_ahead
+        super().send_receive_event_to_app()
+        self.read_paused = was_paused or is_ahead
+
+    async def send(self, message: Any) -> None:  # noqa: ANN401 - an ASGI message, with an extension
+        """Send what the application sends."""
+        frames = message.get("frames")
+        if frames is None:
+            await super().send(message)
+            return
+        await self.writable.wait()
+        if self.disconnected or self.close_sent or self.conn.state is not State.OPEN:
+            raise ClientDisconnected
+        self.transport.write(frames)
 
     def data_received(self, data: bytes) -> None:
         """Process received bytes."""
@@ -111,6 +146,8 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server
             ws_max_size=1 << 20,
             ws_ping_interval=20.0,
             ws_ping_timeout=20.0,
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=list(settings.trusted_proxies),
             access_log=False,  # access lines would contain the token
             log_config=None,
             server_header=False,

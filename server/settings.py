@@ -39,6 +39,11 @@ class Settings(BaseSettings):
         description="Host names, separated by commas, that browsers may use besides the service's own address, "
         "for example behind a reverse proxy; * allows every name. With any name beyond loopback a token is required.",
     )
+    trusted_proxies: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=("127.0.0.1", "::1"),
+        description="Addresses or networks of reverse proxies, separated by commas, whose X-Forwarded-For and "
+        "X-Forwarded-Proto name the client: limits per address then hold for it, not for the proxy.",
+    )
     data_dir: Path = Field(default_factory=_default_data_dir, description="Folder for uploaded logs and their records.")
     blobs: str | None = Field(
         default=None,
@@ -51,9 +56,9 @@ class Settings(BaseSettings):
     )
     executor: str | None = Field(
         default=None,
-        pattern=r"^tcp://[^/]+:[0-9]+$",
-        description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT is a Dask scheduler "
-        "whose workers access the data folder at the same path.",
+        pattern=r"^(tcp|tls)://[^/]+:[0-9]+$",
+        description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT or tls://HOST:PORT "
+        "is a Dask scheduler whose workers access the data folder at the same path.",
     )
     logs_dir: Path | None = Field(default=None, description="Folder of logs that all visitors see, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Maximum number of concurrent sessions.")
@@ -116,7 +121,17 @@ class Settings(BaseSettings):
         default="info", description="Lowest level that is logged."
     )
 
-    @field_validator("allowed_hosts", mode="before")
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _networks(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for one in value:
+            try:
+                ipaddress.ip_network(one, strict=False)
+            except ValueError:
+                raise ValueError(f"{one!r} is no IP address and no network such as 10.0.0.0/8") from None
+        return value
+
+    @field_validator("allowed_hosts", "trusted_proxies", mode="before")
     @classmethod
     def _split(cls, value: object) -> object:
         return tuple(name.strip() for name in value.split(",") if name.strip()) if isinstance(value, str) else value

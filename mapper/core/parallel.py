@@ -48,6 +48,8 @@ def in_parallel(tasks: Sequence[Callable[[], T]]) -> list[T]:
 
     Each free thread takes the next task, so on a busy machine the caller may run all of them without waiting.
     """
+    if len(tasks) == 1:
+        return [tasks[0]()]
     results: dict[int, T] = {}
     waiting = iter(enumerate(tasks))
     lock = Lock()

@@ -15,6 +15,7 @@ from mapper.costmap.masks import Mask
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,
+    GivenConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
@@ -33,6 +34,7 @@ __all__ = [
     "DecayConfig",
     "DecayLayer",
     "Footprint",
+    "GivenConfig",
     "GivenLayer",
     "InflationConfig",
     "InflationLayer",

@@ -10,6 +10,7 @@ from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.decay_layer import DecayLayer
 from mapper.costmap.footprint import Footprint
+from mapper.costmap.given_layer import GivenLayer
 from mapper.costmap.keepout_layer import KeepoutLayer
 from mapper.costmap.layered import LayeredCostmap
 from mapper.costmap.layers import InflationLayer, Layer, ObstacleLayer, StaticLayer
@@ -19,6 +20,7 @@ from mapper.costmap.nav2_parameters import NamedLayer, Nav2Costmap
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,
+    GivenConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
@@ -44,7 +46,8 @@ ObservedLayer = ObstacleLayer | VoxelLayer | DecayLayer
 class BuiltCostmap:
     """A costmap with those of its layers that are given observations, painted or asked.
 
-    ``unmasked`` are the names of filters without a mask, which have no effect.
+    ``unmasked`` are the names of filters without a mask, which have no effect. ``given`` are layers whose costs have to
+    be set, by their names; without costs they have no effect.
     """
 
     costmap: LayeredCostmap
@@ -52,6 +55,7 @@ class BuiltCostmap:
     keepout: KeepoutLayer
     speed: tuple[SpeedFilter, ...] = ()
     unmasked: tuple[str, ...] = field(default=())
+    given: Mapping[str, GivenLayer] = field(default_factory=dict)
 
 
 def load_masks(parameters: Nav2Costmap, folder: Path) -> dict[str, Mask]:
@@ -85,6 +89,7 @@ def build_costmap(
     below: list[Layer] = []
     above: list[Layer] = []
     obstacles: list[ObservedLayer] = []
+    given: dict[str, GivenLayer] = {}
     inflation: InflationLayer | None = None
     keepout = KeepoutLayer(geometry, name="painted_keepout" if _keepouts(parameters) else "keepout_filter")
     masks = masks or {}
@@ -104,6 +109,10 @@ def build_costmap(
             inflation = InflationLayer(geometry, config, outline.inscribed_radius)
         elif isinstance(config, StaticConfig):
             place.append(StaticLayer(geometry, values, config, general))
+        elif isinstance(config, GivenConfig):
+            if config.enabled:
+                given[named.name] = GivenLayer(geometry, named.name)
+                place.append(given[named.name])
         elif isinstance(config, ObstacleConfig):
             obstacles.append(_observed(geometry, config, general))
             place.append(obstacles[-1])
@@ -119,7 +128,7 @@ def build_costmap(
     )
     unmasked = tuple(one.name for one in parameters.filters if one.name not in masks)
     built = LayeredCostmap(geometry, parameters.general, outline, below, inflation, above)
-    return BuiltCostmap(built, tuple(obstacles), keepout, speed, unmasked)
+    return BuiltCostmap(built, tuple(obstacles), keepout, speed, unmasked, given)
 
 
 def _keepouts(parameters: Nav2Costmap) -> list[NamedFilter]:

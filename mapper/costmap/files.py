@@ -22,8 +22,8 @@ def costmap_pgm(costs: UInt8Array) -> bytes:
     return pgm_header(costs.shape) + GridGeometry.to_image(costs).tobytes()
 
 
-def keepout_pgm(mask: Int8Array) -> bytes:
-    """Return a PGM, for mode raw, of a keepout mask (rows, cols) int8: greys 0 … 100, 0 where nothing is forbidden."""
+def mask_pgm(mask: Int8Array) -> bytes:
+    """Return a PGM, for mode raw, of a filter's mask (rows, cols) int8: greys 0 … 100, 0 where nothing is painted."""
     return costmap_pgm(mask.clip(0).astype(np.uint8))
 
 

@@ -11,6 +11,7 @@ from mapper.core.errors import ConfigError
 from mapper.costmap.costs import NO_INFORMATION, name_of_cost
 from mapper.costmap.kernels.observation import lay_over
 from mapper.costmap.layers import Robot, part_of
+from mapper.costmap.masks import on_geometry
 from mapper.costmap.parameters import COMBINATIONS
 from mapper.grid.cell_box import CellBox
 from mapper.grid.occupancy_grid import GridGeometry
@@ -25,7 +26,7 @@ class GivenLayer:
     def __init__(self, geometry: GridGeometry, name: str, reason: Callable[[int, int], str] | None = None) -> None:
         self.name = name
         self.costs: UInt8Array = np.full(geometry.shape, NO_INFORMATION, dtype=np.uint8)
-        self._reason = reason
+        self._geometry, self._reason = geometry, reason
         self._changed: CellBox | None = None
 
     def set(self, costs: UInt8Array, row: int = 0, col: int = 0) -> None:
@@ -47,6 +48,15 @@ class GivenLayer:
         self.costs[row : row + rows, col : col + cols] = costs
         box = CellBox(row, row + rows, col, col + cols)
         self._changed = box if self._changed is None else self._changed | box
+
+    def take(self, costs: UInt8Array, geometry: GridGeometry) -> None:
+        """Set all costs from those (rows, cols) on another geometry, at the centres of the layer's cells.
+
+        Cells outside of it are 255. Raises :class:`ConfigError` for another shape than the geometry's.
+        """
+        if costs.shape != geometry.shape:
+            raise ConfigError("costmap.shape", f"The costs {costs.shape} do not fit their {geometry.shape} cells.")
+        self.set(on_geometry(costs, geometry, self._geometry, NO_INFORMATION))
 
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
         """Return what was set since the last call."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from mapper.core.array_types import Int8Array, UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.costs import LETHAL, NO_INFORMATION
 from mapper.grid.occupancy_grid import GridGeometry
+
+Values = TypeVar("Values", Int8Array, UInt8Array)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,15 +39,20 @@ class Mask:
 
     def on(self, geometry: GridGeometry) -> Int8Array:
         """Return the values (rows, cols) at the cells' centres of another geometry; −1 outside the mask."""
-        if geometry == self.geometry:
-            return self.values.copy()
-        out: Int8Array = np.full(geometry.shape, -1, dtype=np.int8)
-        cols = np.arange(geometry.cols)
-        for row in range(geometry.rows):
-            at = self.geometry.world_to_cell(geometry.cell_to_world(np.column_stack([np.full_like(cols, row), cols])))
-            held = ((at >= 0) & (at < self.geometry.shape)).all(axis=1)
-            out[row, held] = self.values[at[held, 0], at[held, 1]]
-        return out
+        return on_geometry(self.values, self.geometry, geometry, -1)
+
+
+def on_geometry(values: Values, own: GridGeometry, geometry: GridGeometry, outside: int) -> Values:
+    """Return values (rows, cols) on ``own`` cells at the centres of the cells of another geometry."""
+    if geometry == own:
+        return values.copy()
+    out = np.full(geometry.shape, outside, dtype=values.dtype)
+    cols = np.arange(geometry.cols)
+    for row in range(geometry.rows):
+        at = own.world_to_cell(geometry.cell_to_world(np.column_stack([np.full_like(cols, row), cols])))
+        held = ((at >= 0) & (at < own.shape)).all(axis=1)
+        out[row, held] = values[at[held, 0], at[held, 1]]
+    return out
 
 
 def mask_costs(values: Int8Array) -> UInt8Array:

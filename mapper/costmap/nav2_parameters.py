@@ -19,12 +19,14 @@ from mapper.costmap.parameters import (
     COMBINATIONS,
     COSTMAP_PARAMETERS,
     DECAY_PARAMETERS,
+    GIVEN_PARAMETERS,
     INFLATION_PARAMETERS,
     OBSTACLE_PARAMETERS,
     STATIC_PARAMETERS,
     VOXEL_PARAMETERS,
     CostmapConfig,
     DecayConfig,
+    GivenConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
@@ -34,7 +36,7 @@ from mapper.io.ros_parameters import find_node, parse_ros_parameters
 
 NODES = ("global_costmap", "local_costmap")
 
-LayerConfig: TypeAlias = StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | InflationConfig
+LayerConfig: TypeAlias = StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | GivenConfig | InflationConfig
 
 _PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
     "StaticLayer": (StaticConfig, STATIC_PARAMETERS),
@@ -42,8 +44,9 @@ _PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
     "VoxelLayer": (VoxelConfig, VOXEL_PARAMETERS),
     "InflationLayer": (InflationConfig, INFLATION_PARAMETERS),
     "DecayLayer": (DecayConfig, DECAY_PARAMETERS),
+    "TerrainLayer": (GivenConfig, GIVEN_PARAMETERS),
 }
-_OWN = frozenset(("DecayLayer",))  #: layers that Nav2 does not have
+_OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not have
 #: Parameters of the whole costmap that Nav2's static layer reads.
 _OF_STATIC = (
     "trinary_costmap", "lethal_cost_threshold", "inscribed_obstacle_cost_value", "unknown_cost_value", "use_maximum",

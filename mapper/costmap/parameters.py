@@ -113,6 +113,8 @@ DECAY_PARAMETERS: tuple[Parameter, ...] = (
             "s", (0.1, 3600.0, 0.1)),
 )  # fmt: skip
 
+GIVEN_PARAMETERS: tuple[Parameter, ...] = (_enabled("terrain"),)
+
 INFLATION_PARAMETERS: tuple[Parameter, ...] = (
     _enabled("inflation"),
     _number("inflation_radius", "Inflation radius", "inflation", 0.55, "How far from an obstacle cells have a cost.",
@@ -204,6 +206,16 @@ class DecayConfig(ObstacleConfig):
 
 
 @dataclass(frozen=True, slots=True)
+class GivenConfig:
+    """Parameters of a layer whose costs another module computes. Raises as :class:`CostmapConfig`."""
+
+    enabled: bool = True
+
+    def __post_init__(self) -> None:
+        check_fields(self, GIVEN_PARAMETERS)
+
+
+@dataclass(frozen=True, slots=True)
 class InflationConfig:
     """Parameters of the inflation layer. Raises as :class:`CostmapConfig`."""
 
@@ -223,6 +235,7 @@ for _config, _table in (
     (ObstacleConfig, OBSTACLE_PARAMETERS),
     (VoxelConfig, VOXEL_PARAMETERS),
     (DecayConfig, DECAY_PARAMETERS),
+    (GivenConfig, GIVEN_PARAMETERS),
     (InflationConfig, INFLATION_PARAMETERS),
 ):
     check_table(_config, _table)

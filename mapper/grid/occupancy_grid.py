@@ -8,7 +8,9 @@ cell (0, 0)); Thrun, Burgard & Fox, Probabilistic Robotics, section 9.2.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +27,11 @@ OCCUPIED_THRESHOLD, FREE_THRESHOLD = (
     0.65,
     0.25,
 )  #: p_occ above / below which a cell is occupied / free (map_server)
+
+
+@lru_cache(maxsize=256)
+def _direction(yaw: float) -> tuple[float, float]:
+    return float(np.cos(yaw)), float(np.sin(yaw))
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +113,15 @@ class GridGeometry:
         The centre of cell (row, col) has lattice coordinates (col + 0.5, row + 0.5).
         """
         p = np.asarray(points_xy, dtype=np.float64)
-        return np.stack(to_lattice(p[..., 0], p[..., 1], self.frame), axis=-1)
+        out = np.empty(p.shape)
+        out[..., 0], out[..., 1] = to_lattice(p[..., 0], p[..., 1], self.frame)
+        return out
 
     @property
     def frame(self) -> Frame:
         """The lattice's place in the map, as :func:`mapper.grid.kernels.lattice.to_lattice` takes it."""
         x, y, yaw = self.origin
-        return Frame(x, y, float(np.cos(yaw)), float(np.sin(yaw)), self.resolution)
+        return Frame(x, y, *_direction(yaw), self.resolution)
 
     def world_to_cell(self, points_xy: ArrayLike) -> NDArray[np.int64]:
         """Return the cells (..., 2), (row, col), that hold map points (..., 2); they may lie outside the grid.
@@ -150,16 +159,21 @@ class GridGeometry:
         Existing cells keep their place in the world. Growth is by whole tiles, at least a quarter of the present
         side in each direction that grows, so that a robot that keeps exploring causes few reallocations of the map.
         """
-        corners = np.array([[x, y] for x in (min_xy[0], max_xy[0]) for y in (min_xy[1], max_xy[1])])  # type: ignore[index]
-        cells = self.world_to_cell(corners)
-        low, high = cells.min(axis=0), cells.max(axis=0)
+        (x0, y0), (x1, y1) = (np.asarray(corner, dtype=np.float64).tolist() for corner in (min_xy, max_xy))
+        # Numbers, not arrays: a live robot asks for each scan.
+        frame = self.frame
+        lattice = [to_lattice(x, y, frame) for x in (x0, x1) for y in (y0, y1)]
+        if not all(math.isfinite(value) for point in lattice for value in point):
+            raise ConfigError("grid.point", "A point that is not finite lies in no cell.")
+        columns, rows = zip(*lattice, strict=True)
+        low, high = [math.floor(min(rows)), math.floor(min(columns))], [math.floor(max(rows)), math.floor(max(columns))]
         before, after = [0, 0], [0, 0]
         for axis, side in enumerate(self.shape):
             step = max(TILE, (side // 4 // TILE) * TILE)
             if low[axis] < 0:
-                before[axis] = step * -(-int(-low[axis]) // step)
+                before[axis] = step * -(low[axis] // step)
             if high[axis] >= side:
-                after[axis] = step * -(-int(high[axis] - side + 1) // step)
+                after[axis] = step * -(-(high[axis] - side + 1) // step)
         if not any(before) and not any(after):
             return self, 0, 0
         corner = transform_points(self.origin, np.array([-before[1], -before[0]]) * self.resolution)

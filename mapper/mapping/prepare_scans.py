@@ -7,6 +7,7 @@ t · n_beams + k, as a reading is numbered everywhere.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 from mapper.core.se2 import compose
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.update_plan import UpdatePlan
-from mapper.sensors.beam_fields import cones
+from mapper.sensors.beam_fields import beam_fields, cones
 from mapper.sensors.motion import Motion, can_deskew, seconds
-from mapper.sensors.scan import RangeScan, ScanLog
+from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 
 _DESKEWED_READINGS = 1 << 18  # in one batch: each has a pose of its own, some 200 bytes with what is computed from it
 
@@ -133,9 +134,19 @@ def _batch(
         fields = cones(angles, plan.cone.opening)
     else:
         widest = plan.cone.opening / 2.0 if plan.strategy.cone else np.pi / 4.0
-        fields = sensor.fields(widest, turned_over=plan.upside_down)
+        if isinstance(sensor, LaserScan):
+            sign = -1.0 if plan.upside_down else 1.0
+            fields = _even_fields(sign * sensor.angle_min, sign * sensor.angle_increment, len(angles), widest)
+        else:
+            fields = sensor.fields(widest, turned_over=plan.upside_down)
     range_min, range_max = plan.reading_filter.range_min, plan.reading_filter.range_max
     return ScanBatch(_readings(ranges, plan), poses, angles, fields, range_min, range_max)
+
+
+@lru_cache(maxsize=32)
+def _even_fields(angle_min: float, angle_increment: float, n_beams: int, widest: float) -> NDArray[np.float64]:
+    """Return :func:`beam_fields`. It is shared by all scans of one kind: nobody may write to it."""
+    return beam_fields(angle_min, angle_increment, n_beams, widest)
 
 
 def bearings(sensor: RangeScan | ScanLog, plan: UpdatePlan) -> NDArray[np.float64]:

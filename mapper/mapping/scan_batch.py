@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ class ScanBatch:
     @cached_property
     def beams(self) -> NDArray[np.float64]:
         """(n_beams, 2): cosine and sine of the bearings."""
-        return np.column_stack([np.cos(self.angles), np.sin(self.angles)])
+        return _directions(self.angles.tobytes())
 
     def headings(self, geometry: GridGeometry) -> NDArray[np.float64]:
         """Return the cosine and sine (n_scans, 2) of the sensor's heading along the lattice."""
@@ -70,6 +70,13 @@ class ScanBatch:
         for direction in directions:
             reach(self.ranges, self.sensors, np.ascontiguousarray(direction), reading_filter, out)
         return out[:2], out[2:]
+
+
+@lru_cache(maxsize=32)  # the scans of a live robot, and of all of one kind, have the same bearings
+def _directions(angles: bytes) -> NDArray[np.float64]:
+    """Return the cosine and sine (n, 2) of float64 angles, radians. It is shared: nobody may write to it."""
+    radians = np.frombuffer(angles)
+    return np.column_stack([np.cos(radians), np.sin(radians)])
 
 
 def part_of(scans: Scans, start: int, stop: int) -> Scans:

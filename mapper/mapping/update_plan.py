@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -59,6 +60,7 @@ class UpdatePlan:
         return self.reading_filter.range_max + self.model.half_window(self.reading_filter.range_max)
 
 
+@lru_cache(maxsize=256)  # a simulation maps each scan by itself
 def plan_update(config: MappingConfig, range_min: float, range_max: float) -> UpdatePlan:
     """Return the plan for a sensor that measures from ``range_min`` to ``range_max``, metres."""
     strategy, model = config.strategy, config.beam_model()

@@ -18,8 +18,9 @@ def check_poses(poses: NDArray[np.float64], shape: tuple[int, ...], limits: Limi
     """Raise :class:`ConfigError` unless ``poses`` (..., 3) has this shape, is finite and is within ``max_pose``."""
     if poses.shape != shape:
         raise ConfigError("scan.pose_shape", f"Poses must have shape {shape}, not {poses.shape}.")
-    bad = ~np.isfinite(poses).all(axis=-1)
-    if np.any(bad):
+    finite = np.isfinite(poses)
+    if not finite.all():
+        bad = ~finite.all(axis=-1)
         raise ConfigError(
             "scan.pose",
             f"Pose {int(np.argmax(bad))} is not finite: {poses[np.argmax(bad)].tolist()}.",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.simulation.kernels.raycast import arc_clearance, chord_clearance, nearest_edge
+from mapper.simulation.kernels.raycast import arc_clearance, chord_clearance, farthest_in_sight, nearest_edge
 from mapper.simulation.kernels.shortest_paths import shortest_paths
 from mapper.simulation.robot import MAX_ANGULAR, PoseTuple, Robot
 from mapper.simulation.worlds import Float64Array, World, clearance_lattice
@@ -103,19 +103,23 @@ class Explorer:
 
     def _left(self, x: float, y: float) -> float:
         """Drop what is behind from the path; return about how far its end still is, in metres."""
-        near = int(np.argmin(np.hypot(*(self.path[:20] - (x, y)).T)))
-        self.path = self.path[near:]
-        return float(np.hypot(*(self.path[-1] - (x, y)))) if len(self.path) < 2 * ARRIVED / SPACING else math.inf
+        away = [math.hypot(px - x, py - y) for px, py in self.path[:20].tolist()]
+        near = away.index(min(away))
+        if near:
+            self.path = self.path[near:]
+        if len(self.path) >= 2 * ARRIVED / SPACING:
+            return math.inf
+        end_x, end_y = self.path[-1].tolist()
+        return math.hypot(end_x - x, end_y - y)
 
     def _target(self, robot: Robot) -> tuple[float, float]:
         """Return the farthest point of the path within the lookahead that the robot can reach in a straight line."""
         x, y, _ = robot.pose
         ahead = min(len(self.path) - 1, int(LOOKAHEAD / SPACING))
         for spare in (0.1, MARGIN / 2):
-            for i in range(ahead, 0, -1):
-                px, py = float(self.path[i, 0]), float(self.path[i, 1])
-                if chord_clearance(self.world.segments, x, y, px, py) >= robot.radius + spare:
-                    return px, py
+            i = farthest_in_sight(self.world.segments, x, y, self.path, ahead, robot.radius + spare)
+            if i > 0:
+                return float(self.path[i, 0]), float(self.path[i, 1])
         i = min(1, ahead)
         return float(self.path[i, 0]), float(self.path[i, 1])
 

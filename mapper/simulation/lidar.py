@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -133,6 +134,11 @@ def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> F
         heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
         nearest: Float64Array = heard.min(axis=1)
         return nearest
+    return _thin_ranges(world, sensor, x, y, yaw).copy()
+
+
+@lru_cache(maxsize=128)  # a scan and what polished walls do to it ask for the same, one after the other
+def _thin_ranges(world: World, sensor: SensorConfig, x: float, y: float, yaw: float) -> Float64Array:
     out = np.empty(sensor.n_readings)
     cast_rays(world.seen, x, y, yaw, sensor.angle_min, sensor.angle_increment, sensor.range_max, out)
     return out

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.se2 import between_one, compose, inverse, wrap_angle
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import Float64Array
 
@@ -31,11 +34,11 @@ def drifting_odometry(
     if len(true) < 2:
         return true.copy()
     noise = rng.standard_normal((3, len(true) - 1))
-    turn_1, length, turn_2 = _noisy(compose(inverse(true[:-1]), true[1:]), noise, alphas, turn_bias)
-    out = np.empty_like(true)
-    out[0] = true[0]
-    for i in range(len(true) - 1):
-        out[i + 1] = _moved(out[i], turn_1[i], length[i], turn_2[i])
+    motions = compose(inverse(true[:-1]), true[1:])
+    reported: list[PoseTuple] = [tuple(true[0].tolist())]
+    for motion, drawn in zip(motions.tolist(), noise.T.tolist(), strict=True):
+        reported.append(_moved(reported[-1], *_noisy(motion, drawn, alphas, turn_bias)))
+    out = np.array(reported)
     out[:, 2] = wrap_angle(out[:, 2])
     return out
 
@@ -66,38 +69,39 @@ class Odometer:
 
     def move(self, pose: PoseTuple) -> PoseTuple:
         """Move to the true ``pose``; return the pose that the wheels report."""
-        motion = np.asarray(compose(inverse(np.array(self._true)), np.array(pose)))
-        noise = self._rng.standard_normal((3, 1))
-        turn_1, length, turn_2 = _noisy(motion[np.newaxis], noise, self._alphas, self._turn_bias)
-        x, y, yaw = _moved(np.array(self.pose), turn_1[0], length[0], turn_2[0])
+        noise = self._rng.standard_normal(3).tolist()
+        motion = _noisy(between_one(self._true, pose), noise, self._alphas, self._turn_bias)
+        x, y, yaw = _moved(self.pose, *motion)
         self._true = pose
-        self.pose = (float(x), float(y), float(wrap_angle(yaw)))
+        self.pose = (x, y, _wrapped(yaw))
         return self.pose
 
 
-def _noisy(
-    motion: Float64Array, noise: Float64Array, alphas: Alphas, turn_bias: float
-) -> tuple[Float64Array, Float64Array, Float64Array]:
-    """Return motions (n, 3) as turn, signed length and turn (n,) each, with noise made of ``noise`` (3, n) on each."""
-    length = np.hypot(motion[:, 0], motion[:, 1])
-    turn_1 = np.where(length > 1e-6, np.arctan2(motion[:, 1], motion[:, 0]), 0.0)
-    # Driving backwards is no half turn.
-    backwards = np.abs(turn_1) > np.pi / 2
-    turn_1 = np.where(backwards, wrap_angle(turn_1 + np.pi), turn_1)
-    signed = np.where(backwards, -length, length)
-    turn_2 = wrap_angle(motion[:, 2] - turn_1)
+def _noisy(motion: PoseTuple, noise: Sequence[float], alphas: Alphas, turn_bias: float) -> tuple[float, float, float]:
+    """Return a motion (x, y, yaw) as turn, signed length and turn, with noise made of ``noise`` (3,) on each."""
+    x, y, yaw = motion
+    length = math.hypot(x, y)
+    turn_1 = math.atan2(y, x) if length > 1e-6 else 0.0
+    backwards = abs(turn_1) > math.pi / 2  # driving backwards is no half turn
+    if backwards:
+        turn_1 = _wrapped(turn_1 + math.pi)
+    turn_2 = _wrapped(yaw - turn_1)
     a1, a2, a3, a4 = alphas
-    variance_1 = a1**2 * np.abs(turn_1) + a2**2 * length
-    variance_2 = a1**2 * np.abs(turn_2) + a2**2 * length
-    variance_length = a3**2 * length + a4**2 * (np.abs(turn_1) + np.abs(turn_2))
+    deviation_1 = math.sqrt(a1**2 * abs(turn_1) + a2**2 * length)
+    deviation_2 = math.sqrt(a1**2 * abs(turn_2) + a2**2 * length)
+    deviation_length = math.sqrt(a3**2 * length + a4**2 * (abs(turn_1) + abs(turn_2)))
     return (
-        turn_1 + np.sqrt(variance_1) * noise[0],
-        signed + np.sqrt(variance_length) * noise[1],
-        turn_2 + np.sqrt(variance_2) * noise[2] + turn_bias * length,
+        turn_1 + deviation_1 * noise[0],
+        (-length if backwards else length) + deviation_length * noise[1],
+        turn_2 + deviation_2 * noise[2] + turn_bias * length,
     )
 
 
-def _moved(pose: Float64Array, turn_1: float, length: float, turn_2: float) -> tuple[float, float, float]:
+def _moved(pose: PoseTuple, turn_1: float, length: float, turn_2: float) -> PoseTuple:
     x, y, yaw = pose
     heading = yaw + turn_1
-    return (x + length * np.cos(heading), y + length * np.sin(heading), heading + turn_2)
+    return (x + length * math.cos(heading), y + length * math.sin(heading), heading + turn_2)
+
+
+def _wrapped(angle: float) -> float:
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi

@@ -132,15 +132,24 @@ class _Gathered:
 
 
 def first_in_cubes(points: Float32Array, side: float) -> Int64Array:
-    """Return the numbers (m,), ascending, of the first of the points (n, 3) in each cube of ``side`` metres."""
-    cubes = np.floor(points.astype(np.float64) / side).astype(np.int64)
-    if not len(cubes):
+    """Return the numbers (m,), ascending, of the first of the points (n, 3) in each cube of ``side`` metres.
+
+    Raises :class:`ConfigError` for points that are not finite or too far from 0 for whole numbers of cubes.
+    """
+    if not len(points):
         return np.empty(0, dtype=np.int64)
+    far = float(np.abs(points).max())
+    if not far / side < 2.0**52:
+        raise ConfigError(
+            "volume.too_wide", f"A point {far:.3g} m from the origin is too far away for cubes of {side:g} m."
+        )
+    cubes = np.floor(points.astype(np.float64) / side).astype(np.int64)
     cubes -= cubes.min(axis=0)
     sides = cubes.max(axis=0) + 1
     if float(sides[0]) * float(sides[1]) * float(sides[2]) > 2.0**62:
-        raise ConfigError("volume.too_wide", f"The points of a scan are too far apart for cubes of {side:g} m.")
-    _, first = np.unique((cubes[:, 2] * sides[1] + cubes[:, 1]) * sides[0] + cubes[:, 0], return_index=True)
+        _, first = np.unique(cubes, axis=0, return_index=True)  # one number for a cube does not fit: slower
+    else:
+        _, first = np.unique((cubes[:, 2] * sides[1] + cubes[:, 1]) * sides[0] + cubes[:, 0], return_index=True)
     return np.sort(first)
 
 
@@ -189,10 +198,11 @@ def _of_depth_folder(path: Path, limits: Limits, progress: Progress | None, most
     def scans() -> Iterator[PlacedScan]:
         for frame in folder.frames:
             depth = frame.read()
-            if np.isfinite(depth).any():
+            cloud = PointCloud(folder.camera.points(depth), frame.stamp_ns, frame.name, depth.shape)
+            scan = placed_scan(PosedCloud(cloud, frame.pose))
+            if len(scan.points):
                 kept.add(depth, frame.pose)
-                cloud = PointCloud(folder.camera.points(depth), frame.stamp_ns, frame.name, depth.shape)
-                yield placed_scan(PosedCloud(cloud, frame.pose))
+                yield scan
 
     source = ScanSource("depth images", scans(), len(folder), list(folder.notes))
     sequence = _of_source(source, most, progress)

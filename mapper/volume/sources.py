@@ -87,9 +87,11 @@ def file_head(path: Path, limits: Limits) -> bytes:
 
 
 def placed_scan(posed: PosedCloud) -> PlacedScan:
-    """Return the finite points of a cloud at its pose."""
-    points = posed.points_in_map()
-    return PlacedScan(points[posed.cloud.finite], posed.origin, posed.cloud.stamp_ns)
+    """Return the finite points of a cloud at its pose that are not too far from the origin."""
+    points = posed.points_in_map()[posed.cloud.finite]
+    # A message may state any number: what is read of a cloud's file is checked by its reader.
+    near = (np.abs(points) <= DEFAULT_LIMITS.max_coordinate).all(axis=1)
+    return PlacedScan(points if near.all() else points[near], posed.origin, posed.cloud.stamp_ns)
 
 
 def _of_recording(clouds: PosedClouds) -> ScanSource:
@@ -99,10 +101,15 @@ def _of_recording(clouds: PosedClouds) -> ScanSource:
 
 
 def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
-    n = 0
+    n = far = 0
     for posed in clouds:
         n += 1
-        yield placed_scan(posed)
+        scan = placed_scan(posed)
+        far += int(np.count_nonzero(posed.cloud.finite)) - len(scan.points)
+        yield scan
+    if far:
+        limit = DEFAULT_LIMITS.max_coordinate
+        notes.append(f"{far:,} points are farther than {limit:g} m from the origin and are left out.")
     if n < clouds.stream.count:
         notes.append(f"{clouds.stream.count - n} of {clouds.stream.count} clouds have no pose and are left out.")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import Callable
 
@@ -11,6 +12,7 @@ from server.classes.codes import new_code, normalised
 
 MAX_CLASSES = 32
 MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
+LOOK_EVERY_S = 60.0  #: time between two looks for classes that their lecturers have left
 LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
 
 
@@ -41,7 +43,7 @@ class Classes:
 
     def open(self, owner: str) -> Classroom:
         """Return the class of a visitor, a new one if there is none. Raises :class:`ClassBudgetError`."""
-        self._end_abandoned()
+        self.end_abandoned()
         for one in self._classes.values():
             if one.owner in (owner, None):
                 one.owner = owner
@@ -95,7 +97,14 @@ class Classes:
         self._classes.pop(found.code, None)
         found.end()
 
-    def _end_abandoned(self) -> None:
+    async def watch(self) -> None:
+        """End the classes that their lecturers have left, now and then, until cancelled."""
+        while True:
+            self.end_abandoned()
+            await asyncio.sleep(LOOK_EVERY_S)
+
+    def end_abandoned(self) -> None:
+        """End the classes without their lecturer for longer than :data:`LONGEST_ABSENCE_S`."""
         oldest = self._clock() - LONGEST_ABSENCE_S
         for one in [*self._classes.values()]:
             if one.owner is not None and not one.has_lecturer and one.lecturer_seen < oldest:

@@ -70,6 +70,7 @@ def costmap(
         "without_effect": list(parameters.unused),
         "filters": [one.name for one in parameters.filters],
         "without_mask": list(built.unmasked),
+        "without_costs": list(built.given),
         "files": [str(path) for path in files],
     }
     if as_json:
@@ -86,5 +87,7 @@ def costmap(
     )
     if built.unmasked:
         typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
+    if built.given:
+        typer.echo(f"  layers without costs, which a terrain gives on the page: {', '.join(built.given)}")
     for path in facts["files"]:
         typer.echo(f"  wrote {path}")

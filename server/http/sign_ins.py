@@ -11,8 +11,9 @@ import hashlib
 import hmac
 import json
 import secrets
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import structlog
@@ -23,11 +24,15 @@ TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
 VALID_S = 30 * 24 * 3600  #: of a cookie
 MAX_ENDED = 4096  #: cookies that ended early, which are recorded; beyond it all that are as old as the oldest end
 
+ALL = "*"  #: in the place of a name
 _log = structlog.get_logger(__name__)
 
 
 class SignIns:
-    """Makes, checks and ends cookies. What ended is kept in ``file``, so that it stays ended after a restart."""
+    """Makes, checks and ends cookies. What ended is kept in ``file``, so that it stays ended after a restart.
+
+    Any thread may end cookies: writing the file can take long.
+    """
 
     def __init__(self, token: str | None, file: Path, clock: Callable[[], float] = time.time) -> None:
         self._key = None if token is None else hmac.digest(token.encode(), b"sign-in", hashlib.sha256)
@@ -35,6 +40,7 @@ class SignIns:
         self._clock = clock
         self._ended: dict[str, int] = {}  #: by name, the time at which it was given
         self._ended_until = 0  #: all that were given up to this time have ended
+        self._ending = threading.Lock()
         self._read()
 
     def cookie(self) -> str:
@@ -56,20 +62,36 @@ class SignIns:
         if parsed is None:
             return
         given, name = parsed
-        oldest = self._clock() - VALID_S
-        self._ended = {one: at for one, at in self._ended.items() if at > max(oldest, self._ended_until)}
-        self._ended[name] = given
-        while len(self._ended) > MAX_ENDED:
-            first = min(self._ended, key=self._ended.__getitem__)
-            self._ended_until = max(self._ended_until, self._ended.pop(first))
-        self._write()
+        with self._ending:
+            self._end({name: given})
+            self._write()
 
     def end_all(self) -> None:
         """End all cookies that were given so far. Raises as :meth:`end`."""
-        # A cookie that was given in the second of an earlier end bears the next second.
-        self._ended_until = max(int(self._clock()), self._ended_until + 1)
-        self._ended.clear()
-        self._write()
+        with self._ending:
+            # A cookie that was given in the second of an earlier end bears the next second.
+            self._ended_until = max(int(self._clock()), self._ended_until + 1)
+            self._ended = {}
+            self._write()
+
+    @property
+    def ended(self) -> Mapping[str, int]:
+        """What has ended early: cookies by name with the time at which each was given; ``*``: all up to its time."""
+        return {**self._ended, ALL: self._ended_until}
+
+    def take_over(self, ended: Mapping[str, int]) -> None:
+        """End what other services on the same database have ended."""
+        with self._ending:
+            self._ended_until = max(self._ended_until, ended.get(ALL, 0))
+            self._end({name: given for name, given in ended.items() if name != ALL})
+
+    def _end(self, names: Mapping[str, int]) -> None:
+        oldest = max(self._clock() - VALID_S, self._ended_until)
+        ended = {one: at for one, at in {**self._ended, **names}.items() if at > oldest}
+        while len(ended) > MAX_ENDED:
+            first = min(ended, key=ended.__getitem__)
+            self._ended_until = max(self._ended_until, ended.pop(first))
+        self._ended = ended
 
     def _digest(self, given: int, name: str) -> str:
         return hmac.digest(self._key or b"", f"{given:x}.{name}".encode(), hashlib.sha256).hex()

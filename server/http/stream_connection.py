@@ -15,8 +15,10 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from server.sessions import SessionBudgetError, SessionHost
 from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
+from server.stream.frames import EXTENSION, binary_frame
 from server.stream.hub import Client
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, integer, text
+from server.work.waiting import set_within
 
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
@@ -106,25 +108,34 @@ async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
 
 
 async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> None:
+    takes_frames = EXTENSION in websocket.scope.get("extensions", {})
     while True:
         client.wake.clear()
-        for message in client.take():
-            if isinstance(message, bytes):
-                await websocket.send_bytes(message)
-            elif client.follows and message.startswith('{"type":"hello"'):
-                # Whoever knows the id of a session can control it.
-                await websocket.send_text(message.replace(session.id, ""))
-            else:
-                await websocket.send_text(message)
+        messages = client.take()
+        if client.follows:
+            # Whoever knows the id of a session can control it.
+            messages = [_without_id(message, session.id) for message in messages]
+        if takes_frames and messages:
+            frames = [
+                binary_frame((one,)) if isinstance(one, bytes) else session.hub.text_frame(one) for one in messages
+            ]
+            await websocket.send({"type": "websocket.send", "frames": b"".join(frames)})
+        else:
+            for message in messages:
+                await (websocket.send_bytes(message) if isinstance(message, bytes) else websocket.send_text(message))
         if session.closed:
             await _close(websocket, ENDED, "session.ended")
             return
         if client.is_lost:
             await _close(websocket, NO_ACKS, "no frame was acknowledged for a long time")
             return
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(client.wait_s()):
-                await client.wake.wait()
+        await set_within(client.wake, client.wait_s())
+
+
+def _without_id(message: str | bytes, session_id: str) -> str | bytes:
+    if isinstance(message, str) and message.startswith('{"type":"hello"'):
+        return message.replace(session_id, "")
+    return message
 
 
 async def _receive(websocket: WebSocket, session: SessionHost, client: Client, following: Following | None) -> None:
@@ -147,7 +158,8 @@ async def _receive(websocket: WebSocket, session: SessionHost, client: Client, f
         if throttled > MAX_THROTTLED:
             await _close(websocket, POLICY, "too many commands")
             return
-        await asyncio.sleep(wait)
+        if wait > 0.0:  # the allowance also bounds how many commands are taken in one pass of the event loop
+            await asyncio.sleep(wait)
 
 
 def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import secrets
+import shutil
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Protocol
@@ -14,7 +15,8 @@ from server.library.given_map import GivenMap, read_given_map
 from server.library.given_map_job import GivenMapJob
 from server.library.log_reader import outcome_of
 from server.library.map_files import MOST_BYTES
-from server.library.pose_jobs import JobLimits, Logs, packed
+from server.library.pose_job_kind import JobLimits, Logs
+from server.library.pose_jobs import packed
 from server.library.storage import private_folder
 from server.library.workers import Worker
 from server.work.fair_lock import FairLock
@@ -37,6 +39,11 @@ class GivenMaps:
         self._worker: Worker | None = None
         self._turns = FairLock()
         private_folder(folder)
+        for left in folder.iterdir():  # by a process that was killed
+            if left.is_dir() and not left.is_symlink():
+                shutil.rmtree(left, ignore_errors=True)
+            elif left.suffix != ".npz":
+                left.unlink(missing_ok=True)
         self._bytes = sum(file.stat().st_size for file in folder.glob("*.npz"))
 
     @property

@@ -12,6 +12,7 @@ import multiprocessing.connection
 import os
 import resource
 import signal
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -66,6 +67,7 @@ class Job:
     cut: PlanarCut | None = None  #: how scans are cut out of clouds and depth images; None: as by default
     picture: str | None = None
     volume: bool = False  #: whether the clouds are read for a map in 3D, and not the scans
+    folder: str | None = None  #: where temporary files are written; None: in the system's folder
 
     @property
     def work(self) -> Callable[[Job], LogSummary]:
@@ -182,6 +184,7 @@ def _read(job: Job) -> LogSummary:
     from mapper.io.logs.selection import ALL_SENSORS, Selection  # noqa: PLC0415
     from server.library.map_files import is_map  # noqa: PLC0415
 
+    tempfile.tempdir = job.folder  # of this process, which only reads; readers of packed databases write there, too
     if job.volume:
         return _read_volume(job)
     if job.topic is None and is_map(Path(job.source)):
@@ -255,8 +258,7 @@ def _read_map(job: Job) -> LogSummary:
     from server.library.map_files import read_map  # noqa: PLC0415
     from server.library.map_pack import map_codes, summarise_map  # noqa: PLC0415 - few uploads are maps
 
-    target = Path(job.source if job.pack is None else job.pack)
-    given = read_map(Path(job.source), "map", target.parent)
+    given = read_map(Path(job.source), "map", Path(tempfile.gettempdir()))
     note_progress(1.0)
     _pack(job, given.write)
     _draw(job, lambda: map_codes(given))

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import math
+import shutil
+import tempfile
 import time
 from concurrent.futures import BrokenExecutor, Future
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from typing import TypeVar
 
-from mapper.core.errors import ReadError
+from mapper.core.errors import LimitError, ReadError
 from mapper.io.logs.summary import LogSummary
 from mapper.sensors.planar.options import PlanarCut
 from server.library import workers
@@ -27,12 +29,21 @@ T = TypeVar("T")
 class Reader:
     """Has logs read by ``worker``, a process of this machine where it is left out. Used from the event loop only.
 
-    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file.
+    One log has ``timeout_s`` seconds, of which ``cpu_s`` of processor time, and more for a large file. What reading
+    writes meanwhile, as unpacked archives, is in a folder of the log's own below ``scratch``, which is removed when the
+    job ends, also when its process was killed; without ``scratch`` it is in the system's folder.
     """
 
     def __init__(
-        self, *, timeout_s: float, memory_bytes: int, cpu_s: float = math.inf, worker: Worker | None = None
+        self,
+        *,
+        timeout_s: float,
+        memory_bytes: int,
+        cpu_s: float = math.inf,
+        worker: Worker | None = None,
+        scratch: Path | None = None,
     ) -> None:
+        self._scratch = scratch
         self._timeout_s = timeout_s
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
@@ -77,9 +88,20 @@ class Reader:
         timeout_s = self._timeout_s + size / LEAST_BYTES_PER_S
         cpu_s = self._cpu_s + size / LEAST_BYTES_PER_CPU_S
         drawn = None if picture is None else str(picture)
-        job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume)
-        self._began = time.monotonic()
-        return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
+        folder = None
+        if self._scratch is not None:
+            try:
+                folder = await asyncio.to_thread(tempfile.mkdtemp, suffix=".reading", dir=self._scratch)
+            except OSError as error:
+                message = "The log cannot be read now: the server's disk may be full."
+                raise LimitError("log.storage", message) from error
+        try:
+            job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
+            self._began = time.monotonic()
+            return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
+        finally:
+            if folder is not None:
+                await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
 
     @property
     def elapsed_s(self) -> float:

@@ -25,18 +25,18 @@ from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.model_messages import frame_fields_of, hello_message
 from server.sessions.requests import ReplacingRequests
-from server.sessions.tick import QueuedCommand, TickResult, error_message
+from server.sessions.tick import QueuedCommand, TickResult, error_message, is_full
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
 from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
+from server.work.waiting import set_within
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
 
 TICK_S = 1.0 / 30.0
 MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
-MAX_QUEUED = 256  #: most commands in the queue of a session
 PAUSE_S = 0.05  #: shortest pause between two computations of deferred work, which takes at most a quarter of the time
 MAX_DEFERRAL_S = 0.2  #: deferred work waits at most this long for an empty queue of commands
 
@@ -62,8 +62,11 @@ class SessionHost:
         traffic: Traffic | None = None,
         remake_seconds: Callable[[float], None] = lambda _: None,
         clock: Callable[[], float] = time.monotonic,
+        place: str = "",
     ) -> None:
-        self.id = secrets.token_urlsafe(18)
+        #: A reverse proxy finds the service that has the session by what stands before the point.
+        self.id = f"{place}.{secrets.token_urlsafe(18)}" if place else secrets.token_urlsafe(18)
+        self.place = place
         self.epoch_id = secrets.token_hex(8)
         self.job_owner = job_owner
         self.owner = job_owner.visitor
@@ -83,6 +86,7 @@ class SessionHost:
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
+        self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
         self._deferred_due = 0.0
         self._requests = ReplacingRequests(clock)
         self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
@@ -136,7 +140,9 @@ class SessionHost:
 
     def join(self, *, follows: bool = False) -> Client:
         """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
-        self.hub.slots["hello"] = encode_text(hello_message(self.model, self.id, self.epoch_id))
+        if self._hello_is_old:  # a class of hundreds joins within seconds
+            self.hub.slots["hello"] = encode_text(hello_message(self.model, self.id, self.epoch_id))
+            self._hello_is_old = False
         client = self.hub.join(follows=follows)
         self._wake.set()
         return client
@@ -175,7 +181,7 @@ class SessionHost:
 
     def enqueue(self, command: dict[str, Any], client: Client | None = None) -> None:
         """Queue a command. Raises :class:`ProtocolError` if the queue is full."""
-        if len(self._queue) >= MAX_QUEUED:
+        if is_full(self._queue, client):
             raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
         self._queue.append(QueuedCommand(command, client))
         self.commanded_at = self._clock()
@@ -250,8 +256,7 @@ class SessionHost:
             if self.closed:
                 return
             now = self._clock()
-            if not ticking:
-                last = now - TICK_S  # time without playback does not count
+            last = last if ticking else now - TICK_S  # time without playback does not count
             due = playback.playing and self.is_seen and now - last >= TICK_S
             commands = [*self._queue]
             if not (commands or due) and self._caught_up.is_set():
@@ -362,15 +367,13 @@ class SessionHost:
     async def _wait(self, seconds: float | None) -> None:
         """Wait for a command or a client, at most ``seconds``."""
         self._wake.clear()
-        if self.closed or self._queue or (seconds is not None and seconds <= 0.0):
-            return
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(seconds):
-                await self._wake.wait()
+        if not (self.closed or self._queue or (seconds is not None and seconds <= 0.0)):
+            await set_within(self._wake, seconds)
 
     def deliver(self, result: TickResult) -> None:
         """Send the result of a computation (event loop)."""
         self._wake.set()
+        self._hello_is_old = True
         if self.closed:
             return
         self.hub.set_layers(self.model.layers)

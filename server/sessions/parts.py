@@ -128,8 +128,11 @@ class Costed(Protocol):
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs, in an array of their own; None where there are none."""
 
-    def present_mask(self) -> Int8Array | None:
-        """Return the mask (rows, cols) of the keepout zones on the costs' cells, −1 for none; None without zones."""
+    def present_masks(self) -> dict[str, Int8Array]:
+        """Return the painted masks (rows, cols) on the costs' cells.
+
+        ``keepout``, −1 for none, and ``speed``, 0 for none; none of them where nothing is painted.
+        """
 
 
 class Story(Protocol):

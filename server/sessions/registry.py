@@ -125,25 +125,40 @@ class SessionRegistry:
         return session
 
     async def create(
-        self, kind: Kind, wanted: SessionRequest, visitor: str, library: Library, *, address: str = ""
+        self,
+        kind: Kind,
+        wanted: SessionRequest,
+        visitor: str,
+        library: Library,
+        *,
+        address: str = "",
+        place: str = "",
     ) -> SessionHost:
         """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
         with self.under_way.making(visitor, wanted.name) as making:
             plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s, making))
-            return await self._begin(plan, visitor, making, address=address)
+            return await self._begin(plan, visitor, making, address=address, place=place)
 
     async def begin(
-        self, plan: Plan, owner: str, *, link: str | None = None, address: str = "", places: int | None = None
+        self,
+        plan: Plan,
+        owner: str,
+        *,
+        link: str | None = None,
+        address: str = "",
+        place: str = "",
+        places: int | None = None,
     ) -> SessionHost:
         """Begin a session for a visitor; ``link`` is the link that a guest followed.
 
         ``places`` is the most sessions of that link; None: as many as of one visitor.
 
-        ``address`` is the visitor's network address. While the model is made, :attr:`under_way` has its progress;
+        ``address`` is the visitor's network address, ``place`` what a reverse proxy chose this service by. While the
+        model is made, :attr:`under_way` has its progress;
         cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
         with self.under_way.making(owner, plan.name) as making:
-            return await self._begin(plan, owner, making, link=link, address=address, places=places)
+            return await self._begin(plan, owner, making, link=link, address=address, place=place, places=places)
 
     async def _begin(
         self,
@@ -153,6 +168,7 @@ class SessionRegistry:
         *,
         link: str | None = None,
         address: str = "",
+        place: str = "",
         places: int | None = None,
     ) -> SessionHost:
         host = (await asyncio.to_thread(_host_class))(
@@ -163,6 +179,7 @@ class SessionRegistry:
             link=link,
             traffic=self._traffic,
             remake_seconds=self._remake_seconds,
+            place=place,
         )
         async with self._reserved(owner, link, places):
             for log in plan.logs:

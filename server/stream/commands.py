@@ -10,7 +10,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from server.stream.message_parts import DrawnSolid, KeepoutStroke, Point, Values
+from server.stream.message_parts import BrushStroke, DrawnSolid, Point, Values
 
 Number = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
 Whole = Annotated[int, Meta(ge=-(2**53), le=2**53)]
@@ -139,7 +139,7 @@ class CostmapCommand(Struct, tag_field="type", tag="costmap"):
     value: Annotated[bool, Meta(description="whether there is one")] = True
     values: Annotated[Values, Meta(description="navigation parameters to change")] = {}
     footprint: Annotated[list[Point] | None, Meta(description="corners of the robot's outline, in its frame")] = None
-    keepout: Annotated[list[KeepoutStroke] | None, Meta(description="all that is painted; replaces the earlier")] = None
+    keepout: Annotated[list[BrushStroke] | None, Meta(description="all that is painted; replaces the earlier")] = None
 
 
 class GoalCommand(Struct, tag_field="type", tag="goal"):

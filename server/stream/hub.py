@@ -19,6 +19,7 @@ from typing import Any
 import msgspec
 
 from server.stream.codecs import TILES, join_frame
+from server.stream.frames import text_frame
 from server.stream.layers import Body, Cursor, Layer
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
@@ -33,6 +34,7 @@ STALLED_S = 5.0  #: a client that acknowledges nothing for this time sees nothin
 FIRST_BATCH_BYTES = 16 * 1024
 MIN_BATCH_BYTES = 8 * 1024
 MAX_BATCH_BYTES = 256 * 1024
+MAX_TEXT_FRAMES = 16  #: text messages of which a hub keeps the encoded frame until the next tick
 MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
 _SCAN = msgspec.json.Encoder(enc_hook=float)  # of Python's json the slowest part; a scan has no NaN
@@ -63,6 +65,8 @@ class Hub:
         self._frame_rest = ""
         self._scan: dict[str, Any] | None = None
         self._scan_rest = ""
+        self._texts: dict[bool, str] = {}  #: the frame message without and with the scan, while it is not settled
+        self._text_frames: dict[str, bytes] = {}  #: of text messages that were sent since the last frame
         self.set_layers(layers)
 
     def join(self, *, follows: bool = False) -> Client:
@@ -128,14 +132,31 @@ class Hub:
         self.frame_number += 1
         self.published_at = self.clock()
         self.settled = settled
+        self._texts.clear()
+        self._text_frames.clear()
         for client in self.clients:
-            client.wake.set()
+            if client.has_room:  # the others get it with the next acknowledgement
+                client.wake.set()
 
     def frame_text(self, *, with_scan: bool = True) -> str:
         """Return the newest frame message, with the time at which it was last true."""
-        t = self.clock() if self.settled else self.published_at
-        scan = f"{self._scan_rest}," if with_scan and self._scan_rest else ""
-        return f'{{"type":"frame","t":{t:.6f},{scan}{self._frame_rest}'
+        text = None if self.settled else self._texts.get(with_scan)
+        if text is None:
+            t = self.clock() if self.settled else self.published_at
+            scan = f"{self._scan_rest}," if with_scan and self._scan_rest else ""
+            text = f'{{"type":"frame","t":{t:.6f},{scan}{self._frame_rest}'
+            if not self.settled:
+                self._texts[with_scan] = text
+        return text
+
+    def text_frame(self, text: str) -> bytes:
+        """Return the WebSocket frame of a text message, encoded once for all clients."""
+        frame = self._text_frames.get(text)
+        if frame is None:
+            frame = text_frame(text)
+            if len(self._text_frames) < MAX_TEXT_FRAMES:
+                self._text_frames[text] = frame
+        return frame
 
 
 class Client:
@@ -216,7 +237,8 @@ class Client:
             # A client that paints at intervals has just painted: a frame made before this time would be older than a
             # whole period at its next painting. A share of the period is left for uneven clocks and connections.
             self._fresh_after = now + (min(MAX_HOLD_S, HOLD_SHARE * latency) if self.is_slow else 0.0)
-        self.wake.set()
+        if self.hub.settled or self._may_send_batch(self._shown()):
+            self.wake.set()
 
     def _measure(self, latency: float) -> None:
         self._latency = max(latency, 0.7 * self._latency)
@@ -277,9 +299,14 @@ class Client:
             return max(0.0, self._fresh_after - now)
         return 3600.0
 
+    @property
+    def has_room(self) -> bool:
+        """Whether fewer batches are unacknowledged than may be."""
+        return len(self._unacknowledged) < (1 if self.is_slow else WINDOW)
+
     def _may_send_batch(self, shown: Sequence[tuple[Layer, Cursor]]) -> bool:
         hub = self.hub
-        if len(self._unacknowledged) >= (1 if self.is_slow else WINDOW):
+        if not self.has_room:
             return False
         if (hub.clock() if hub.settled else hub.published_at) < self._fresh_after:
             return False

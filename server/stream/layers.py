@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
+from mapper.grid.kernels.lattice import to_lattice
 from mapper.mapping.parameters import MappingConfig
 from server.stream.codecs import CODECS, Graph, TilePayload
 from server.stream.tiles import TilePicture, picture_range
 
 MAX_FRAME_TILES = 2048
+MAX_BODIES = 8  #: different bodies of a layer that are kept between two ticks
 
 Point = tuple[float, float]
 
@@ -114,6 +116,9 @@ class GridLayer(Layer):
         super().__init__(name, title, style)
         self.picture: TilePicture | None = None  #: the published one; None before the first
         self._written: TilePicture | None = None  # the picture that is written, which may begin a new epoch
+        #: By what a client had and how much it takes: the body that it is sent, and what it has then. Of the clients
+        #: that follow a session most have the same.
+        self.bodies: dict[tuple[object, ...], tuple[Body | None, NDArray[np.uint32]]] = {}
 
     @property
     def epoch(self) -> int:
@@ -174,6 +179,7 @@ class GridLayer(Layer):
         self.picture = self._written
         if self.picture is not None:
             self.picture.publish()
+        self.bodies.clear()
 
     def cursor(self) -> GridCursor:
         """Return the cursor of a client that has no tile."""
@@ -187,7 +193,8 @@ class GridCursor(Cursor):
         self._layer = layer
         self._picture: TilePicture | None = None
         self._announced: TilePicture | None = None
-        self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)
+        self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)  # never written: cursors share it
+        self._complete = (0, -1)  #: epoch and revision of the picture at which the client was found to have all
 
     def _follow(self) -> TilePicture | None:
         """Return the layer's picture; for a new picture, clear the record."""
@@ -200,7 +207,12 @@ class GridCursor(Cursor):
     def is_behind(self) -> bool:
         """Whether tiles have to be sent."""
         picture = self._follow()
-        return picture is not None and bool(np.any(picture.revision != self._has))
+        if picture is None or self._complete == (picture.epoch, picture.newest):
+            return False
+        if np.any(picture.revision != self._has):
+            return True
+        self._complete = (picture.epoch, picture.newest)
+        return False
 
     def dirty_tiles(self) -> int:
         """Return the number of tiles that have to be sent to the client."""
@@ -219,27 +231,23 @@ class GridCursor(Cursor):
         """Note that the client still has all tiles of ``epoch`` up to ``revision``."""
         picture = self._follow()
         if picture is not None and epoch == picture.epoch:
-            known = picture.revision <= revision
-            self._has[known] = picture.revision[known]
+            self._has = np.where(picture.revision <= revision, picture.revision, self._has)
 
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - divided
         """Return tiles of about ``share`` bytes, those nearest to ``focus_xy`` first."""
         picture = self._follow()
         if picture is None:
             return None
-        tiles: list[TilePayload] = []
-        size = 0
-        for ty, tx in _nearest_first(picture, picture.revision != self._has, focus_xy).tolist():
-            tile = picture.payload(ty, tx)
-            size += len(tile.data)
-            if size > share and (tiles or not always):
-                break
-            tiles.append(tile)
-            self._has[ty, tx] = tile.revision
-        if not tiles:
-            return None
-        count, parts = self._layer.codec.encode(tiles)
-        return Body(picture.epoch, count, parts, not self.is_behind(), count)
+        bodies = self._layer.bodies
+        key = (picture.epoch, self._has.tobytes(), share, focus_xy, always)
+        if key not in bodies:
+            body, has = _next_tiles(self._layer, picture, self._has, share, focus_xy, always=always)
+            if len(bodies) >= MAX_BODIES:
+                self._has = has
+                return body
+            bodies[key] = (body, has)
+        body, self._has = bodies[key]
+        return body
 
     def empty(self) -> Body | None:
         """Return a frame's body without tiles."""
@@ -247,11 +255,31 @@ class GridCursor(Cursor):
         return None if picture is None else Body(picture.epoch, 0, (), not self.is_behind())
 
 
+def _next_tiles(
+    layer: GridLayer, picture: TilePicture, has: NDArray[np.uint32], share: int, focus_xy: Point, *, always: bool
+) -> tuple[Body | None, NDArray[np.uint32]]:
+    """Return the next tiles of a client with the revisions ``has``, as :meth:`Cursor.take`, and what it has then."""
+    has = has.copy()
+    tiles: list[TilePayload] = []
+    size = 0
+    for ty, tx in _nearest_first(picture, picture.revision != has, focus_xy).tolist():
+        tile = picture.payload(ty, tx)
+        size += len(tile.data)
+        if size > share and (tiles or not always):
+            break
+        tiles.append(tile)
+        has[ty, tx] = tile.revision
+    if not tiles:
+        return None, has
+    count, parts = layer.codec.encode(tiles)
+    return Body(picture.epoch, count, parts, not bool(np.any(picture.revision != has)), count), has
+
+
 def _nearest_first(picture: TilePicture, dirty: NDArray[np.bool_], focus_xy: Point) -> NDArray[np.intp]:
     """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, nearest to ``focus_xy`` first, at most those of one frame."""
     tiles = np.argwhere(dirty)
     if len(tiles) > 1:
-        at = picture.geometry.to_lattice(np.array(focus_xy)) / TILE - 0.5
+        at = np.array(to_lattice(*focus_xy, picture.geometry.frame)) / TILE - 0.5
         away = np.square(tiles - at[::-1]).sum(axis=1)
         if len(tiles) > MAX_FRAME_TILES:
             nearest = np.argpartition(away, MAX_FRAME_TILES)[:MAX_FRAME_TILES]

@@ -137,12 +137,15 @@ class Compared(Part):
     title: Annotated[str | UnsetType, Meta(description="log sessions: title of its log")] = UNSET
 
 
-class KeepoutStroke(Part):
-    """A stroke of the brush that paints keepout zones."""
+class BrushStroke(Part):
+    """A stroke of the brush that paints keepout zones and speed limits."""
 
     width: Annotated[float, Meta(gt=0, le=5, description="width of the brush, m")]
     erases: Annotated[bool, Meta(description="whether it erases")]
     points: Annotated[list[Point], Meta(description="places of the brush's middle, at least one")]
+    speed: Annotated[
+        int | UnsetType | None, Meta(description="value of the speed filter's mask, 1 to 100; null: a keepout zone")
+    ] = UNSET
 
 
 class LayerCost(Part):

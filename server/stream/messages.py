@@ -13,11 +13,11 @@ from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import (
     Block,
+    BrushStroke,
     CellState,
     Compared,
     Contribution,
     Edits,
-    KeepoutStroke,
     LayerCost,
     LayerInfo,
     LogInfo,
@@ -273,7 +273,7 @@ class CostmapMessage(Struct, tag_field="type", tag="costmap"):
     footprint: Annotated[list[Point], Meta(description="corners of the robot's outline, in its frame, without padding")]
     inscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
     circumscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
-    keepout: Annotated[list[KeepoutStroke], Meta(description="all that is painted")]
+    keepout: Annotated[list[BrushStroke], Meta(description="all that is painted")]
 
 
 class PathMessage(Struct, tag_field="type", tag="path"):
@@ -287,6 +287,7 @@ class PathMessage(Struct, tag_field="type", tag="path"):
     reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
     carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
     plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
+    speed_limit: Annotated[str | None, Meta(description="the painted speed limit at the robot, in words; null: none")]
 
 
 class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
@@ -305,6 +306,7 @@ class CostMessage(Struct, tag_field="type", tag="cost"):
     x: Annotated[float, Meta(description="the place that was asked for, m")]
     y: Annotated[float, Meta(description="the place that was asked for, m")]
     layers: Annotated[list[LayerCost], Meta(description="one for each layer that is on")]
+    speed: Annotated[str | None, Meta(description="the speed limit there, a sentence; null: none is painted")]
 
 
 class Nav2Message(Struct, tag_field="type", tag="nav2"):

@@ -55,6 +55,14 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     assert page.evaluate(f"() => {_NAVIGATION}.costmap.peek().keepout.length") == 1
     page.get_by_role("button", name="Undo stroke").click()
     await_true(page, f"() => {_PATH}?.length < {straight} + 0.05")
+    # A speed limit there: the path stays as it is, and the limit is told where it holds. Undone, none is painted.
+    page.get_by_role("radio", name="Speed limit").check()
+    drag(page, place(page, 6.3, 7.0), place(page, 9.0, 7.1), place(page, 10.0, 7.1))
+    await_true(page, "() => gridbloom.connection.store.layers.grid('speed_filter').map.peek() !== null")
+    await_true(page, f"() => {_PATH}?.speed_limit === '40 %: 0.20 m/s' && {_PATH}.length < {straight} + 0.05")
+    expect(page.get_by_text("40 %: 0.20 m/s")).to_be_visible()
+    page.get_by_role("button", name="Undo stroke").click()
+    expect(page.get_by_text("40 %: 0.20 m/s")).to_have_count(0)
     # Why a cell has its cost, and what no path says.
     page.get_by_role("radio", name="Why").check()
     page.mouse.click(*place(page, 8.5, 7.6))

@@ -18,6 +18,7 @@ from mapper.io.clouds import read_cloud
 from mapper.volume import OccupancyVolume, VolumeConfig
 from tests.browser.looking import POLLING_MS, await_true, until
 from tests.mapper.io.logs.recorded import SECOND, cloud, transform, written
+from tests.mapper.volume.moving_lidar import record
 
 T0 = 1000 * SECOND
 DONE = """() => {
@@ -150,6 +151,30 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     changes = page.locator(".volume-changes")
     assert int(changes.get_attribute("data-vanished") or 0) > 20
     assert int(changes.get_attribute("data-appeared") or 0) == 0
+
+
+def test_a_bag_of_a_lidar_that_moves_becomes_the_map_of_its_points(
+    page: Page, server: str, data_file: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """Messages of four layouts, whose points state their times, as a ROS 1 bag through the file dialog."""
+    points = read_cloud(data_file("pointclouds/room_scan1.pcd")).points
+    run = record(tmp_path, points[np.isfinite(points).all(axis=1)][::10], "bag")
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", str(run.path))
+    page.locator(".log-card", has_text="run.bag").get_by_role("button", name="Open in 3D").click()
+    await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 4 })")
+    await_true(page, DONE)
+    volume = page.evaluate(VOLUME)
+    resolution = page.evaluate("() => gridbloom.connection.store.hello.peek().parameters.values.resolution")
+    expected = OccupancyVolume(VolumeConfig(resolution=resolution))
+    for true, origin in zip(run.truth, run.origins, strict=True):
+        expected.insert_scan(true, origin)
+    hits, free = expected.voxels(0.0)[0], expected.n_known
+    assert volume["has_free"]
+    assert volume["occupied"] == pytest.approx(len(hits), rel=0.05)
+    assert volume["occupied"] + volume["free"] == pytest.approx(free, rel=0.05)
 
 
 @pytest.mark.parametrize("name", ["pointclouds/room_scan1.pcd"])

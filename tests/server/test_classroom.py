@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 import sys
@@ -9,7 +10,7 @@ import sys
 import pytest
 
 from mapper.core.errors import ConfigError
-from server.classes import ClassBudgetError, Classes, Classroom, classes, classroom, results_csv
+from server.classes import ClassBudgetError, Classes, ClassNotFoundError, Classroom, classes, classroom, results_csv
 from server.stream.class_messages import AnswerCommand, AskCommand, ClassAxis, RevealCommand
 
 
@@ -45,3 +46,26 @@ async def test_a_guess_has_an_axis_of_a_usable_width() -> None:
     rows = [*csv.DictReader(io.StringIO(results_csv(room.questions)))]
     assert [row["from"] for row in rows if row["answers"] == "1"] == ["10000.1"]
     assert [row["answers"] for row in rows if row["right"] == "yes"] == ["1"]
+
+
+async def test_a_class_ends_some_time_after_its_lecturer_left_without_anybody_asking(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = 0.0
+    every = Classes(max_followers=9, prepared="BCDFGH", clock=lambda: now)
+    room = every.open("lecturer")
+    member = room.join("lecturer")
+    monkeypatch.setattr(classes, "LOOK_EVERY_S", 0.0)
+    watching = asyncio.create_task(every.watch())
+    now += 2 * classes.LONGEST_ABSENCE_S
+    for _ in range(5):
+        await asyncio.sleep(0)
+    assert not room.has_ended  # the lecturer is there
+    room.leave(member)
+    now += classes.LONGEST_ABSENCE_S + 1.0
+    for _ in range(5):
+        await asyncio.sleep(0)
+    watching.cancel()
+    assert room.has_ended
+    with pytest.raises(ClassNotFoundError):
+        every.get("BCDFGH")

@@ -6,6 +6,7 @@ says where a file is written.
 
 from __future__ import annotations
 
+import errno
 import lzma
 import re
 import shutil
@@ -72,8 +73,9 @@ def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progr
             files = [_of_entry(one) for one in entries if not one.is_dir()]
             _write(files, archive, into, limits, path.stat().st_size, progress)
     except _DAMAGE as error:
-        if isinstance(error, OSError) and error.errno is not None:
-            raise  # of the disk: bz2 raises one without a number for damaged data
+        # Of the disk; but bz2 raises one without a number for damaged data, and a false offset is an invalid argument.
+        if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):
+            raise
         raise ReadError("log.archive", "The zip archive is damaged, ends early, or is encrypted.") from error
     return []
 

@@ -84,17 +84,22 @@ def open_posed_clouds(
 ) -> PosedClouds:
     """Return the clouds of the recording at ``path`` along its transforms, those of ``topic``; else of the first topic.
 
-    A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, with its CameraInfo beside it) counts as one
-    of clouds; without a name it is taken where there are no others. Raises :class:`ReadError` for a file that is no
-    recording, has no clouds, or lacks the topic, and as :func:`mapper.io.clouds.open_clouds`.
+    A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or a CompressedImage of them, with its
+    CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. Raises
+    :class:`ReadError` for a file that is no recording, has no clouds, or lacks the topic, and as
+    :func:`mapper.io.clouds.open_clouds`.
     """
     files, kind = parts_of(Path(path), limits)
     if not isinstance(kind, Container):
         raise ReadError("clouds.none", "The file is no recording (bag, MCAP, db3) with point clouds.")
     streams = kind.streams(files, limits, progress)
     known = {**streams.clouds, **streams.depths}
-    # What an image's encoding is, only its messages tell; drivers name the topics of depths so.
-    usual = [*streams.clouds, *(name for name in streams.depths if "depth" in name.lower())]
+    # What an image's encoding is, only its messages tell; drivers name the topics of depths so. Beside an image's
+    # compressedDepth there may be a JPEG of it.
+    depths = sorted(
+        (name for name in streams.depths if "depth" in name.lower()), key=lambda n: n.endswith("/compressed")
+    )
+    usual = [*streams.clouds, *depths]
     if topic is None and not usual:
         raise ReadError("clouds.none", "The recording holds no point clouds and no depth images.")
     if topic is not None and topic not in known:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.cloud_messages import NotDepthError, camera_info, depth_image, point_cloud
+from mapper.io.logs.cloud_messages import DepthImage, NotDepthError, camera_info, depth_image, point_cloud
+from mapper.io.logs.compressed_depth import COMPRESSED, compressed_depth_image, image_topic
 from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, topic_folder
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.pulling import Take, pulled
@@ -28,6 +29,7 @@ from mapper.sensors.streams import CloudStream, ImuSamples, ImuStream
 
 IMU = "sensor_msgs/Imu"
 IMU_ROWS = 1 << 12  #: messages in one part of an IMU's stream
+DEPTH_DECODERS: dict[str, Callable[..., DepthImage]] = {IMAGE: depth_image, COMPRESSED: compressed_depth_image}
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,22 +104,25 @@ class _Recorded:
             return _matrices(topic.timeline.at(stamps_ns) @ mount, topic.timeline.covers(stamps_ns))
         return None
 
-    def depths(self, topic: str) -> Iterator[PointCloud]:
-        """Yield the depth images of a topic as organised clouds in the optical frame.
+    def depths(self, topic: str, kind: str) -> Iterator[PointCloud]:
+        """Yield the depth images of a topic and type as organised clouds in the optical frame.
 
         Raises :class:`ReadError` for a topic without a CameraInfo beside it, for images of another size than that says,
         and behind the last depth image for images of another encoding.
         """
         camera = self._camera(topic)
-        other = ""
-        for message in pulled(self.files, self.take, topic, IMAGE, self.limits):
+        other = bad = ""
+        n = 0
+        for message in pulled(self.files, self.take, topic, kind, self.limits):
             try:
-                image = depth_image(message.data, cdr=message.cdr)
+                image = DEPTH_DECODERS[kind](message.data, cdr=message.cdr)
             except NotDepthError as error:
                 other = str(error)
                 continue
-            except BadMessageError:
+            except BadMessageError as error:
+                bad = str(error)
                 continue
+            n += 1
             depth = image.metres()
             depth[~(depth > 0.0)] = np.nan  # 0 is no reading
             try:
@@ -127,9 +132,11 @@ class _Recorded:
             yield PointCloud(points, image.stamp_ns or message.stamp_ns, image.frame, (camera.height, camera.width))
         if other:
             raise ReadError("clouds.not_depth", f"Images on {topic} hold no depths: their encoding is {other!r:.40}.")
+        if bad and not n:
+            raise ReadError("clouds.bad_depth", f"No image on {topic} can be read: {bad:.200}.")
 
     def _camera(self, topic: str) -> Intrinsics:
-        info = f"{topic_folder(topic)}/camera_info"
+        info = f"{topic_folder(image_topic(topic))}/camera_info"
         for message in pulled(self.files, self.take, info, CAMERA, self.limits):
             try:
                 return camera_info(message.data, cdr=message.cdr)
@@ -165,7 +172,7 @@ def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
     recorded = _Recorded(files, take, taken)
     counts: dict[tuple[str, str], int] = {}
     for stream in taken.streams:
-        if stream.kind in (CLOUD, IMU, IMAGE):
+        if stream.kind in (CLOUD, IMU, *DEPTH_DECODERS):
             counts[stream.topic, stream.kind] = counts.get((stream.topic, stream.kind), 0) + stream.count
     clouds = {
         topic: CloudStream(topic, count, partial(recorded.clouds, topic), recorded.mounts, recorded.poses)
@@ -173,9 +180,10 @@ def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
         if kind == CLOUD
     }
     depths = {
-        topic: CloudStream(topic, count, partial(recorded.depths, topic), recorded.mounts, recorded.poses)
+        topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), recorded.mounts, recorded.poses)
+        for wanted in DEPTH_DECODERS  # images as they are before compressed ones
         for (topic, kind), count in counts.items()
-        if kind == IMAGE
+        if kind == wanted
     }
     imus = {
         topic: ImuStream(topic, count, partial(recorded.imu, topic), recorded.mounts)

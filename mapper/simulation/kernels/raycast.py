@@ -231,3 +231,15 @@ def chord_clearance(segments: Float64Array, x0: float, y0: float, x1: float, y1:
         u = min(1.0, max(0.0, (ax * dx + ay * dy) / d2))  # every vertex starts one edge: ends need no test of their own
         least = min(least, math.hypot(ax - u * dx, ay - u * dy))
     return least
+
+
+@jit
+def farthest_in_sight(segments: Float64Array, x: float, y: float, path: Float64Array, ahead: int, room: float) -> int:
+    """Return the last of the points 1 … ``ahead`` of ``path`` (n, 2) to which the way from (x, y) is ``room`` wide.
+
+    That is, the :func:`chord_clearance` of the straight line to it is at least ``room`` metres; 0 if there is none.
+    """
+    for i in range(ahead, 0, -1):
+        if chord_clearance(segments, x, y, path[i, 0], path[i, 1]) >= room:
+            return i
+    return 0

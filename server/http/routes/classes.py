@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 router = APIRouter(tags=["classes"])
 
+#: Tells a reverse proxy in front of several services which class this one has (``deploy/haproxy.cfg``).
+CLASS_HEADER = "X-Gridbloom-Class"
+
 
 def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket) -> Classroom:
     """Return a class for somebody who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
@@ -58,9 +61,11 @@ def _public(request: Request, room: Classroom) -> dict[str, Any]:
 
 
 @router.post("/api/classes", status_code=201)
-async def open_class(request: Request, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
+async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
     """Open a class, or return the one that this visitor has open."""
-    return _public(request, classes.open(visitor))
+    room = classes.open(visitor)
+    response.headers[CLASS_HEADER] = room.code
+    return _public(request, room)
 
 
 @router.get("/api/classes", responses={204: {"description": "This visitor has no class open."}})
@@ -173,7 +178,8 @@ async def fork(
             await sessions.close(earlier.id)
         plan = await _copy(session, settings.max_story_s)
         places = max(1, settings.max_sessions // 2)
-        return await sessions.begin(plan, visitor, link=link, address=client_address(request), places=places)
+        where = {"address": client_address(request), "place": session.place}
+        return await sessions.begin(plan, visitor, link=link, places=places, **where)
 
     made = await while_connected(request, begun())
     return JSONResponse(public(made), status_code=201, headers={"Location": f"/api/sessions/{made.id}"})

@@ -15,7 +15,8 @@ from server.http.services import FileDownloads, Sessions
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
-_NAMES = ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml")
+_NAMES = ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml", "speed.pgm", "speed.yaml")
+_UNPAINTED = {"keepout": "No keepout zone is painted.", "speed": "No speed limit is painted."}
 
 
 @router.get("/{session_id}/costmap/{name}")
@@ -24,33 +25,35 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
     """Return the session's costs as a file.
 
     ``costmap.pgm`` has the costs 0 … 255 as greys, ``costmap.yaml`` describes it, ``costmap.mcap`` holds the messages
-    nav2_msgs/Costmap and nav_msgs/OccupancyGrid; ``keepout.pgm`` and ``keepout.yaml`` are the painted zones as a mask.
+    nav2_msgs/Costmap and nav_msgs/OccupancyGrid; ``keepout.pgm`` and ``keepout.yaml`` are the painted zones as a mask,
+    ``speed.pgm`` and ``speed.yaml`` the painted speed limits.
     """
     session = sessions.get(session_id)
     if name not in _NAMES:
         raise MapperError("costmap.no_file", f"There is no file {name!r:.80}: there are {', '.join(_NAMES)}.")
     kind, _, ending = name.partition(".")
-    stem = f"{stem_of(session)}_{kind}"
+    # The masks are named as in the Nav2 parameter file of the session.
+    stem = f"{stem_of(session)}_{kind}" if kind == "costmap" else kind
 
     async def make() -> Content:
         async with session.settled():
             costed = session.model.costed
             found = None if costed is None else costed.present_costs()
-            mask = None if costed is None else costed.present_mask()
+            mask = None if costed is None else costed.present_masks().get(kind)
         if found is None:
             raise MapperError("costmap.off", "This session has no costmap: begin it first.")
-        if kind == "keepout" and mask is None:
-            raise MapperError("costmap.no_zones", "No keepout zone is painted.")
+        if kind in _UNPAINTED and mask is None:
+            raise MapperError("costmap.no_zones", _UNPAINTED[kind])
 
         def work(check: Callable[[], None]) -> bytes:  # noqa: ARG001 - as all downloads
-            from mapper.costmap.files import costmap_mcap, costmap_pgm, keepout_pgm  # noqa: PLC0415 - few take costs
+            from mapper.costmap.files import costmap_mcap, costmap_pgm, mask_pgm  # noqa: PLC0415 - few take costs
             from mapper.io.maps import yaml_text  # noqa: PLC0415
 
             if ending == "yaml":
                 return yaml_text(found.geometry, f"{stem}.pgm", "raw", frame=found.frame).encode()
             if ending == "mcap":
                 return costmap_mcap(found)
-            return costmap_pgm(found.costs) if kind == "costmap" or mask is None else keepout_pgm(mask)
+            return costmap_pgm(found.costs) if mask is None else mask_pgm(mask)
 
         data = await downloads.run(work)
         return Content(f"{stem}.{ending}", iter([data]), len(data))

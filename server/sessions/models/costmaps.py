@@ -16,6 +16,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text
 
 if TYPE_CHECKING:
+    from mapper.core.array_types import Int8Array
     from mapper.io.costmaps import CostmapStream, RecordedCostmap
 
 LOWEST, HIGHEST = 0.0, 254.0  #: of a cell's cost: 254 steps, so that each cost has a byte of its own
@@ -127,8 +128,9 @@ class CostmapsModel(SessionModel):
         """Return the present costmap."""
         return self._now
 
-    def present_mask(self) -> None:
-        """A recording has no zones that were painted."""
+    def present_masks(self) -> dict[str, Int8Array]:
+        """Return none: in a recording nothing is painted."""
+        return {}
 
     # -- computing ------------------------------------------------------------------------------------------------
 

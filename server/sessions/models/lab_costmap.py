@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -15,11 +13,13 @@ from mapper.costmap import (
     NO_INFORMATION,
     CellReason,
     DecayLayer,
+    GivenLayer,
     InflationLayer,
     KeepoutLayer,
     LayeredCostmap,
     Mask,
     ObstacleLayer,
+    SpeedLimit,
     StaticConfig,
     StaticLayer,
 )
@@ -29,39 +29,10 @@ from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
+from mapper.terrain import Terrain
 from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
+from server.sessions.models.painted_zones import SpeedZones, Stroke
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError
-
-MOST_STROKES = 100
-MOST_POINTS = 3000  #: of all strokes together: a command has at most 64 KiB
-WIDEST_M = 5.0
-_ROUND = 10  #: sides of a brush
-
-
-@dataclass(frozen=True, slots=True)
-class Stroke:
-    """A stroke of the keepout brush: ``points`` (x, y) in m, ``width`` in m, and whether it erases."""
-
-    width: float
-    erases: bool
-    points: tuple[tuple[float, float], ...]
-
-
-def strokes_of(given: Sequence[dict[str, object]]) -> tuple[Stroke, ...]:
-    """Return strokes as the wire has them. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
-    strokes = tuple(
-        Stroke(float(one["width"]), bool(one["erases"]), tuple((float(x), float(y)) for x, y in one["points"]))  # type: ignore[arg-type, attr-defined]
-        for one in given
-    )
-    if len(strokes) > MOST_STROKES or sum(len(stroke.points) for stroke in strokes) > MOST_POINTS:
-        message = f"At most {MOST_STROKES} strokes of {MOST_POINTS} points can be painted; clear some first."
-        raise ProtocolError("costmap.strokes", message)
-    for stroke in strokes:
-        if not (0.0 < stroke.width <= WIDEST_M and stroke.points):
-            message = f"A stroke has points, and a width of at most {WIDEST_M:g} m."
-            raise ProtocolError("costmap.stroke", message)
-    return strokes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,6 +58,8 @@ class LabCostmap:
         names = {name: name.partition("_")[0].capitalize() for name in LAYERS}
         self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
         self._master = GridLayer("costmap", "Costmap", "costs")
+        self._limits = GridLayer("speed_filter", "Speed limits", "speed")
+        self._terrain: Terrain | None = None
         self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
         self.begin(grid)
 
@@ -98,7 +71,11 @@ class LabCostmap:
         self._static = StaticLayer(self.geometry, map_.classify(), StaticConfig(), general)
         self._obstacle = ObstacleLayer(self.geometry, parameters.obstacle, general)
         self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
+        self._graded = GivenLayer(self.geometry, "terrain_layer", self._why_terrain)
+        if self._terrain is not None:
+            self._graded.take(self._terrain.costs(), self._terrain.patches.geometry)
         self._keepout = KeepoutLayer(self.geometry)
+        self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"])
         self._zones = None
         if self._plan is not None and self._plan.keepout is not None:
             zones = np.where(self._plan.keepout > 0, self._plan.keepout, -1).astype(np.int8)
@@ -106,11 +83,12 @@ class LabCostmap:
         for stroke in self.strokes:
             self._paint(stroke)
         self._stack()
+        self._show_speed()
 
     def _stack(self) -> None:
         """Lay the layers that are on over each other."""
         parameters = self.parameters
-        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._keepout)
+        layers: tuple[CostLayer, ...] = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout)
         below = [layer for name, layer in zip(LAYERS, layers, strict=False) if parameters.is_on(name)]
         if self._zones is not None and parameters.is_on("keepout_filter"):
             below.append(self._zones)
@@ -122,13 +100,14 @@ class LabCostmap:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The costs, and each layer's own."""
-        return (self._master, *self._sheets.values())
+        """The costs, each layer's own, that of a terrain only with one, and the speed limits."""
+        sheets = [one for name, one in self._sheets.items() if name != "terrain_layer" or self._terrain is not None]
+        return (self._master, *sheets, self._limits)
 
     @property
     def cells(self) -> int:
         """Cells of the grids that it holds."""
-        return 16 * self.geometry.rows * self.geometry.cols
+        return 20 * self.geometry.rows * self.geometry.cols
 
     @property
     def costs(self) -> UInt8Array:
@@ -153,6 +132,24 @@ class LabCostmap:
         self._obstacle.observe(observation)
         self._dynamic.observe(observation)
 
+    def lay_terrain(self, terrain: Terrain | None) -> None:
+        """Take other patches for the terrain's layer; None for none."""
+        self._terrain = terrain
+        if terrain is None:
+            self._graded.set(np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8))
+        else:
+            self._graded.take(terrain.costs(), terrain.patches.geometry)
+
+    def _why_terrain(self, row: int, col: int) -> str:
+        """Say what the patch at a cell of the costmap is."""
+        if self._terrain is None:
+            return "There is no terrain: begin it in the group Terrain."
+        geometry = self._terrain.patches.geometry
+        at_row, at_col = (int(k) for k in geometry.world_to_cell(self.geometry.cell_to_world((row, col))))
+        if not geometry.contains((at_row, at_col)):
+            return "Terrain: there is no patch here."
+        return self._terrain.why(at_row, at_col)
+
     def renew_plan(self, plan: StaticMap, grid: OccupancyGrid) -> None:
         """Use another map in the place of the belief."""
         self._plan = plan
@@ -172,42 +169,43 @@ class LabCostmap:
             self._obstacle.configure(parameters.obstacle)
             self._dynamic.configure(parameters.dynamic)
             self._stack()
+            self._speed.interpret(parameters.values["speed_limits"])
+            self._show_speed()
         except ConfigError:
             self.parameters, self._plan = before, old_plan
             raise
 
     def paint(self, strokes: tuple[Stroke, ...]) -> None:
-        """Paint keepout zones; the strokes replace those before. A stroke that only grew is painted on."""
+        """Paint zones; the strokes replace those before. A stroke that only grew is painted on."""
         known = len(self.strokes)
         grows = bool(known) and len(strokes) >= known and strokes[: known - 1] == self.strokes[:-1]
-        grows = grows and _continues(self.strokes[-1], strokes[known - 1])
+        grows = grows and strokes[known - 1].continues(self.strokes[-1])
         if not grows and known:
             self._keepout.clear()
+            self._speed.mask[...] = 0
         for stroke in strokes[known - 1 if grows else 0 :]:
             self._paint(stroke)
         self.strokes = strokes
+        self._show_speed()
 
     def _paint(self, stroke: Stroke) -> None:
-        value = -1 if stroke.erases else 100
-        half = 0.5 * stroke.width
-        turns = np.arange(_ROUND) * (math.tau / _ROUND)
-        disc = half * np.column_stack([np.cos(turns), np.sin(turns)])
-        points = np.array(stroke.points)
-        for point in points:
-            self._keepout.paint(point + disc, value)
-        for begin, end in pairwise(points):
-            along = end - begin
-            length = float(np.hypot(*along))
-            if length > 0.0:
-                side = half / length * np.array([-along[1], along[0]])
-                self._keepout.paint(np.stack([begin + side, end + side, end - side, begin - side]), value)
+        if stroke.speed is None:
+            for outline in stroke.outlines():
+                self._keepout.paint(outline, -1 if stroke.erases else 100)
+        if stroke.erases or stroke.speed is not None:
+            self._speed.paint(stroke)
+
+    def _show_speed(self) -> None:
+        """Write the mask of the speed limits into its layer."""
+        is_on = self.parameters.is_on("speed_filter")
+        self._show(self._limits, self._speed.picture if is_on else None)
 
     def update(self, now: float, pose: PoseTuple) -> bool:
         """Bring the costs up to date at ``now``, s, with the robot at ``pose``; return whether they changed."""
         box = self.costmap.update(now, pose)
         if box is None:
             return False
-        own = (self._static, self._obstacle, self._dynamic, self._keepout, self._inflation)
+        own = (self._static, self._obstacle, self._dynamic, self._graded, self._keepout, self._inflation)
         for (name, sheet), layer in zip(self._sheets.items(), own, strict=True):
             costs = None if layer is None or not self.parameters.is_on(name) else layer.costs
             self._show(sheet, costs)
@@ -229,17 +227,20 @@ class LabCostmap:
         return RecordedCostmap(stamp_ns, stamp_ns, frame or "map", "master", self.geometry, self.costs.copy())
 
     @property
-    def mask(self) -> Int8Array | None:
-        """A copy of the keepout mask (rows, cols), −1 for none; None where nothing is painted."""
-        return self._keepout.mask.copy() if (self._keepout.mask >= 0).any() else None
+    def masks(self) -> dict[str, Int8Array]:
+        """Copies of the painted masks (rows, cols): ``keepout``, −1 for none, and ``speed``, 0 for none."""
+        painted = {"keepout": (self._keepout.mask, -1), "speed": (self._speed.mask, 0)}
+        return {name: mask.copy() for name, (mask, none) in painted.items() if (mask > none).any()}
+
+    def speed_limit(self, pose: PoseTuple) -> SpeedLimit | None:
+        """Return the speed limit of the robot at ``pose``; None where speed limits are off."""
+        return self._speed.at(pose[0], pose[1]) if self.parameters.is_on("speed_filter") else None
+
+    def why_speed(self, x: float, y: float) -> str | None:
+        """Return which speed limit is painted at (x, y), metres, in one sentence; None for none."""
+        return self._speed.why(x, y) if self.parameters.is_on("speed_filter") else None
 
     def why(self, x: float, y: float) -> list[CellReason]:
         """Return what each layer says of the cell at (x, y), metres. Raises :class:`ConfigError` for one outside."""
         row, col = (int(k) for k in self.geometry.world_to_cell((x, y)))
         return self.costmap.why(row, col)
-
-
-def _continues(before: Stroke, after: Stroke) -> bool:
-    """Whether a stroke is another one with more points."""
-    same = (before.width, before.erases) == (after.width, after.erases)
-    return same and after.points[: len(before.points)] == before.points

@@ -17,6 +17,7 @@ from mapper.sensors.scan import RangeScan
 from mapper.simulation.live_map import LiveMap
 from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
+from mapper.terrain import Terrain
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
 from server.sessions.models.navigation import Navigation
@@ -44,14 +45,22 @@ def believed_now(mapper: LiveMap) -> PoseTuple:
 class LabNavigation(Navigation):
     """The costmap and the path of a simulation, along which the robot drives."""
 
-    def __init__(self, mapper: LiveMap, others: Mapping[str, Callable[[], OccupancyGrid | None]] | None = None) -> None:
+    def __init__(
+        self,
+        mapper: LiveMap,
+        others: Mapping[str, Callable[[], OccupancyGrid | None]] | None = None,
+        terrain: Callable[[], Terrain | None] = lambda: None,
+    ) -> None:
         """``others`` return maps that the static layer may have by name, another object when one has changed.
 
-        None is returned where there is no such map.
+        None is returned where there is no such map. ``terrain`` returns the patches of the terrain's layer in the same
+        way.
         """
         super().__init__()
         self._mapper = mapper
         self._others = others or {}
+        self._terrain = terrain
+        self._laid: Terrain | None = None  #: the terrain in the costmap
         self._followed: OccupancyGrid | None = None  #: the other map that the static layer has
         self._seen: RangeScan | None = None
         self._pose: PoseTuple | None = None
@@ -75,7 +84,10 @@ class LabNavigation(Navigation):
         time = self._mapper.simulation.time
         if self._costmap is None or not self.is_driving or 0.0 <= time - self._steered < CONTROL_S - 1e-6:
             return
-        velocities = self._path.control(believed_now(self._mapper), self._costmap.parameters)
+        pose, parameters = believed_now(self._mapper), self._costmap.parameters
+        if self._path.limit(self._costmap.speed_limit(pose), parameters.pursuit.desired_linear_vel):
+            result.slot(self._path.message())
+        velocities = self._path.control(pose, parameters)
         if velocities is not None:
             self._steered = time
             linear, angular = (round(v, 3) for v in velocities)
@@ -106,6 +118,7 @@ class LabNavigation(Navigation):
         return StaticMap(plan_map(self._mapper.simulation.world))
 
     def _forget_scans(self) -> None:
+        self._laid = None
         self._seen = None
 
     def _drives(self, command: dict[str, Any]) -> bool:
@@ -124,6 +137,10 @@ class LabNavigation(Navigation):
             self._is_new |= whole
             self._followed = None if grid is mapper.grid else grid
         costmap.follow(grid, box, whole=whole)
+        terrain = self._terrain()
+        if terrain is not self._laid:
+            self._laid, self._is_new = terrain, True
+            costmap.lay_terrain(terrain)
         scan = mapper.newest
         is_scan = not mapper.hidden and scan is not None and scan is not self._seen
         if is_scan and scan is not None:
@@ -135,6 +152,8 @@ class LabNavigation(Navigation):
             are_new |= costmap.update(mapper.simulation.time, pose)
             self._is_stale |= are_new
         moved = self._pose is None or any(abs(a - b) > 1e-3 for a, b in zip(pose, self._pose, strict=True))
+        greatest = costmap.parameters.pursuit.desired_linear_vel
+        self._is_stale |= self._path.limit(costmap.speed_limit(pose), greatest)
         if self._is_stale or (moved and is_scan and self._path.goal is not None):
             self._is_stale, self._pose = False, pose
             self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, are_new=are_new)

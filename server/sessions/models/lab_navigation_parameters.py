@@ -16,10 +16,12 @@ from mapper.costmap.parameters import (
     OBSTACLE_PARAMETERS,
     CostmapConfig,
     DecayConfig,
+    GivenConfig,
     InflationConfig,
     ObstacleConfig,
     StaticConfig,
 )
+from mapper.costmap.speed_filter import ABSOLUTE
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
 
@@ -27,11 +29,12 @@ def _row(table: tuple[Parameter, ...], name: str, **changes: Any) -> Parameter: 
     return replace(next(row for row in table if row.name == name), **changes)
 
 
-def _layer(name: str, label: str, sentence: str) -> Parameter:
-    return Parameter(name, label, "layers", "flag", True, sentence)
+def _layer(name: str, label: str, sentence: str, *, initial: bool = True) -> Parameter:
+    return Parameter(name, label, "layers", "flag", initial, sentence)
 
 
-LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer")
+SPEED_LIMITS = ("percentage", "absolute")
+LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "terrain_layer", "keepout_filter", "inflation_layer")
 MAPS = ("belief", "plan", "map_3d", "terrain", "given")
 PLANNED = ("plan", "given")  #: maps that do not change by themselves
 
@@ -39,7 +42,16 @@ TABLE: tuple[Parameter, ...] = (
     _layer("static_layer", "Static", "The map: its occupied cells are lethal."),
     _layer("obstacle_layer", "Obstacle", "What the scans mark; the beams that pass clear it."),
     _layer("dynamic_layer", "Dynamic", "What the scans mark, for the lifetime of an obstacle."),
+    _layer(
+        "terrain_layer", "Terrain", "Costs of the patches of the group Terrain, where it is on.", initial=False
+    ),
     _layer("keepout_filter", "Keepout", "What you paint: the robot does not go there."),
+    _layer("speed_filter", "Speed limits", "Whether painted speed limits slow the robot down."),
+    Parameter(
+        "speed_limits", "Speed limits are", "layers", "choice", "percentage",
+        "Percentage: of the desired linear velocity, type 1 of Nav2's speed filter. Absolute: m/s, type 2.",
+        choices=SPEED_LIMITS,
+    ),
     _layer("inflation_layer", "Inflation", "Costs around the obstacles of the layers below."),
     Parameter(
         "map", "Static map", "static", "choice", "belief",
@@ -152,6 +164,7 @@ class LabParameters:
         configs: dict[str, LayerConfig] = {
             "static_layer": StaticConfig(),
             "obstacle_layer": self.obstacle,
+            "terrain_layer": GivenConfig(),
             "inflation_layer": self.inflation,
         }
         layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
@@ -163,14 +176,18 @@ def from_nav2(
 ) -> LabParameters:
     """Return the parameters of a Nav2 parameter file, of others those ``before``.
 
+    Of its filters only their kind and whether they are on is taken: their masks are other files.
+
     Raises :class:`ConfigError` for a value beyond the lab's bounds.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
-    values |= dict.fromkeys(("static_layer", "obstacle_layer", "inflation_layer"), False)
+    values |= dict.fromkeys(("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer"), False)
     for layer in found.layers:
         config = layer.config
         if isinstance(config, StaticConfig):
             values["static_layer"] = config.enabled
+        elif isinstance(config, GivenConfig):
+            values["terrain_layer"] = config.enabled
         elif isinstance(config, InflationConfig):
             values |= {
                 "inflation_layer": config.enabled,
@@ -183,6 +200,12 @@ def from_nav2(
                 "clearing": config.clearing,
                 "obstacle_max_range": config.obstacle_max_range,
             }
+    for one in found.filters:
+        if one.kind == "speed":
+            kind = "absolute" if one.type == ABSOLUTE else "percentage"
+            values |= {"speed_filter": one.enabled, "speed_limits": kind}
+        elif one.kind == "keepout":
+            values["keepout_filter"] = one.enabled
     values |= {name: getattr(planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
     values |= {name: getattr(pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)

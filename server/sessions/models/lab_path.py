@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION
+from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedLimit
 from mapper.grid import GridGeometry
 from mapper.planning import GoalPlanner, Path, follow_path
 from mapper.simulation.robot import PoseTuple
@@ -34,6 +35,8 @@ class LabPath:
         self._reason: str | None = None
         self._carrot: Goal | None = None
         self._plan_ms = 0.0
+        self._limit: SpeedLimit | None = None
+        self._limit_words: str | None = None
         self._line = TableLayer("plan", "Path", "plan", ("x", "y"), "path")
         self._potential = GridLayer("potential", "Potential", "potential")
         self._is_shown = False
@@ -47,6 +50,20 @@ class LabPath:
         """Set the goal in map metres; None for no goal."""
         self.goal, self.drives = goal, drives and goal is not None
         self._carrot = None
+
+    def limit(self, limit: SpeedLimit | None, greatest: float | None) -> bool:
+        """Take the speed limit of the robot's place; return whether its words have changed.
+
+        ``greatest`` is the robot's speed without a limit, m/s, None where nothing drives.
+        """
+        before, self._limit = self._limit_words, limit
+        if limit is None or limit.limit is None:
+            self._limit_words = None
+        else:
+            unit = "%" if limit.percentage else "m/s"
+            resulting = f": {limit.of(greatest):.2f} m/s" if limit.percentage and greatest is not None else ""
+            self._limit_words = f"{limit.limit:g} {unit}{resulting}"
+        return before != self._limit_words
 
     def plan(
         self,
@@ -112,7 +129,10 @@ class LabPath:
         if math.dist(path.points[-1], pose[:2]) < ARRIVED_M:
             self.drives, self._carrot = False, None
             return (0.0, 0.0)
-        command = follow_path(path.points, pose, parameters.pursuit)
+        pursuit = parameters.pursuit
+        if self._limit is not None:
+            pursuit = replace(pursuit, desired_linear_vel=self._limit.of(pursuit.desired_linear_vel))
+        command = follow_path(path.points, pose, pursuit)
         self._carrot = command.carrot
         return command.linear, command.angular
 
@@ -129,6 +149,7 @@ class LabPath:
             "reason": self._reason,
             "carrot": None if self._carrot is None else [round(v, 3) for v in self._carrot],
             "plan_ms": round(self._plan_ms, 2),
+            "speed_limit": self._limit_words,
         }
 
 

@@ -99,6 +99,7 @@ class LogNavigation(Navigation):
         if are_new:
             self._is_new, self._is_stale = False, True
             costmap.update(robot.scan.stamp_ns * 1e-9, robot.pose)
+        self._is_stale |= self._path.limit(costmap.speed_limit(robot.pose), None)
         if not self._is_stale:
             return
         self._is_stale = False

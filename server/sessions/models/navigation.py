@@ -13,10 +13,11 @@ from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import OccupancyGrid
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
-from server.sessions.models.lab_costmap import LabCostmap, StaticMap, strokes_of
+from server.sessions.models.lab_costmap import LabCostmap, StaticMap
 from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2
 from server.sessions.models.lab_path import LabPath
 from server.sessions.models.navigation_messages import COMMANDS, commands_of, cost_message, costmap_message
+from server.sessions.models.painted_zones import painted_filters, strokes_of
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError, number, text, values
@@ -65,9 +66,9 @@ class Navigation(ABC):
         """Return the commands from which another session gets the same costmap and goal."""
         return commands_of(self._costmap, self._path)
 
-    def present_mask(self) -> Int8Array | None:
-        """Return the mask of the keepout zones."""
-        return None if self._costmap is None else self._costmap.mask
+    def present_masks(self) -> dict[str, Int8Array]:
+        """Return the masks of the keepout zones and of the speed limits, as far as they are painted."""
+        return {} if self._costmap is None else self._costmap.masks
 
     def messages(self) -> list[dict[str, Any]]:
         """Return the messages ``costmap`` and ``path``."""
@@ -98,7 +99,7 @@ class Navigation(ABC):
             self._is_stale = True
         elif command["type"] == "cost":
             x, y = number(command, "x"), number(command, "y")
-            result.answer(cost_message(x, y, costmap.why(x, y)))
+            result.answer(cost_message(x, y, costmap.why(x, y), costmap.why_speed(x, y)))
         else:
             self._exchange(costmap, command, result)
         result.changed = True
@@ -130,7 +131,9 @@ class Navigation(ABC):
     def _exchange(self, costmap: LabCostmap, command: dict[str, Any], result: TickResult) -> None:
         """Answer with the parameters as Nav2's yaml, or take them from one."""
         if command.get("text") is None:
-            parts = nav2_yaml(costmap.parameters.nav2, costmap.geometry.resolution)
+            masks, kind = costmap.masks, costmap.parameters.values["speed_limits"]
+            filters = painted_filters(masks.get("keepout"), masks.get("speed"), kind)
+            parts = nav2_yaml(replace(costmap.parameters.nav2, filters=filters), costmap.geometry.resolution)
             path = nav2_path_yaml(costmap.parameters.planner, costmap.parameters.pursuit)
             result.answer({"type": "nav2", "text": parts + path})
             return

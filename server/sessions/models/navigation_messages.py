@@ -27,17 +27,14 @@ def costmap_message(costmap: LabCostmap | None) -> dict[str, Any]:
         "footprint": [list(corner) for corner in parameters.footprint.vertices],
         "inscribed_radius": round(outline.inscribed_radius, 4),
         "circumscribed_radius": round(outline.circumscribed_radius, 4),
-        "keepout": [
-            {"width": one.width, "erases": one.erases, "points": [list(point) for point in one.points]}
-            for one in strokes
-        ],
+        "keepout": [one.message() for one in strokes],
     }
 
 
-def cost_message(x: float, y: float, reasons: list[CellReason]) -> dict[str, Any]:
-    """Return the message ``cost`` of the place (x, y), metres."""
+def cost_message(x: float, y: float, reasons: list[CellReason], speed: str | None) -> dict[str, Any]:
+    """Return the message ``cost`` of the place (x, y), metres, with what the speed filter says of it."""
     layers = [{"layer": one.layer, "cost": one.cost, "master": one.master, "sentence": one.sentence} for one in reasons]
-    return {"type": "cost", "x": round(x, 4), "y": round(y, 4), "layers": layers}
+    return {"type": "cost", "x": round(x, 4), "y": round(y, 4), "layers": layers, "speed": speed}
 
 
 def commands_of(costmap: LabCostmap | None, path: LabPath) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from mapper.core.errors import ConfigError, WorkCancelledError
-from mapper.core.se2 import compose
+from mapper.core.se2 import compose_one
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
@@ -38,7 +38,7 @@ from server.sessions.models.volume_view import VolumeView
 from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
-from server.sessions.view import RobotState, as_pose
+from server.sessions.view import RobotState
 from server.sessions.why import Source
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text, values
@@ -65,7 +65,9 @@ class SimulationModel(SessionModel):
         self._volume = VolumeView(host, mapper, self.playback)
         self._terrain = TerrainView(self._volume)
         self._navigation = self.costed = LabNavigation(
-            mapper, {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid}
+            mapper,
+            {"map_3d": lambda: self._volume.projection, "terrain": lambda: self._terrain.grid},
+            lambda: self._terrain.terrain,
         )
         self.story = SimulationStory(host, mapper, self.playback, max_story_s, self._navigation.commands)
         self._questions = CellQuestions(self._explained)
@@ -143,13 +145,14 @@ class SimulationModel(SessionModel):
         scan = mapper.newest
         if scan is None:
             raise RuntimeError("a simulation has taken a scan before its session starts")
-        seen_from = as_pose(compose(mapper.newest_pose, simulation.mount))
-        robot_state = RobotState(simulation.pose, as_pose(simulation.sensor_pose), seen_from, scan, simulation.time)
+        pose, mount = simulation.pose, simulation.mount
+        seen_from = compose_one(mapper.newest_pose, mount)
+        robot_state = RobotState(pose, compose_one(pose, mount), seen_from, scan, simulation.time)
         if mapper.hidden:
             robot_state = RobotState(mapper.newest_pose, seen_from, seen_from, scan, scan.stamp_ns * 1e-9)
         if mapper.believed_pose == mapper.newest_pose:
             return robot_state
-        now, scan_pose = believed_now(mapper), as_pose(compose(mapper.believed_pose, simulation.mount))
+        now, scan_pose = believed_now(mapper), compose_one(mapper.believed_pose, mount)
         return replace(robot_state, believed_pose=now, believed_scan_pose=scan_pose)
 
     def sources(self) -> list[Source]:

@@ -10,6 +10,7 @@ import numpy as np
 from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import MapperError
 from mapper.grid import OccupancyGrid
+from mapper.terrain import Terrain
 from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed, patch_at
 from server.sessions.models.simulation_commands import flag
 from server.sessions.tick import TickResult
@@ -44,6 +45,11 @@ class TerrainView:
         self._asked: tuple[float, float] | None = None
         self._problem: str | None = None
         self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
+
+    @property
+    def terrain(self) -> Terrain | None:
+        """Its patches, another object when they have changed; None for no terrain."""
+        return None if self._found is None else self._found.terrain
 
     @property
     def table(self) -> list[dict[str, Any]]:

@@ -1,11 +1,11 @@
 /** What the user does with the costmap and the path: the tool of the map, the stroke being painted, the dragged goal. */
 
 import { signal } from "@preact/signals";
-import type { CostMessage, CostmapMessage, KeepoutStroke, PathMessage, Point } from "../wire/protocol";
+import type { BrushStroke, CostMessage, CostmapMessage, PathMessage, Point } from "../wire/protocol";
 import { Optimistic } from "./optimistic";
 
 /** What a click on a map does while a group of the costmap is open. */
-export type MapTool = "goal" | "keepout" | "erase" | "cost";
+export type MapTool = "goal" | "keepout" | "speed" | "erase" | "cost";
 
 /** What is laid over the belief: the name of a grid. */
 export type Over = "costmap" | "potential";
@@ -17,10 +17,12 @@ export class Navigation {
   readonly lastTool = signal<MapTool>("goal");
   /** Width of the brush, m. */
   readonly brush = signal(0.5);
+  /** The limit that the brush paints: the value of the speed filter's mask, 1 … 100. */
+  readonly limit = signal(40);
   /** The stroke that is being painted. */
-  readonly stroke = signal<KeepoutStroke | null>(null);
+  readonly stroke = signal<BrushStroke | null>(null);
   /** All strokes before it. */
-  readonly painted = signal<readonly KeepoutStroke[]>([]);
+  readonly painted = signal<readonly BrushStroke[]>([]);
   /** Where the goal is dragged to; null while it is not. */
   readonly goalAt = signal<Point | null>(null);
   /** The place whose cost is explained. */

@@ -1,7 +1,7 @@
 /** The store of a page that displays a session: every component reads and changes it, and none depends on another. */
 
 import { batch, signal } from "@preact/signals";
-import type { Command, Edits, KeepoutStroke, Parameter, Point, Value, Values } from "../wire/protocol";
+import type { BrushStroke, Command, Edits, Parameter, Point, Value, Values } from "../wire/protocol";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "./activeFaults";
 import { NO_EDITS } from "./editing";
 import { History } from "./history";
@@ -103,8 +103,8 @@ export class Store extends SessionState {
     this.#change("footprint", [{ type: "costmap", footprint: old }], [{ type: "costmap", footprint }]);
   }
 
-  /** Set all strokes of the keepout brush, which were `old` before the user began. */
-  setKeepout(keepout: readonly KeepoutStroke[], old: readonly KeepoutStroke[]): void {
+  /** Set all strokes of the brush, which were `old` before the user began. */
+  setKeepout(keepout: readonly BrushStroke[], old: readonly BrushStroke[]): void {
     const key = `keepout ${this.history.version.peek()}`;
     this.#change(key, [{ type: "costmap", keepout: old }], [{ type: "costmap", keepout }]);
   }

@@ -203,14 +203,16 @@ export interface TerrainPatch {
   readonly state: string;
 }
 
-/** A stroke of the brush that paints keepout zones. */
-export interface KeepoutStroke {
+/** A stroke of the brush that paints keepout zones and speed limits. */
+export interface BrushStroke {
   /** width of the brush, m */
   readonly width: number;
   /** whether it erases */
   readonly erases: boolean;
   /** places of the brush's middle, at least one */
   readonly points: readonly Point[];
+  /** value of the speed filter's mask, 1 to 100; null: a keepout zone */
+  readonly speed?: number | null;
 }
 
 /** What one layer of a costmap says of a cell. */
@@ -678,7 +680,7 @@ export interface CostmapMessage {
   /** of the padded outline, m */
   readonly circumscribed_radius: number;
   /** all that is painted */
-  readonly keepout: readonly KeepoutStroke[];
+  readonly keepout: readonly BrushStroke[];
 }
 
 /** Sessions with a costmap: the path to the goal; its points are in the layer `plan`. */
@@ -700,6 +702,8 @@ export interface PathMessage {
   readonly carrot: Point | null;
   /** duration of the planning, ms */
   readonly plan_ms: number;
+  /** the painted speed limit at the robot, in words; null: none */
+  readonly speed_limit: string | null;
 }
 
 /** Answer to `cost`: what each layer says of a cell, bottom first. */
@@ -711,6 +715,8 @@ export interface CostMessage {
   readonly y: number;
   /** one for each layer that is on */
   readonly layers: readonly LayerCost[];
+  /** the speed limit there, a sentence; null: none is painted */
+  readonly speed: string | null;
 }
 
 /** Maps: the edits so far. */
@@ -1091,7 +1097,7 @@ export interface CostmapCommand {
   /** corners of the robot's outline, in its frame */
   readonly footprint?: readonly Point[] | null;
   /** all that is painted; replaces the earlier */
-  readonly keepout?: readonly KeepoutStroke[] | null;
+  readonly keepout?: readonly BrushStroke[] | null;
 }
 
 /** Sessions with a costmap: set the goal of the path, and whether the robot drives along it. */
@@ -1567,10 +1573,11 @@ const isTerrainPatch: Check = isObject({
   why: isText,
   state: isText,
 });
-const isKeepoutStroke: Check = isObject({
+const isBrushStroke: Check = isObject({
   width: isPositive,
   erases: isFlag,
   points: isListOf(isPoint),
+  speed: optional(oneOf(isInteger, isNull)),
 });
 const isLayerCost: Check = isObject({
   layer: isText,
@@ -1812,7 +1819,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     footprint: isListOf(isPoint),
     inscribed_radius: isNumber,
     circumscribed_radius: isNumber,
-    keepout: isListOf(isKeepoutStroke),
+    keepout: isListOf(isBrushStroke),
   },
   path: {
     goal: oneOf(isPoint, isNull),
@@ -1823,11 +1830,13 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     reason: oneOf(isText, isNull),
     carrot: oneOf(isPoint, isNull),
     plan_ms: isNumber,
+    speed_limit: oneOf(isText, isNull),
   },
   cost: {
     x: isNumber,
     y: isNumber,
     layers: isListOf(isLayerCost),
+    speed: oneOf(isText, isNull),
   },
   map_edits: {
     n: isInteger,

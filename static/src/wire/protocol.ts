@@ -7,6 +7,7 @@
 import type { Command, FrameMessage, Geometry } from "./messages";
 
 export type {
+  BrushStroke,
   CellMessage,
   CellState,
   ClassAxis,
@@ -30,7 +31,6 @@ export type {
   FrameMessage,
   Geometry,
   Hello,
-  KeepoutStroke,
   LayerCost,
   LayerInfo,
   LayerKind,

@@ -1,7 +1,8 @@
 """Costs cell for cell in tables of cases that were worked out by hand from Nav2's documentation.
 
 Sources: the Nav2 documentation, Costmap 2D with its plugins and Map Server; nav2_map_server, map_io.cpp;
-nav2_costmap_2d, static_layer.cpp, costmap_layer.cpp, inflation_layer.cpp, keepout_filter.cpp.
+nav2_costmap_2d, static_layer.cpp, costmap_layer.cpp, inflation_layer.cpp, obstacle_layer.cpp, costmap_2d.hpp,
+keepout_filter.cpp, speed_filter.cpp.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from mapper.costmap import (
     Observation,
     ObstacleConfig,
     ObstacleLayer,
+    SpeedFilter,
     StaticConfig,
     StaticLayer,
 )
@@ -210,6 +212,57 @@ def test_obstacles_under_the_robot(clears: bool) -> None:
         assert (before[UNDER] == 254).any()
         expected[UNDER] = 0
     np.testing.assert_array_equal(layer.costs, expected)
+
+
+#: Parameters of the obstacle layer, distance of the one reading in cells of 1 m, and the cells of its row. A reading
+#: marks if obstacle_min_range <= distance < obstacle_max_range. Its line is cleared from the cell at raytrace_min_range
+#: to that at raytrace_max_range, in cells rounded up, both included; nothing where it ends before raytrace_min_range.
+RANGE_CASES: list[tuple[dict[str, Any], float, list[int]]] = [
+    ({}, 6, [0] * 6 + [254] + [U] * 5),
+    ({"obstacle_max_range": 6.0}, 6, [0] * 7 + [U] * 5),
+    ({"obstacle_max_range": 6.01}, 6, [0] * 6 + [254] + [U] * 5),
+    ({"obstacle_min_range": 6.0}, 6, [0] * 6 + [254] + [U] * 5),
+    ({"obstacle_min_range": 6.01}, 6, [0] * 7 + [U] * 5),
+    ({"raytrace_max_range": 4.0}, 8, [0] * 5 + [U] * 3 + [254] + [U] * 3),
+    ({"raytrace_max_range": 3.2}, 8, [0] * 5 + [U] * 3 + [254] + [U] * 3),
+    ({"raytrace_min_range": 2.0}, 6, [U] * 2 + [0] * 4 + [254] + [U] * 5),
+    ({"raytrace_min_range": 1.1}, 6, [U] * 2 + [0] * 4 + [254] + [U] * 5),
+    ({"raytrace_min_range": 7.0}, 6, [U] * 6 + [254] + [U] * 5),
+    ({"raytrace_min_range": 2.0, "raytrace_max_range": 6.0}, 10, [U] * 2 + [0] * 5 + [U] * 3 + [254, U]),
+    ({"obstacle_max_range": 5.0, "raytrace_max_range": 5.0}, 10, [0] * 6 + [U] * 6),
+    ({"clearing": False}, 6, [U] * 6 + [254] + [U] * 5),
+    ({"marking": False}, 6, [0] * 7 + [U] * 5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("given", "distance", "expected"), RANGE_CASES)
+def test_the_ranges_of_marking_and_clearing(given: dict[str, Any], distance: float, expected: list[int]) -> None:
+    config = ObstacleConfig(**({"obstacle_max_range": 20.0, "raytrace_max_range": 20.0} | given))
+    layer = ObstacleLayer(GridGeometry(1.0, 1, 12), config, CostmapConfig(track_unknown_space=True))
+    layer.observe(Observation(np.array([0.5, 0.5, 0.1]), np.array([[0.5 + distance, 0.5, 0.1]])))
+    assert layer.costs.tolist() == [expected]
+
+
+#: Type, base, multiplier, value of the mask, and the greatest speed of a robot that drives 0.5 m/s without a limit.
+SPEED_CASES: list[tuple[int, float, float, int, float]] = [
+    (1, 100.0, -1.0, 40, 0.3),  # the tutorial's: 100 − 40 %
+    (1, 0.0, 1.0, 40, 0.2),
+    (1, 20.0, 0.5, 40, 0.2),
+    (1, 100.0, -1.0, 0, 0.5),  # 0 is no limit, whatever the base
+    (1, 100.0, -1.0, 100, 0.5),  # a limit of 0 is SPEED_LIMIT_NONE
+    (1, 50.0, 1.0, 80, 0.5),  # 130 % is refused
+    (1, -50.0, 1.0, 40, 0.5),  # −10 % is refused
+    (2, 0.0, 0.01, 10, 0.1),
+    (2, 0.1, 0.002, 50, 0.2),
+    (2, 0.0, 0.02, 100, 0.5),  # faster than the robot
+    (2, -1.0, 0.01, 50, 0.5),  # −0.5 m/s is refused
+]
+
+
+@pytest.mark.parametrize(("kind", "base", "multiplier", "value", "expected"), SPEED_CASES)
+def test_speed_limits(kind: int, base: float, multiplier: float, value: int, expected: float) -> None:
+    mask = Mask(GridGeometry(1.0, 1, 1), np.array([[value]], np.int8))
+    assert SpeedFilter(mask, kind, base, multiplier).at(0.5, 0.5).of(0.5) == pytest.approx(expected)
 
 
 def test_the_map_under_the_robot_is_free_while_it_is_there() -> None:

@@ -12,7 +12,13 @@ from hypothesis import strategies as st
 from numba import njit
 
 from mapper.simulation import WORLDS, SensorConfig, World
-from mapper.simulation.kernels.raycast import arc_clearance, chord_clearance, clearances, nearest_edge
+from mapper.simulation.kernels.raycast import (
+    arc_clearance,
+    chord_clearance,
+    clearances,
+    farthest_in_sight,
+    nearest_edge,
+)
 from mapper.simulation.lidar import TURN, true_ranges
 from mapper.simulation.shapes import disc, outer_walls, rect, star
 from mapper.simulation.worlds import clearance_lattice
@@ -195,6 +201,16 @@ def test_clearance_along_a_chord_is_the_least_of_its_points(x0, y0, x1, y1):
         assert got >= sampled.min() - spacing
     elif not np.all(sampled < 0.0):
         assert got <= spacing
+
+
+def test_the_farthest_point_in_sight_is_the_last_with_a_wide_way():
+    solids = (rect(-1.0, -0.5, 1.0, 0.5),)
+    world = World("one", "One", (-9, -9, 9, 9), solids, (5, 5, 0))
+    angles = np.linspace(0.0, 2.0 * np.pi, 40)
+    path = np.stack([3.0 * np.cos(angles), 2.0 * np.sin(angles)], axis=-1)  # around the solid
+    for room in (0.1, 0.5, 5.0):
+        wide = [k for k in range(1, 30) if chord_clearance(world.segments, *path[0], *path[k]) >= room]
+        assert farthest_in_sight(world.segments, *path[0], path, 29, room) == max(wide, default=0)
 
 
 def test_clearance_along_an_arc_follows_the_circle():

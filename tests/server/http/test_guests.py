@@ -15,6 +15,7 @@ from server.settings import Settings
 
 ALWAYS = {
     ("GET", "/livez"),
+    ("GET", "/readyz"),
     ("GET", "/assets/{name:path}"),
     ("HEAD", "/assets/{name:path}"),
     ("GET", "/shared/{token}"),
@@ -67,7 +68,6 @@ NEVER = {
     ("GET", "/{name}"),
     ("HEAD", "/{name}"),
     ("GET", "/3d"),
-    ("GET", "/readyz"),
     ("GET", "/sign-out"),
     ("POST", "/sign-out"),
     ("GET", "/metrics"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,14 @@ import pytest
 
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
+from mapper.costmap.build import DEFAULT, load_masks
 from mapper.editing import EditedMap, parse_operation
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
 from server.library.given_map import GivenMap
 from server.sessions.models.map_editing import MapModel, operation_of
+from server.sessions.models.painted_zones import painted_filters
 from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
 from tests.server.service import Service, once_read, running, settings_for, until
@@ -146,9 +149,18 @@ def test_costs_and_painted_zones_are_files(service: Service, tmp_path: Path) -> 
     session.post({"type": "costmap"})
     until(lambda: http.get(f"{address}/costmap.yaml").status_code == 200)
     assert http.get(f"{address}/keepout.pgm").json()["code"] == "costmap.no_zones"
-    session.post({"type": "costmap", "keepout": [{"width": 0.5, "erases": False, "points": [[2.0, 2.0]]}]})
+    zone = {"width": 0.5, "erases": False, "points": [[2.0, 2.0]]}
+    session.post({"type": "costmap", "keepout": [zone, zone | {"points": [[4.0, 2.0]], "speed": 30}]})
     until(lambda: http.get(f"{address}/keepout.yaml").status_code == 200)
-    for name in ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml"):
+    for name in (
+        "costmap.pgm",
+        "costmap.yaml",
+        "costmap.mcap",
+        "keepout.pgm",
+        "keepout.yaml",
+        "speed.pgm",
+        "speed.yaml",
+    ):
         answer = http.get(f"{address}/{name}")
         named = re.search('filename="([^"]+)"', answer.headers["content-disposition"])
         assert named is not None
@@ -162,9 +174,14 @@ def test_costs_and_painted_zones_are_files(service: Service, tmp_path: Path) -> 
     assert stream[0].geometry == expected.geometry
     image = next(tmp_path.glob("*_costmap.pgm")).read_bytes()
     assert image.endswith(np.ascontiguousarray(expected.costs[::-1]).tobytes())
-    mask = load_map(next(tmp_path.glob("*_keepout.yaml")))
+    mask = load_map(tmp_path / "keepout.yaml")
     assert mask.grid.geometry == expected.geometry
     assert set(np.unique(mask.values)) == {0, 100}
     at = expected.geometry.world_to_cell((2.0, 2.0))
     assert mask.values[at[0], at[1]] == 100
     assert (expected.costs[mask.values == 100] >= 253).all()
+    # The masks are those that the Nav2 parameter file of painted_filters names, relative to itself.
+    filters = painted_filters(mask.values, mask.values, "percentage")
+    masks = load_masks(replace(DEFAULT, filters=filters), tmp_path)
+    assert (masks["speed_filter"].at(4.0, 2.0), masks["speed_filter"].at(2.0, 2.0)) == (30, 0)
+    assert masks["keepout_filter"].at(2.0, 2.0) == 100

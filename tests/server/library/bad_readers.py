@@ -6,8 +6,10 @@ import itertools
 import os
 import resource
 import signal
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from mapper.io.logs import opening
@@ -17,6 +19,7 @@ from server.library import job as jobs
 from tests.server.library.small_logs import carmen
 
 BAD = carmen(2).replace(b"FLASER 3 1.0", b"FLASER 3 6.0")  #: the log that they read so badly
+LEFT = "left-by-a-crash-"  #: begins the name of a temporary folder
 OPEN = "open_robot_log"  #: what the job imports from there and calls
 
 
@@ -37,7 +40,13 @@ def _with(reader: Callable[..., Any], job: Any) -> LogSummary:
 
 
 def crash(*job: Any) -> LogSummary:
-    return _with(lambda: os.kill(os.getpid(), signal.SIGSEGV), job)
+    """Crash with a temporary file that nobody removes."""
+
+    def write_and_end() -> None:
+        (Path(tempfile.mkdtemp(prefix=LEFT)) / "unpacked").write_bytes(BAD)
+        os.kill(os.getpid(), signal.SIGSEGV)
+
+    return _with(write_and_end, job)
 
 
 def leave(*job: Any) -> LogSummary:

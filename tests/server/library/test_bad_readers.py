@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import tempfile
 from collections.abc import Callable
 
 import pytest
 
 from server.library import Library, LogNotFoundError, LogReadOnlyError
+from server.settings import Settings
 from server.work.fair_lock import FairLock
 from tests.server.library import bad_readers
 from tests.server.library.kept import settled
@@ -43,7 +46,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
     ],
 )
 async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
-    make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch, job, limits, code
+    make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch, job, limits, code
 ) -> None:
     monkeypatch.setattr("server.library.job.read_job", job)
     monkeypatch.setattr("server.library.workers.GRACE_S", 1.0)
@@ -56,6 +59,8 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     assert failed.error is not None
     assert failed.error.code == code
     assert failed.error.message.endswith(".")
+    assert not list((settings.data_dir / "library" / "incoming").iterdir())
+    assert not [name for name in os.listdir(tempfile.gettempdir()) if name.startswith(bad_readers.LEFT)]  # noqa: PTH208
     if good is None:  # on a slow machine it takes longer to begin a process
         library._reader._timeout_s = PATIENCE_S
         good = await library.put("ben", "good", in_pieces(carmen(4)))

@@ -77,6 +77,8 @@ async def test_remove_unreferenced_keeps_the_named_blobs(blobs: Blobs, tmp_path:
     half = blobs.incoming()
     await half.write(DATA)
     (tmp_path / "incoming" / "half#1").write_bytes(b"of a killed process")
+    (tmp_path / "incoming" / "half.reading").mkdir()
+    (tmp_path / "incoming" / "half.reading" / "a.png").write_bytes(b"that it unpacked")
     await blobs.remove_unreferenced({NAME, "not there"})
     assert await blobs.names() == {NAME}
     assert not left(tmp_path / "incoming")

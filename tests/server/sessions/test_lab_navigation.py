@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError, MapperError
-from mapper.costmap import Footprint, LayeredCostmap
+from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
+from mapper.costmap.nav2_parameters import parse_nav2_costmap
 from server.sessions import SessionRegistry
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.simulation import SimulationModel
@@ -19,7 +21,16 @@ from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
 
-ALL = ["costmap", "static_layer", "obstacle_layer", "dynamic_layer", "keepout_filter", "inflation_layer", "plan"]
+ALL = [
+    "costmap",
+    "static_layer",
+    "obstacle_layer",
+    "dynamic_layer",
+    "keepout_filter",
+    "inflation_layer",
+    "speed_filter",
+    "plan",
+]
 STATIC_ONLY = {"obstacle_layer": False, "dynamic_layer": False}
 BEYOND = (12.0, 7.0)  # down the corridor
 TABLE = ["box", 830, 670, 890, 730]
@@ -56,6 +67,10 @@ class Lab:
 
     def message(self, kind: str) -> dict[str, Any]:
         return next(one for one in self.model.messages() if one["type"] == kind)
+
+    @property
+    def masks(self) -> dict[str, Int8Array]:
+        return self.model._navigation.present_masks()
 
     @property
     def costs(self) -> LayeredCostmap:
@@ -189,6 +204,49 @@ async def test_keepout_zones_are_painted_erased_and_undone(lab: Lab) -> None:
             lab.do(type="costmap", keepout=wrong)
 
 
+async def test_the_robot_drives_slower_where_a_speed_limit_is_painted(lab: Lab) -> None:
+    """By the speed filter's formula in percent and in m/s; the path and the costs stay as they were."""
+
+    def speed() -> float:
+        before = lab.model.robot_state().pose[0]
+        lab.pass_time(0.5)
+        return (lab.model.robot_state().pose[0] - before) / 0.5
+
+    zone: dict[str, Any] = {"width": 1.0, "erases": False, "points": [[5.0, 7.0], [13.0, 7.0]], "speed": 40}
+    lab.do(type="costmap", values={"map": "plan"})
+    straight = lab.do(type="goal", x=BEYOND[0], y=BEYOND[1], drives=True)["cost"]
+    lab.pass_time(1.5)
+    assert speed() == pytest.approx(0.5, rel=0.05)
+    before = lab.costs.costs.copy()
+    limited = lab.do(type="costmap", keepout=[zone])
+    assert (limited["speed_limit"], limited["reaches_goal"]) == ("40 %: 0.20 m/s", True)
+    assert limited["cost"] < straight
+    np.testing.assert_array_equal(lab.costs.costs, before)
+    lab.pass_time(1.0)
+    assert speed() == pytest.approx(0.2, rel=0.05)
+    absolute = lab.do(type="costmap", values={"speed_limits": "absolute"}, keepout=[zone | {"speed": 10}])
+    assert absolute["speed_limit"] == "0.1 m/s"
+    lab.pass_time(1.0)
+    assert speed() == pytest.approx(0.1, rel=0.05)
+    # Why, as a Nav2 file that names the mask, as the sheet; and erased or switched off it limits no longer.
+    lab.do(type="cost", x=9.0, y=7.0)
+    assert "0.10 m/s" in lab.answers[0]["speed"]
+    lab.do(type="nav2")
+    (found,) = parse_nav2_costmap(lab.answers[0]["text"].encode()).filters
+    assert (found.kind, found.mask, found.type, found.multiplier) == ("speed", "speed.yaml", 2, 0.01)
+    limits = SpeedFilter(Mask(lab.costs.geometry, lab.masks["speed"]), 2, multiplier=0.01)
+    assert limits.at(9.0, 7.3).limit == pytest.approx(0.1)
+    assert limits.at(9.0, 8.3).limit is None
+    off = lab.do(type="costmap", values={"speed_filter": False})
+    on = lab.do(type="costmap", values={"speed_filter": True})
+    erased = lab.do(type="costmap", keepout=[zone, {"width": 2.0, "erases": True, "points": zone["points"]}])
+    assert [one["speed_limit"] for one in (off, on, erased)] == [None, "0.1 m/s", None]
+    assert lab.masks == {}
+    for wrong in (0, 101):
+        with pytest.raises(ProtocolError, match="value of 1 to 100"):
+            lab.do(type="costmap", keepout=[zone | {"speed": wrong}])
+
+
 async def test_layers_are_switched_and_a_wide_robot_does_not_fit_through_a_door(lab: Lab) -> None:
     lab.do(type="costmap", values={"map": "plan"})
     lab.do(type="goal", x=7.5, y=9.5)  # the kitchen, behind a door of 0.95 m
@@ -214,7 +272,8 @@ async def test_each_layer_says_why_a_cell_has_its_cost(lab: Lab) -> None:
     lab.do(type="costmap", values={"map": "plan"})
     lab.do(type="cost", x=8.5, y=7.55)
     (answer,) = lab.answers
-    assert [one["layer"] for one in answer["layers"]] == ALL[1:-1]
+    assert [one["layer"] for one in answer["layers"]] == ALL[1:-2]
+    assert answer["speed"] is None
     assert 0 < answer["layers"][-1]["master"] < 255
     assert "nearest obstacle" in answer["layers"][-1]["sentence"]
     with pytest.raises(ConfigError, match="not in the costmap"):
@@ -246,6 +305,7 @@ async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
     """Its parameters, outline, zones and goal; what is no costmap in a story is refused."""
     corners = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
     zones = [{"width": 0.4, "erases": False, "points": [[9.0, 7.0], [9.5, 7.0]]}]
+    zones.append(zones[0] | {"speed": 30})
     assert lab.model._navigation.commands() == []
     lab.do(type="costmap", values={"inflation_radius": 0.8}, footprint=corners, keepout=zones)
     lab.do(type="goal", x=BEYOND[0], y=BEYOND[1], drives=True)

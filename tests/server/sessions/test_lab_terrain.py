@@ -129,11 +129,34 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     costmap = lab.model._navigation._costmap
     assert costmap is not None
     assert costmap.geometry.resolution == pytest.approx(0.25)
+    # As a layer: each cell has the cost of the patch around its centre, and says that patch's slope, roughness, step.
+    assert "terrain_layer" in {layer.name for layer in lab.model.layers}
+    lab.do(type="costmap", values={"map": "belief", "terrain_layer": True, "inflation_layer": False})
+    terrain, own = lab.model._terrain.terrain, costmap.geometry
+    assert terrain is not None
+    costs, hit = terrain.costs(), 0
+    for at in np.random.default_rng(0).integers(0, own.shape, (300, 2)):
+        patch = tuple(int(v) for v in terrain.patches.geometry.world_to_cell(own.cell_to_world(at)))
+        inside = terrain.patches.geometry.contains(patch)
+        reason = next(one for one in costmap.costmap.why(*map(int, at)) if one.layer == "terrain_layer")
+        assert reason.cost == (costs[patch] if inside else 255)
+        assert not inside or reason.sentence == terrain.why(*patch)
+        hit += int(0 < reason.cost < 255)
+    assert hit > 20
+    assert (costmap.costs == 254).sum() > (costs == 254).sum()  # of a patch many cells
+    result = TickResult()
+    lab.model.obey({"type": "nav2"}, result)
+    written = result.answers[0][1]["text"]
+    assert "gridbloom::TerrainLayer" in written
+    lab.do(type="costmap", values={"terrain_layer": False})
+    lab.do(type="nav2", text=written)
+    assert costmap.parameters.is_on("terrain_layer")
     for row in TABLE:
         with pytest.raises(ConfigError):
             lab.do(type="terrain", values={row.name: "no" if row.kind != "number" else row.high + 1.0})
     lab.do(type="terrain", value=False)
     assert not message_of(lab)["is_on"]
+    assert "terrain_layer" not in {layer.name for layer in lab.model.layers}
     lab.do(type="terrain")
     lab.do(type="map3d", value=False)
     lab.pass_time(0.1)

@@ -1,4 +1,4 @@
-"""A session computes nothing for a client that acknowledges nothing, and goes on when it does."""
+"""What a session does not compute for its clients, and how many commands of theirs it takes."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ import asyncio
 import struct
 from concurrent.futures import ThreadPoolExecutor
 
+import pytest
+
 from mapper.core.limits import Limits
 from mapper.simulation.live_map import LiveMap, world_named
 from server.sessions.host import SessionHost
 from server.sessions.models.simulation import SimulationModel
+from server.sessions.tick import MAX_QUEUED, MAX_QUEUED_OF_FOLLOWERS
 from server.stream.hub import STALLED_S
+from server.stream.protocol import ProtocolError
 from server.work.scheduler import JobOwner, Scheduler
 from tests.server.service import eventually
 
@@ -46,4 +50,20 @@ async def test_nothing_is_computed_for_a_client_that_is_stalled() -> None:
         assert host.hub.frame_number == before + 1
         host.acknowledge(client, struct.unpack_from("<BBHIII", sent[-1])[4])
         await eventually(lambda: host.hub.frame_number > before + 3)
+        await host.close()
+
+
+async def test_questions_of_followers_do_not_refuse_the_lecturers_commands() -> None:
+    with ThreadPoolExecutor(2) as pool:
+        host = SessionHost(job_owner=JobOwner("v"), pool=pool, limits=lambda _: Limits(), scheduler=Scheduler(2))
+        host.start(SimulationModel(host, LiveMap(world_named("room"), 3)))
+        lecturer, followers = host.join(), [host.join(follows=True) for _ in range(3)]
+        for client, most in ((followers, MAX_QUEUED_OF_FOLLOWERS), ([lecturer], MAX_QUEUED)):
+            for k in range(most):  # the event loop carries out none of them meanwhile
+                host.enqueue({"type": "inspect", "row": 1, "col": 1, "epoch": 1}, client[k % len(client)])
+            with pytest.raises(ProtocolError) as caught:
+                host.enqueue({"type": "inspect", "row": 1, "col": 1, "epoch": 1}, client[0])
+            assert caught.value.code == "session.busy"
+        await eventually(lambda: not host.has_queued_commands)
+        host.enqueue({"type": "auto", "value": False}, followers[0])
         await host.close()

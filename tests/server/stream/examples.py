@@ -31,7 +31,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
         "value": True,
         "values": {"inflation_radius": 0.8, "map": "plan"},
         "footprint": [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]],
-        "keepout": [{"width": 0.4, "erases": False, "points": [[1.0, 2.0], [1.5, 2.0]]}],
+        "keepout": [{"width": 0.4, "erases": False, "points": [[1.0, 2.0], [1.5, 2.0]], "speed": 40}],
     },
     {"type": "goal", "x": 4.5, "y": -1.0, "drives": True},
     {"type": "cost", "x": 4.5, "y": -1.0},
@@ -233,11 +233,13 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         [(0.3, 0.2), (-0.3, 0.2), (0.0, -0.3)],
         0.2,
         0.36,
-        [parts.KeepoutStroke(0.4, False, [(1.0, 2.0)])],
+        [parts.BrushStroke(0.4, False, [(1.0, 2.0)]), parts.BrushStroke(0.4, False, [(1.0, 2.0)], 40)],
     ),
-    messages.PathMessage((4.5, -1.0), True, 5.25, 5250.5, True, None, (1.5, 0.5), 3.5),
-    messages.PathMessage((4.5, -1.0), False, None, None, False, "There is no path to the goal.", None, 3.5),
-    messages.CostMessage(4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")]),
+    messages.PathMessage((4.5, -1.0), True, 5.25, 5250.5, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"),
+    messages.PathMessage((4.5, -1.0), False, None, None, False, "There is no path to the goal.", None, 3.5, None),
+    messages.CostMessage(
+        4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")], None
+    ),
     messages.Nav2Message("global_costmap: {}"),
     messages.VolumeMessage(
         parts.Table([_ROW], {"show": "voxels"}),

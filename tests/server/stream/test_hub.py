@@ -391,3 +391,25 @@ def test_resume_of_another_epoch_changes_nothing() -> None:
     assert client.dirty_tiles == 1
     client.resume("map", source.epoch, source.picture.newest)
     assert client.dirty_tiles == 0
+
+
+def test_clients_with_the_same_tiles_are_sent_the_same_bytes_and_others_what_they_lack():
+    source = Source()
+    alike, other = [source.hub.join() for _ in range(2)], source.hub.join()
+    rng = np.random.default_rng(1)
+    sizes = []
+    for step in range(6):
+        rows, cols = int(rng.integers(0, ROWS - 9)), int(rng.integers(0, COLS - 9))
+        source.grid.log_odds[rows : rows + 9, cols : cols + 9] = rng.uniform(-2.0, 3.5)
+        source.grid.observed[rows : rows + 9, cols : cols + 9] = True
+        source.layer.update(source.grid, source.config, CellBox(rows, rows + 9, cols, cols + 9), whole=False)
+        source.publish()
+        frames = [[one for one in client.take() if isinstance(one, bytes)] for client in alike]
+        assert frames[0] == frames[1]
+        for client, sent in zip(alike, frames, strict=True):
+            client.acknowledge(struct.unpack_from("<BBHIII", sent[-1])[4])
+        if step == 5:  # it has looked away for five ticks
+            late = [one for one in other.take() if isinstance(one, bytes)]
+            sizes = [struct.unpack_from("<BBHIII", sent[-1])[5] for sent in (frames[0], late)]
+        source.clock.now += TICK_S
+    assert sizes[1] > sizes[0] > 0

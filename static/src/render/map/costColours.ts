@@ -51,8 +51,18 @@ function ofPotential(): (byte: number) => Rgba {
   };
 }
 
+/** A speed limit, the denser the slower: the mask's value 1 … 100. */
+function ofSpeed(): (value: number) => Rgba {
+  const colour = tokenRgb("--speed-limit");
+  return (value) => [colour, value > 100 ? 0 : 0.75 - 0.0045 * value];
+}
+
 export function costColours(isOver: boolean): Uint8Array<ArrayBuffer> {
   const colour = ofCosts(isOver);
+  return row((byte) => colour(costOfByte(byte)));
+}
+export function speedColours(): Uint8Array<ArrayBuffer> {
+  const colour = ofSpeed();
   return row((byte) => colour(costOfByte(byte)));
 }
 export const potentialColours = (): Uint8Array<ArrayBuffer> => row(ofPotential());

@@ -33,6 +33,7 @@ export const pictureColours = computed(() => {
     robotFill: colourOf("--robot-fill"),
     hit: colourOf("--hit"),
     miss: colourOf("--miss"),
+    speedLimit: colourOf("--speed-limit"),
     prior: colourOf("--prior"),
     trail: colourOf("--robot", 0.7),
     shades: shades(),

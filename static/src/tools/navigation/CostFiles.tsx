@@ -1,9 +1,10 @@
 import { Button } from "../../ui/Button";
+import type { BrushStroke } from "../../wire/protocol";
 
 interface CostFilesProps {
   readonly session: string;
-  /** Whether keepout zones are painted. */
-  readonly hasZones?: boolean;
+  /** What is painted. */
+  readonly strokes?: readonly BrushStroke[];
 }
 
 const COSTS = [
@@ -11,17 +12,24 @@ const COSTS = [
   ["costmap.yaml", "yaml"],
   ["costmap.mcap", "mcap"],
 ] as const;
-const ZONES = [
+const KEEPOUT = [
   ["keepout.pgm", "Keepout pgm"],
   ["keepout.yaml", "Keepout yaml"],
 ] as const;
+const SPEED = [
+  ["speed.pgm", "Speed limits pgm"],
+  ["speed.yaml", "Speed limits yaml"],
+] as const;
 
 /** The present costs of a session as files, and the painted zones as a mask. */
-export function CostFiles({ session, hasZones = false }: CostFilesProps) {
+export function CostFiles({ session, strokes = [] }: CostFilesProps) {
+  const painted = strokes.filter(({ erases }) => !erases);
+  const hasKeepout = painted.some(({ speed }) => speed == null);
+  const hasSpeed = painted.some(({ speed }) => speed != null);
   return (
     <>
       <div class="navigation-row">
-        {[...COSTS, ...(hasZones ? ZONES : [])].map(([file, label]) => (
+        {[...COSTS, ...(hasKeepout ? KEEPOUT : []), ...(hasSpeed ? SPEED : [])].map(([file, label]) => (
           <Button
             key={file}
             icon="download"
@@ -34,7 +42,7 @@ export function CostFiles({ session, hasZones = false }: CostFilesProps) {
       </div>
       <p class="navigation-note">
         The greys of the pgm are the costs, 0 to 255. The mcap has nav2_msgs/Costmap and nav_msgs/OccupancyGrid.
-        {hasZones && " The keepout files are the painted zones as a mask for Nav2’s keepout filter."}
+        {painted.length > 0 && " The painted zones are masks of Nav2’s keepout filter and speed filter."}
       </p>
     </>
   );

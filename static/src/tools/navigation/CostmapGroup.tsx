@@ -15,7 +15,15 @@ import { useCostmap } from "./useCostmap";
 import { WhyCost } from "./WhyCost";
 import "./navigation.css";
 
-const ROWS = ["map", "track_unknown_space", "clearing", "lifetime", "obstacle_max_range"];
+const ROWS = [
+  "map",
+  "track_unknown_space",
+  "clearing",
+  "lifetime",
+  "obstacle_max_range",
+  "speed_filter",
+  "speed_limits",
+];
 const INFLATION = ["inflation_radius", "cost_scaling_factor"];
 /** A command has at most 64 KiB. */
 const MOST_BYTES = 60_000;
@@ -48,10 +56,7 @@ export function CostmapGroup({ store }: { readonly store: Store }) {
       <h2>Nav2</h2>
       <Nav2 store={store} />
       <h2>Download the costs</h2>
-      <CostFiles
-        session={store.hello.value?.session ?? ""}
-        hasZones={store.navigation.costmap.value.keepout.some((stroke) => !stroke.erases)}
-      />
+      <CostFiles session={store.hello.value?.session ?? ""} strokes={store.navigation.costmap.value.keepout} />
       <End store={store} />
     </div>
   );
@@ -88,8 +93,8 @@ function Nav2({ store }: { readonly store: Store }) {
   return (
     <>
       <p class="navigation-note">
-        The parameters as a Nav2 file: costmap, NavFn and Regulated Pure Pursuit. Nav2 has no layer with a lifetime, and
-        takes keepout zones from a mask: both are left out.
+        The parameters as a Nav2 file: costmap, NavFn and Regulated Pure Pursuit. Nav2 has no layer with a lifetime: it
+        is left out. Painted zones are filters with a mask of their own below: save its files beside the yaml.
       </p>
       <div class="navigation-row">
         <Button icon="download" onClick={() => store.send({ type: "nav2" })}>

@@ -97,6 +97,12 @@ function Outcome({ store }: { readonly store: Store }) {
             <dt>Planned in</dt>
             <dd>{written(path.plan_ms, 1)} ms</dd>
           </div>
+          {path.speed_limit !== null && (
+            <div>
+              <dt>Speed limit</dt>
+              <dd>{path.speed_limit}</dd>
+            </div>
+          )}
         </dl>
       )}
       <p role="status">{path.reason}</p>

@@ -32,10 +32,12 @@ export const SHEETS = [
   "static_layer",
   "obstacle_layer",
   "dynamic_layer",
+  "terrain_layer",
   "keepout_filter",
   "inflation_layer",
   "costmap",
 ];
+const TERRAIN = "terrain_layer";
 const HEIGHT = 350;
 const ROOM = 265;
 const FIRST_GAP = 50;
@@ -52,18 +54,26 @@ function windowOf(store: Store, geometry: Geometry): Window {
   return { row0, col0, rows: Math.min(geometry.rows, high.row) - row0, cols: Math.min(geometry.cols, high.col) - col0 };
 }
 
+/** The sheets of the layers that the session has: that of a terrain comes and goes with it. */
 export function Sheets({ store }: { readonly store: Store }) {
+  const hasTerrain = store.layers.infos.value.some(({ name }) => name === TERRAIN);
+  const names = hasTerrain ? SHEETS : SHEETS.filter((name) => name !== TERRAIN);
+  return <Stack key={names.length} store={store} names={names} />;
+}
+
+function Stack({ store, names }: { readonly store: Store; readonly names: readonly string[] }) {
   const { navigation, layers } = store;
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const width = useWidth(box, 400).value;
-  const gaps = useSignal<readonly number[]>(SHEETS.slice(1).map(() => (reducedMotion.peek() ? FIRST_GAP : LEAST_GAP)));
+  const first = Math.min(FIRST_GAP, Math.floor(ROOM / (names.length - 1)));
+  const gaps = useSignal<readonly number[]>(names.slice(1).map(() => (reducedMotion.peek() ? first : LEAST_GAP)));
   const images = useRef<readonly Sheet[]>([]);
-  if (images.current.length === 0) images.current = SHEETS.map(() => new Sheet());
+  if (images.current.length === 0) images.current = names.map(() => new Sheet());
   const held = useRef<{ sheet: number; y: number; gaps: readonly number[]; moved: boolean } | null>(null);
 
   useEffect(() => {
-    const ends = SHEETS.map((name) => layers.subscribe(name));
+    const ends = names.map((name) => layers.subscribe(name));
     return () => {
       for (const end of ends) end();
     };
@@ -73,14 +83,14 @@ export function Sheets({ store }: { readonly store: Store }) {
     const began = performance.now();
     let frame = requestAnimationFrame(function open(now) {
       const share = Math.min(1, (now - began) / OPENING_MS);
-      const gap = LEAST_GAP + (FIRST_GAP - LEAST_GAP) * (1 - (1 - share) ** 3);
+      const gap = LEAST_GAP + (first - LEAST_GAP) * (1 - (1 - share) ** 3);
       gaps.value = gaps.peek().map(() => gap);
       if (share < 1) frame = requestAnimationFrame(open);
     });
     return () => cancelAnimationFrame(frame);
   }, [store]);
 
-  const maps = SHEETS.map((name) => layers.grid(name));
+  const maps = names.map((name) => layers.grid(name));
   for (const map of maps) void map.version.value;
   const shown = maps.map((map) => map.map.value);
   const master = shown.at(-1) ?? null;
@@ -158,7 +168,7 @@ export function Sheets({ store }: { readonly store: Store }) {
           style={{ width: "100%", height: `${HEIGHT}px` }}
         />
         {plan &&
-          SHEETS.map((name, n) => {
+          names.map((name, n) => {
             const [, y] = plan.corners[n] as Point;
             const style = { top: `${y - plan.height}px` };
             if (name === "costmap")
@@ -187,9 +197,9 @@ export function Sheets({ store }: { readonly store: Store }) {
         sentence="Or drag a sheet up or down; click a cell of a sheet to ask for its cost."
         unit="px"
         value={Math.round(gaps.value.reduce((a, b) => a + b, 0) / gaps.value.length)}
-        initial={FIRST_GAP}
+        initial={first}
         low={10}
-        high={ROOM / (SHEETS.length - 1)}
+        high={Math.floor(ROOM / (names.length - 1))}
         step={1}
         onInput={(gap) => {
           gaps.value = gaps.peek().map(() => gap);

@@ -6,11 +6,17 @@ import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Slider } from "../../ui/Slider";
+import { limitUnit } from "./speedLimits";
 
 const TOOLS: readonly { readonly tool: MapTool; readonly label: string; readonly hint: string }[] = [
   { tool: "goal", label: "Set goal", hint: "Click a map to set the goal; drag the goal, and the path follows." },
   { tool: "keepout", label: "Keepout", hint: "Paint on a map where the robot must not go." },
-  { tool: "erase", label: "Eraser", hint: "Paint over a keepout zone to erase it." },
+  {
+    tool: "speed",
+    label: "Speed limit",
+    hint: "Paint on a map where the robot must be slower. The path stays the same.",
+  },
+  { tool: "erase", label: "Eraser", hint: "Paint over a zone to erase it." },
   { tool: "cost", label: "Why", hint: "Click a cell: each layer says why it has its cost." },
 ];
 const OVERS: readonly { readonly value: Over | "none"; readonly label: string }[] = [
@@ -24,7 +30,7 @@ export function Tools({ store }: { readonly store: Store }) {
   const name = useId();
   const now = navigation.tool.value ?? navigation.lastTool.value;
   const strokes = navigation.costmap.value?.keepout ?? [];
-  const isBrush = now === "keepout" || now === "erase";
+  const isBrush = now === "keepout" || now === "speed" || now === "erase";
   const take = (tool: MapTool): void => {
     navigation.lastTool.value = navigation.tool.value = tool;
     store.editing.take(null);
@@ -55,6 +61,7 @@ export function Tools({ store }: { readonly store: Store }) {
               navigation.brush.value = width;
             }}
           />
+          {now === "speed" && <Limit store={store} />}
           <div class="navigation-row">
             <Button
               icon="undo"
@@ -70,6 +77,27 @@ export function Tools({ store }: { readonly store: Store }) {
         </>
       )}
     </div>
+  );
+}
+
+/** The limit that the brush paints. */
+function Limit({ store }: { readonly store: Store }) {
+  const { limit, values } = store.navigation;
+  const { unit, step } = limitUnit(values.values.value.speed_limits);
+  return (
+    <Slider
+      label="Limit"
+      sentence="How fast the robot may be in the zone, at most."
+      unit={unit}
+      value={limit.value * step}
+      initial={40 * step}
+      low={5 * step}
+      high={100 * step}
+      step={5 * step}
+      onInput={(value) => {
+        limit.value = Math.round(value / step);
+      }}
+    />
   );
 }
 

@@ -1,5 +1,6 @@
 /** Why a cell has its cost: what each layer says of it. */
 
+import { effect, untracked } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { nameOfCost } from "../../grid/costs";
 import type { Store } from "../../store/store";
@@ -9,21 +10,38 @@ export const LAYER_NAMES: Readonly<Record<string, string>> = {
   static_layer: "Static",
   obstacle_layer: "Obstacle",
   dynamic_layer: "Dynamic",
+  terrain_layer: "Terrain",
   keepout_filter: "Keepout",
   inflation_layer: "Inflation",
 };
-const REPEAT_MS = 500;
+/** Least time between two questions. */
+const LEAST_MS = 500;
 
 export function WhyCost({ store }: { readonly store: Store }) {
-  const { asked, cost, costmap } = store.navigation;
+  const { asked, cost, costmap, path } = store.navigation;
   const at = asked.value;
   const isOn = costmap.value?.is_on === true;
   useEffect(() => {
     if (!at || !isOn) return;
-    const ask = (): void => store.send({ type: "cost", x: at[0], y: at[1] });
-    ask();
-    const timer = setInterval(ask, REPEAT_MS);
-    return () => clearInterval(timer);
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let isStale = false;
+    const ask = (): void => {
+      isStale = false;
+      store.send({ type: "cost", x: at[0], y: at[1] });
+      timer = setTimeout(() => {
+        timer = undefined;
+        if (isStale) ask();
+      }, LEAST_MS);
+    };
+    const stop = effect(() => {
+      void [costmap.value, path.value, store.frame.value]; // what may change a cost, or the sentence of a layer
+      if (timer === undefined) untracked(ask);
+      else isStale = true;
+    });
+    return () => {
+      stop();
+      clearTimeout(timer);
+    };
   }, [store, at, isOn]);
   const answer = cost.value;
   if (!at || !answer) return null;
@@ -43,6 +61,7 @@ export function WhyCost({ store }: { readonly store: Store }) {
           </li>
         ))}
       </ol>
+      {answer.speed !== null && <p>{answer.speed}</p>}
     </section>
   );
 }

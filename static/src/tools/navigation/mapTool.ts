@@ -1,7 +1,7 @@
-/** What the tools of the costmap do in the pictures: set the goal, paint keepout zones, ask for a cost. */
+/** What the tools of the costmap do in the pictures: set the goal, paint keepout zones and speed limits, ask for a cost. */
 
 import type { Store } from "../../store/store";
-import type { KeepoutStroke, Point } from "../../wire/protocol";
+import type { BrushStroke, Point } from "../../wire/protocol";
 
 /** Least distance between two points of a stroke, as a share of the brush's width. */
 const SPACING = 0.25;
@@ -10,7 +10,7 @@ const GRAB_PX = 14;
 
 const isBrush = (store: Store): boolean => {
   const tool = store.navigation.tool.peek();
-  return tool === "keepout" || tool === "erase";
+  return tool === "keepout" || tool === "speed" || tool === "erase";
 };
 
 /** Whether a drag in a picture paints. */
@@ -54,15 +54,17 @@ const rounded = ([x, y]: Point): Point => [Math.round(x * 1000) / 1000, Math.rou
 function continueStroke(store: Store, from: Point, to: Point): void {
   const { navigation } = store;
   const width = navigation.brush.peek();
+  const tool = navigation.tool.peek();
   const before = navigation.stroke.peek();
   const points = before?.points ?? [rounded(from)];
   const last = points.at(-1) ?? from;
   const isFar = Math.hypot(to[0] - last[0], to[1] - last[1]) >= SPACING * width;
   if (before && (!isFar || points.length >= MOST_POINTS)) return;
   if (!before) navigation.painted.value = navigation.costmap.peek()?.keepout ?? [];
-  const stroke: KeepoutStroke = {
+  const stroke: BrushStroke = {
     width,
-    erases: navigation.tool.peek() === "erase",
+    erases: tool === "erase",
+    ...(tool === "speed" ? { speed: navigation.limit.peek() } : {}),
     points: isFar ? [...points, rounded(to)] : points,
   };
   navigation.stroke.value = stroke;

@@ -1,22 +1,31 @@
 /** What the pictures show of the costmap and the path: costs over the belief, the path, the goal, painted zones. */
 
+import { cellAt } from "../../grid/lattice";
+import { costOfByte } from "../../render/map/costColours";
 import type { Layer } from "../../render/map/renderer";
 import type { Brush } from "../../render/picture/brush";
 import { columnOf, type LayerContent, OVERLAYS } from "../../render/picture/overlays";
 import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
-import type { KeepoutStroke, Point, Pose } from "../../wire/protocol";
-import { COSTS_OVER, POTENTIAL_OVER } from "./palettes";
+import type { BrushStroke, Point, Pose } from "../../wire/protocol";
+import { COSTS_OVER, POTENTIAL_OVER, SPEED_OVER } from "./palettes";
+import { limitText } from "./speedLimits";
 
 /** Name and style of the layer with the path. */
 export const PLAN = "plan";
+/** Name of the grid of speed limits. */
+export const SPEED_LIMITS = "speed_filter";
 const GOAL_PX = 9;
 
-/** The grid that is laid over the belief. */
+/** The grids that are laid over the belief: costs or potential, and the speed limits. */
 export function costsOver(store: Store): readonly Layer[] {
   const name = store.navigation.over.peek();
   const map = name === null ? null : store.layers.grid(name).map.peek();
-  return map ? [{ map, palette: name === "costmap" ? COSTS_OVER : POTENTIAL_OVER, blends: true }] : [];
+  const limits = store.layers.grid(SPEED_LIMITS).map.peek();
+  return [
+    ...(map ? [{ map, palette: name === "costmap" ? COSTS_OVER : POTENTIAL_OVER, blends: true }] : []),
+    ...(limits ? [{ map: limits, palette: SPEED_OVER, blends: true }] : []),
+  ];
 }
 
 /** Read every signal that is painted here. */
@@ -24,12 +33,15 @@ export function watchNavigation(store: Store): void {
   const { navigation, layers } = store;
   void [navigation.path.value, navigation.costmap.value, navigation.stroke.value, navigation.goalAt.value];
   void [navigation.asked.value, navigation.tool.value, layers.content(PLAN).value];
+  void layers.grid(SPEED_LIMITS).version.value;
   const over = navigation.over.value;
   if (over) void layers.grid(over).version.value;
 }
 
-/** The path in a picture that does not show the layers. */
+/** The path and the speed limits in a picture that does not show the layers. */
 export function paintPathOf(store: Store, brush: Brush): void {
+  for (const stroke of store.navigation.costmap.peek()?.keepout ?? [])
+    if (limitOf(store, stroke) !== null) outlineStroke(brush, stroke);
   const content = store.layers.content(PLAN).peek();
   if (content) paintPlan(brush, content);
 }
@@ -64,8 +76,9 @@ export function paintNavigation(store: Store, brush: Brush): void {
   const costmap = navigation.costmap.peek();
   if (!costmap?.is_on) return;
   if (navigation.tool.peek() === "keepout" || navigation.tool.peek() === "erase") {
-    for (const stroke of costmap.keepout) if (!stroke.erases) outlineStroke(brush, stroke);
+    for (const stroke of costmap.keepout) if (!stroke.erases && stroke.speed == null) outlineStroke(brush, stroke);
   }
+  for (const stroke of costmap.keepout) writeLimit(store, brush, stroke);
   const stroke = navigation.stroke.peek();
   if (stroke) outlineStroke(brush, stroke);
   const path = navigation.path.peek();
@@ -78,7 +91,7 @@ export function paintNavigation(store: Store, brush: Brush): void {
   if (asked && navigation.tool.peek() === "cost") paintAsked(brush, asked);
 }
 
-function outlineStroke({ ctx, view, size, colours }: Brush, { width, erases, points }: KeepoutStroke): void {
+function outlineStroke({ ctx, view, size, colours }: Brush, { width, erases, points, speed }: BrushStroke): void {
   const places = points.map(([x, y]) => toScreen(view, size, x, y));
   const [first] = places;
   if (!first) return;
@@ -88,10 +101,44 @@ function outlineStroke({ ctx, view, size, colours }: Brush, { width, erases, poi
   ctx.lineCap = ctx.lineJoin = "round";
   ctx.lineWidth = width / view.scale;
   ctx.globalAlpha = 0.3;
-  ctx.strokeStyle = erases ? colours.floor : colours.hit;
+  ctx.strokeStyle = erases ? colours.floor : speed == null ? colours.hit : colours.speedLimit;
   ctx.stroke();
   ctx.globalAlpha = 1;
   ctx.lineCap = "butt";
+  ctx.lineJoin = "miter";
+}
+
+/** The limit that a stroke painted, where it still holds in the stroke's middle; null for none. */
+function limitOf(store: Store, { points, speed }: BrushStroke): number | null {
+  const limits = store.layers.grid(SPEED_LIMITS).map.peek();
+  const place = middleOf(points);
+  if (!limits || !place || speed == null) return null;
+  const cell = cellAt(limits.geometry, place[0], place[1]);
+  const { rows, cols } = limits.geometry;
+  if (cell.row < 0 || cell.col < 0 || cell.row >= rows || cell.col >= cols) return null;
+  return costOfByte(limits.cells.at(cell.row, cell.col)) === speed ? speed : null;
+}
+
+const middleOf = (points: readonly Point[]): Point | undefined => points[Math.floor(points.length / 2)];
+
+/** Write the limit of a stroke in its middle. */
+function writeLimit(store: Store, { ctx, view, size, colours }: Brush, stroke: BrushStroke): void {
+  const speed = limitOf(store, stroke);
+  const place = middleOf(stroke.points);
+  if (speed === null || !place) return;
+  const text = limitText(speed, store.navigation.values.values.peek().speed_limits);
+  const [x, y] = toScreen(view, size, ...place);
+  ctx.font = `600 13px ${getComputedStyle(ctx.canvas).fontFamily}`;
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  ctx.lineWidth = 4;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = colours.halo;
+  ctx.strokeText(text, x, y);
+  ctx.fillStyle = colours.outline;
+  ctx.fillText(text, x, y);
+  ctx.textAlign = "start";
+  ctx.textBaseline = "alphabetic";
   ctx.lineJoin = "miter";
 }
 

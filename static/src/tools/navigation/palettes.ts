@@ -1,6 +1,6 @@
 /** The palettes of costs and of the potential: alone on a sheet, and laid over the belief. */
 
-import { costColours, potentialColours } from "../../render/map/costColours";
+import { costColours, potentialColours, speedColours } from "../../render/map/costColours";
 import type { Palette } from "../../render/map/palette";
 import { PALETTES } from "../../render/map/palettes";
 
@@ -10,6 +10,8 @@ export const COSTS_OVER: Palette = {
 };
 export const COSTS: Palette = { key: "costs", colours: () => costColours(false) };
 export const POTENTIAL_OVER: Palette = { key: "potential over", colours: potentialColours };
+export const SPEED_OVER: Palette = { key: "speed over", colours: speedColours };
 
 PALETTES.costs = () => COSTS;
 PALETTES.potential = () => POTENTIAL_OVER;
+PALETTES.speed = () => SPEED_OVER;

@@ -1,6 +1,6 @@
 import { useEffect } from "preact/hooks";
 import type { Store } from "../../store/store";
-import { PLAN } from "./paint";
+import { PLAN, SPEED_LIMITS } from "./paint";
 
 /**
  * Begin the costmap of a session, unless the user has ended it; receive the path and what is laid over the belief, and
@@ -11,11 +11,13 @@ export function useCostmap(store: Store): void {
   const isOn = navigation.costmap.value?.is_on === true;
   const isEnded = navigation.isEnded.value;
   const over = navigation.over.value;
+  const isLimited = navigation.costmap.value?.keepout.some(({ speed }) => speed != null) === true;
   useEffect(() => {
     if (!isOn && !isEnded && navigation.costmap.peek()) store.send({ type: "costmap" });
   }, [store, isOn, isEnded, navigation.costmap.value === null]);
   useEffect(() => (isOn ? layers.subscribe(PLAN) : undefined), [store, isOn]);
   useEffect(() => (isOn && over ? layers.subscribe(over) : undefined), [store, isOn, over]);
+  useEffect(() => (isOn && isLimited ? layers.subscribe(SPEED_LIMITS) : undefined), [store, isOn, isLimited]);
   useEffect(() => {
     navigation.over.value ??= "costmap";
     navigation.tool.value = navigation.lastTool.peek();

@@ -7,7 +7,8 @@ import { LiveRegion } from "../../ui/LiveRegion";
 const MAP_TOOL_HINTS: Readonly<Record<MapTool, string>> = {
   goal: "Click to set the goal, or drag it.",
   keepout: "Drag to paint where the robot must not go.",
-  erase: "Drag over a keepout zone to erase it.",
+  speed: "Drag to paint where the robot must be slower.",
+  erase: "Drag over a painted zone to erase it.",
   cost: "Click a cell to ask for its cost.",
 };
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -156,15 +156,20 @@ def cloud(
     order: str = "<",
     rows: int = 1,
     padding: tuple[int, int] = (0, 0),
+    others: Mapping[str, ArrayLike] | None = None,
 ) -> Said:
-    """A cloud of points (n, 3) with fields of these names and types, and bytes of padding after points and rows."""
+    """A cloud of points (n, 3) with fields of these names and types, and bytes of padding after points and rows.
+
+    Fields that are not in ``others``, each (n,), are 1.
+    """
     xyz = np.asarray(points, dtype=np.float64).reshape(rows, -1, 3)
     width = xyz.shape[1]
     offsets = np.cumsum([0, *(np.dtype(code).itemsize for _, code in layout)]).tolist()
     point_step = offsets[-1] + padding[0]
     data = np.full((rows, width * point_step + padding[1]), 0xAB, dtype=np.uint8)
     for (name, code), offset in zip(layout, offsets, strict=False):
-        values = xyz[:, :, "xyz".index(name)] if name in "xyz" else np.ones((rows, width))
+        stated_one = np.asarray((others or {}).get(name, np.ones(rows * width))).reshape(rows, width)
+        values = xyz[:, :, "xyz".index(name)] if name in "xyz" else stated_one
         raw = values.astype(np.dtype(order + code))
         view = data[:, : width * point_step].reshape(rows, width, point_step)
         view[:, :, offset : offset + raw.itemsize] = raw.view(np.uint8).reshape(rows, width, raw.itemsize)

@@ -1,0 +1,31 @@
+"""WebSocket messages as a server sends them: unmasked, whole, and the same bytes for every client (RFC 6455, 5.2)."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+
+#: The extension of the ASGI scope of a connection that takes complete frames as the item ``frames`` of a message
+#: ``websocket.send``. They are written at once, in one system call.
+EXTENSION = "gridbloom.frames"
+
+_FINAL_TEXT, _FINAL_BINARY = 0x81, 0x82
+
+
+def _head(first: int, length: int) -> bytes:
+    if length < 126:
+        return bytes((first, length))
+    if length < 1 << 16:
+        return struct.pack(">BBH", first, 126, length)
+    return struct.pack(">BBQ", first, 127, length)
+
+
+def text_frame(text: str) -> bytes:
+    """Return the frame of a text message."""
+    data = text.encode()
+    return _head(_FINAL_TEXT, len(data)) + data
+
+
+def binary_frame(parts: Sequence[bytes]) -> bytes:
+    """Return the frame of a binary message that consists of ``parts``."""
+    return b"".join((_head(_FINAL_BINARY, sum(map(len, parts))), *parts))
