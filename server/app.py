@@ -71,6 +71,7 @@ async def _lifespan(
         await registry.start()
         stack.push_async_callback(_within, END_S, registry.shutdown)
         library = await asyncio.to_thread(Library, settings)
+        library.sign_in_ends.take_over = sign_ins.take_over
         await library.start()
         stack.push_async_callback(library.close)
         downloads = Downloads(settings.data_dir)

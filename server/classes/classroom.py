@@ -65,6 +65,7 @@ class Classroom:
     def __init__(self, code: str, owner: str | None, clock: Callable[[], float] = time.monotonic) -> None:
         self.code = code
         self.owner = owner  #: the lecturer's visitor id; None until somebody takes it over
+        self.place = ""  #: what a reverse proxy chose this service by when the class was opened
         self.session: str | None = None  #: id of the session that is shown
         self.stage = 0  #: number of that session, from 1
         self.stage_over = asyncio.Event()  #: set once that session is not shown any more

@@ -50,7 +50,7 @@ class MadePuzzles:
         self._database = database
         self._made: dict[str, MadePuzzle] = {}
 
-    async def start(self) -> None:
+    async def follow(self, _: object = None) -> None:
         """Load the stored puzzles. Raises ``StorageError``."""
         self._made = {one.token: one for one in await self._database.run(_load)}
 

@@ -69,7 +69,16 @@ async def begin(
         if one.link == link and one.owner == visitor:
             return created(one)
     session = await begin_puzzle(
-        request, sessions, library, puzzles, visitor, puzzle.key, link=link, places=places_of(settings), name=name
+        request,
+        sessions,
+        library,
+        puzzles,
+        visitor,
+        puzzle.key,
+        link=link,
+        places=places_of(settings),
+        place=room.place,
+        name=name,
     )
     game: Game = puzzles.game(session.id)
 

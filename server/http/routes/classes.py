@@ -19,10 +19,10 @@ from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, while_connected
+from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
-from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
+from server.http.services import CodeBrake, CopyBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
 from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 MAX_COPIES = 2  #: of the lecturer's world that one follower has, one of which is about to end
 router = APIRouter(tags=["classes"])
+
+#: Tells a reverse proxy in front of several services which class this one has (``deploy/haproxy.cfg``).
+CLASS_HEADER = "X-Gridbloom-Class"
 
 
 def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket) -> Classroom:
@@ -68,9 +71,12 @@ def _public(request: Request, room: Classroom) -> dict[str, Any]:
 
 
 @router.post("/api/classes", status_code=201)
-async def open_class(request: Request, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
+async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
     """Open a class, or return the one that this visitor has open."""
-    return _public(request, classes.open(visitor))
+    room = classes.open(visitor)
+    room.place = chosen_place(request)
+    response.headers[CLASS_HEADER] = room.code
+    return _public(request, room)
 
 
 @router.get("/api/classes", responses={204: {"description": "This visitor has no class open."}})
@@ -179,6 +185,7 @@ async def fork(
     request: Request,
     classes: OpenClasses,
     brake: CodeBrake,
+    copies: CopyBrake,
     sessions: Sessions,
     settings: ServiceSettings,
     visitor: Visitor,
@@ -188,6 +195,9 @@ async def fork(
     room = _guessed(brake, classes, code, request)
     session = _shown(classes, room, sessions, visitor)
 
+    if copies.wait_s(visitor) > 0.0:
+        raise SessionBudgetError("class.copies", "You copied this world many times just now: wait a few seconds.")
+    copies.count(visitor)
     link = link_of(room)
 
     async def begun() -> SessionHost:
@@ -195,8 +205,8 @@ async def fork(
         if len(earlier) >= MAX_COPIES:  # made by pages that asked at the same time
             raise SessionBudgetError("class.copies", "You have as many copies of this world as you may: wait a moment.")
         plan = await _copy(session, settings.max_story_s)
-        address = client_address(request)
-        made = await sessions.begin(plan, visitor, link=link, address=address, places=places_of(settings))
+        address, places = client_address(request), places_of(settings)
+        made = await sessions.begin(plan, visitor, link=link, address=address, places=places, place=session.place)
         for one in earlier:  # not before there is another one
             with suppress(SessionNotFoundError):
                 await sessions.close(one.id)

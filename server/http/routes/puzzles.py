@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, while_connected
+from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
@@ -119,9 +119,13 @@ async def begin_puzzle(
     *,
     link: str | None,
     places: int | None = None,
+    place: str | None = None,
     name: str | None = None,
 ) -> SessionHost:
-    """Begin a session of a puzzle: one that comes with the program, or the token of one that a visitor made."""
+    """Begin a session of a puzzle: one that comes with the program, or the token of one that a visitor made.
+
+    ``place`` is what a reverse proxy finds this service by; None: as the request says.
+    """
     from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
     from server.puzzles import LogSource, StorySource  # noqa: PLC0415
 
@@ -143,7 +147,10 @@ async def begin_puzzle(
     plan = puzzles.plan(key, source, title, name)
 
     async def begun() -> SessionHost:
-        return await sessions.begin(plan, visitor, link=link, address=client_address(request), places=places)
+        chosen = chosen_place(request) if place is None else place
+        return await sessions.begin(
+            plan, visitor, link=link, address=client_address(request), places=places, place=chosen
+        )
 
     session = await while_connected(request, begun())
     puzzles.begin(session, key, title, story, level)

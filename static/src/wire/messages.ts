@@ -246,6 +246,22 @@ export interface VolumeChanges {
   readonly only_second: number;
 }
 
+/** What one scan did to a voxel of a surface. */
+export interface SurfaceUpdate {
+  /** number of the scan, from 1 */
+  readonly scan: number;
+  /** signed distance that it measured, m, cut at the truncation */
+  readonly measured: number;
+  /** weight of the measurement */
+  readonly added: number;
+  /** mean distance before, m; null: unknown */
+  readonly before: number | null;
+  /** mean distance after, m */
+  readonly after: number;
+  /** weight of the mean after */
+  readonly weight: number;
+}
+
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
 
@@ -662,6 +678,8 @@ export interface TerrainMessage {
   readonly kappa: number | null;
   /** points that are classified wrongly, %; null: as above */
   readonly total_error: number | null;
+  /** what they are compared with; null: as above */
+  readonly truth: string | null;
   /** patches that are safe */
   readonly safe: number;
   /** patches that are unsafe */
@@ -788,6 +806,52 @@ export interface VolumeMessage {
   readonly colours: readonly string[];
   /** the comparison with another map; null: there is none */
   readonly compared: VolumeChanges | null;
+}
+
+/** Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes. */
+export interface SurfaceMessage {
+  readonly type: "surface";
+  /** its parameters; empty where no surface can be made */
+  readonly table: readonly Parameter[];
+  /** their present values */
+  readonly values: Values;
+  /** truncation that is used, m */
+  readonly truncation: number;
+  /** scans in the surface */
+  readonly index: number;
+  /** blocks of 8³ voxels */
+  readonly blocks: number;
+  /** memory of the blocks */
+  readonly bytes: number;
+  /** triangles that are drawn */
+  readonly triangles: number;
+  /** chunks of 32³ voxels that have triangles */
+  readonly chunks: number;
+  /** chunks that are still to be meshed again */
+  readonly pending: number;
+  /** scans after which the surface is kept, to go back to */
+  readonly snapshots: readonly number[];
+  /** why it is not drawn; null: it is */
+  readonly problem: string | null;
+}
+
+/** Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen. */
+export interface SurfaceVoxelMessage {
+  readonly type: "surface_voxel";
+  /** its centre, m */
+  readonly centre: Place | null;
+  /** its side, m */
+  readonly size: number;
+  /** mean signed distance, m, positive before; null: unknown */
+  readonly distance: number | null;
+  /** weight of the mean */
+  readonly weight: number;
+  /** scans in the surface */
+  readonly index: number;
+  /** scans that measured it */
+  readonly total: number;
+  /** at most the last 200, oldest first */
+  readonly updates: readonly SurfaceUpdate[];
 }
 
 /** Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen. */
@@ -1195,6 +1259,13 @@ export interface VolumeLookCommand {
   readonly values: Values;
 }
 
+/** Sessions in 3D: change parameters of the surface, which is then made again. */
+export interface SurfaceCommand {
+  readonly type: "surface";
+  /** new values; the others stay */
+  readonly values: Values;
+}
+
 /** Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none. */
 export interface VoxelCommand {
   readonly type: "voxel";
@@ -1378,6 +1449,8 @@ export type ServerMessage =
   | MapEditsMessage
   | Nav2Message
   | VolumeMessage
+  | SurfaceMessage
+  | SurfaceVoxelMessage
   | VoxelMessage
   | WorkingMessage
   | NoticeMessage
@@ -1419,6 +1492,7 @@ export type Command =
   | InspectCommand
   | WhyCommand
   | VolumeLookCommand
+  | SurfaceCommand
   | VoxelCommand
   | VoxelRayCommand
   | VolumeKeepCommand
@@ -1549,6 +1623,14 @@ const isVolumeChanges: Check = isObject({
   same: isInteger,
   only_first: isInteger,
   only_second: isInteger,
+});
+const isSurfaceUpdate: Check = isObject({
+  scan: isInteger,
+  measured: isNumber,
+  added: isNumber,
+  before: oneOf(isNumber, isNull),
+  after: isNumber,
+  weight: isNumber,
 });
 const isCellState: Check = isLiteral("free", "occupied", "unknown");
 const isVoxelUpdate: Check = isObject({
@@ -1767,6 +1849,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     ground: isInteger,
     kappa: oneOf(isNumber, isNull),
     total_error: oneOf(isNumber, isNull),
+    truth: oneOf(isText, isNull),
     safe: isInteger,
     unsafe: isInteger,
     unknown: isInteger,
@@ -1827,6 +1910,28 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     pending: isInteger,
     colours: isListOf(isText),
     compared: oneOf(isVolumeChanges, isNull),
+  },
+  surface: {
+    table: isListOf(isParameter),
+    values: isValues,
+    truncation: isNumber,
+    index: isInteger,
+    blocks: isInteger,
+    bytes: isInteger,
+    triangles: isInteger,
+    chunks: isInteger,
+    pending: isInteger,
+    snapshots: isListOf(isInteger),
+    problem: oneOf(isText, isNull),
+  },
+  surface_voxel: {
+    centre: oneOf(isPlace, isNull),
+    size: isNumber,
+    distance: oneOf(isNumber, isNull),
+    weight: isNumber,
+    index: isInteger,
+    total: isInteger,
+    updates: isListOf(isSurfaceUpdate),
   },
   voxel: {
     centre: oneOf(isPlace, isNull),

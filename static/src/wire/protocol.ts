@@ -48,6 +48,8 @@ export type {
   Point,
   Pose,
   ServerMessage,
+  SurfaceMessage,
+  SurfaceVoxelMessage,
   Table,
   TerrainMessage,
   TerrainPatch,

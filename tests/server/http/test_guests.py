@@ -15,6 +15,7 @@ from server.settings import Settings
 
 ALWAYS = {
     ("GET", "/livez"),
+    ("GET", "/readyz"),
     ("GET", "/assets/{name:path}"),
     ("HEAD", "/assets/{name:path}"),
     ("GET", "/shared/{token}"),
@@ -69,6 +70,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/map.yaml"),
     ("GET", "/api/sessions/{session_id}/map.png"),
     ("GET", "/api/sessions/{session_id}/volume.{kind}"),
+    ("GET", "/api/sessions/{session_id}/surface.{kind}"),
 }
 NEVER = {
     ("GET", "/"),
@@ -76,7 +78,6 @@ NEVER = {
     ("GET", "/{name}"),
     ("HEAD", "/{name}"),
     ("GET", "/3d"),
-    ("GET", "/readyz"),
     ("GET", "/sign-out"),
     ("POST", "/sign-out"),
     ("GET", "/metrics"),
