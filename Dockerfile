@@ -2,10 +2,12 @@
 # The address with its token is printed at the start; GRIDBLOOM_TOKEN sets a token of your own.
 
 ARG PYTHON=3.11
+# What the image is made on: a Debian with this Python.
+ARG BASE=python:${PYTHON}-slim
 
 # The wheel, with the pages in it. Node comes with the wheel's build requirements. All packages have the versions and
 # hashes of requirements/, as in the tests.
-FROM python:${PYTHON}-slim AS wheel
+FROM ${BASE} AS wheel
 WORKDIR /src
 COPY requirements/build.txt requirements/
 RUN pip install --no-cache-dir --require-hashes --requirement requirements/build.txt
@@ -16,9 +18,9 @@ COPY server server
 RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels .
 
 # What runs: the service and its dependencies in an environment of their own, no compiler, no Node.
-FROM python:${PYTHON}-slim AS runtime
+FROM ${BASE} AS runtime
 RUN useradd --system --create-home --uid 10001 gridbloom \
-    && install --directory --owner gridbloom --group gridbloom /data /var/cache/gridbloom
+    && install --directory --owner gridbloom --group gridbloom /data /blobs /var/cache/gridbloom
 ENV VIRTUAL_ENV=/opt/gridbloom \
     PATH=/opt/gridbloom/bin:$PATH \
     PYTHONUNBUFFERED=1 \

@@ -18,7 +18,7 @@ RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 # and each service that a test starts would be compiled anew.
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: serve setup lock docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
+.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
 serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
@@ -36,9 +36,14 @@ $(VENV)/.installed: pyproject.toml requirements/dev.txt
 lock: $(VENV)/.installed ## renew requirements/*.txt: the newest versions that pyproject.toml allows, for Python 3.11 and later
 	$(PIP) uv
 	$(LOCK) --upgrade --all-extras --group build pyproject.toml --output-file requirements/dev.txt
-	$(LOCK) --upgrade --constraint requirements/dev.txt pyproject.toml --output-file requirements/runtime.txt
+	$(LOCK) --upgrade --constraint requirements/dev.txt --extra postgres pyproject.toml --output-file requirements/runtime.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group build --output-file requirements/build.txt
 	$(LOCK) --upgrade --constraint requirements/dev.txt --group docs --output-file requirements/docs.txt
+
+sbom: $(VENV)/.installed ## build/sbom.json: what the service is made of, as CycloneDX, from requirements/runtime.txt
+	$(PIP) cyclonedx-bom
+	mkdir -p build
+	$(BIN)/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible --output-file build/sbom.json requirements/runtime.txt
 
 $(VENV)/.docs: $(VENV)/.installed requirements/docs.txt
 	$(PIP) --require-hashes --requirement requirements/docs.txt
@@ -71,9 +76,10 @@ test-pages: setup
 kernels: setup ## compile every kernel once, so that no test waits for it
 	$(BIN)/python -m mapper.tools.precompile
 
-programs: setup ## find Chromium and PostgreSQL, or install them where that is possible
+programs: setup ## find Chromium, PostgreSQL and HAProxy, or install them where that is possible
 	$(BIN)/python -m tests.browser.find_chromium
 	$(BIN)/python -m tests.server.library.postgresql
+	$(BIN)/python -m tests.haproxy
 
 test: setup ## what CI runs; PYTEST=tests/mapper names some of the tests
 	$(MAKE) --jobs 2 check-python kernels check-pages test-pages programs

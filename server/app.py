@@ -16,6 +16,7 @@ from server.downloads import Downloads
 from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import (
+    class_puzzles,
     classes,
     contents,
     costmaps,
@@ -30,6 +31,7 @@ from server.http.routes import (
     merging,
     notes,
     pages,
+    puzzles,
     relations,
     scenes,
     sensor,
@@ -69,6 +71,7 @@ async def _lifespan(
         await registry.start()
         stack.push_async_callback(_within, END_S, registry.shutdown)
         library = await asyncio.to_thread(Library, settings)
+        library.sign_in_ends.take_over = sign_ins.take_over
         await library.start()
         stack.push_async_callback(library.close)
         downloads = Downloads(settings.data_dir)
@@ -142,8 +145,10 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         slam.router,
         localization.router,
         links.router,
+        puzzles.router,
         scenes.router,
         classes.router,
+        class_puzzles.router,
         docs.router,
         sign_out.router,
         pages.router,  # last: it has a route for any other name

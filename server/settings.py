@@ -56,9 +56,9 @@ class Settings(BaseSettings):
     )
     executor: str | None = Field(
         default=None,
-        pattern=r"^tcp://[^/]+:[0-9]+$",
-        description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT is a Dask scheduler "
-        "whose workers access the data folder at the same path.",
+        pattern=r"^(tcp|tls)://[^/]+:[0-9]+$",
+        description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT or tls://HOST:PORT "
+        "is a Dask scheduler whose workers access the data folder at the same path.",
     )
     logs_dir: Path | None = Field(default=None, description="Folder of logs that all visitors see, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Maximum number of concurrent sessions.")

@@ -22,6 +22,7 @@ export default defineConfig({
         lab: page("lab.html"),
         logs: page("logs.html"),
         join: page("join.html"),
+        puzzles: page("puzzles.html"),
       },
       // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
       output: { codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] } },
@@ -38,6 +39,7 @@ export default defineConfig({
     },
   },
   // Most tests need no document; those that do name happy-dom in their first line: setting it up takes as long as they do.
-  // A test that computes for a second on an idle machine takes ten on a busy one.
-  test: { include: ["src/**/*.test.{ts,tsx}"], css: { include: /\?raw/ }, testTimeout: 60_000 },
+  // The files of one worker share its modules and its page: making them anew takes half of the time. A test that
+  // computes for a second on an idle machine takes ten on a busy one.
+  test: { include: ["src/**/*.test.{ts,tsx}"], css: { include: /\?raw/ }, isolate: false, testTimeout: 60_000 },
 });

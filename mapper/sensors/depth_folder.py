@@ -31,11 +31,15 @@ class DepthFrame:
 
 @dataclass(frozen=True, slots=True)
 class DepthFolder:
-    """The depth images of one camera in their order. An image is read when it is asked for; none is kept."""
+    """The depth images of one camera in their order. An image is read when it is asked for; none is kept.
+
+    Depths are whole multiples of ``unit`` metres, at most 65,535 of them, rounded to float32.
+    """
 
     camera: Intrinsics
     frames: tuple[DepthFrame, ...]
     notes: tuple[str, ...] = ()
+    unit: float = 0.001
 
     def __len__(self) -> int:
         return len(self.frames)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -25,6 +26,32 @@ def surface_mesh(volume: TsdfVolume, slots: Int32Array | None = None, *, least_w
     A cell has triangles where its eight voxels are known, with a weight of at least ``least_weight``. Only the cells
     whose first voxels are in the blocks ``slots`` (n,) are meshed, all different, or all cells.
     """
+    return _meshed(volume, slots, least_weight)[0]
+
+
+def surface_meshes(volume: TsdfVolume, groups: Sequence[Int32Array], *, least_weight: float = 0.0) -> list[Mesh]:
+    """Return the surface of each of several groups of blocks as :func:`surface_mesh` does; no block is in two."""
+    if not groups:
+        return []
+    slots = np.concatenate(groups).astype(np.int32)
+    whole, starts = _meshed(volume, slots, least_weight)
+    ends = starts[np.cumsum([len(group) for group in groups])]
+    is_used = np.zeros(len(whole.vertices), dtype=np.bool_)
+    number = np.empty(len(whole.vertices), dtype=np.int32)
+    meshes, first = [], 0
+    for end in ends.tolist():
+        triangles = whole.triangles[first:end]
+        is_used[triangles] = True
+        used = np.flatnonzero(is_used)
+        is_used[used] = False
+        number[used] = np.arange(len(used), dtype=np.int32)
+        meshes.append(Mesh(whole.vertices[used], whole.normals[used], number[triangles]))
+        first = end
+    return meshes
+
+
+def _meshed(volume: TsdfVolume, slots: Int32Array | None, least_weight: float) -> tuple[Mesh, Int64Array]:
+    """Return the mesh of ``slots``, None for all, and of each block the number of triangles before it, (n + 1,)."""
     tables, count = cube_tables(), volume.blocks.count
     distances, weights = volume.distances.reshape(-1, BLOCK**3), volume.weights.reshape(-1, BLOCK**3)
     least = np.float32(max(least_weight, float(np.finfo(np.float32).tiny)))
@@ -41,6 +68,7 @@ def surface_mesh(volume: TsdfVolume, slots: Int32Array | None = None, *, least_w
             for a, b in _parts(len(chosen))
         ]
     )
+    of_blocks = _starts(n_triangles)
     some = np.flatnonzero(n_triangles)
     chosen, near, starts = chosen[some], near[some], _starts(n_triangles[some])
     owners = _among(near, count)
@@ -81,7 +109,7 @@ def surface_mesh(volume: TsdfVolume, slots: Int32Array | None = None, *, least_w
             for a, b in _parts(len(chosen))
         ]
     )  # fmt: skip
-    return Mesh(vertices, normals, triangles)
+    return Mesh(vertices, normals, triangles), of_blocks
 
 
 def blocks_of_change(volume: TsdfVolume, changed: Int32Array) -> Int32Array:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,13 @@ from numpy.typing import NDArray
 from mapper.core.array_types import Float32Array, Float64Array, Int64Array
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.clouds import read_cloud
+from mapper.io.clouds import read_cloud, read_depth_folder
+from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import cloud_format
 from mapper.io.logs.unpacking import Progress
-from mapper.volume.sources import PlacedScan, ScanSource, file_head, open_source
+from mapper.sensors.point_cloud import PointCloud, PosedCloud
+from mapper.volume.depth_sequence import DepthSequence, GatheredDepth
+from mapper.volume.sources import PlacedScan, ScanSource, file_head, open_source, placed_scan
 
 MOST_POINTS = 10_000_000  #: of a sequence; of one with more, one point is kept for each small cube
 FINEST_M = 0.01  #: side of these cubes at first, metres: the voxels of a map at any multiple of it keep their points
@@ -25,6 +28,15 @@ MOST_IN_SCAN = 50_000  #: points of a scan of several from which on one point is
 FAR_M = np.array([1000.0, 1000.0, 100.0])  #: a cloud this far from 0, x y z, is moved to it: float32 has steps of 0.5 m
 #: at a northing of 5,400 km, and airborne scans are hundreds of metres high
 OFFSET_STEP_M = 100.0
+#: Of each axis that may point up the rotation that turns it to z.
+UPS = {
+    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+    "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+}
 FIELDS = ("rgb", "intensity", "class")  #: of a cloud's points that are kept
 
 
@@ -36,7 +48,7 @@ class ScanSequence:
     ``origins`` (scans, 3), metres, are the places of the sensor, NaN where they are not known; ``stamps_ns`` (scans,)
     are 0 where there are none. The file's coordinates are those here plus ``offset`` (3,). ``fields`` has what is known
     of each point: ``rgb`` (n, 3) uint8, ``intensity`` (n,) float32, ``class`` (n,) integers. ``kind`` is the format;
-    ``notes`` are sentences on what was read.
+    ``notes`` are sentences on what was read. ``depth`` has the images of a depth folder, one for each scan.
     """
 
     kind: str
@@ -47,6 +59,7 @@ class ScanSequence:
     offset: Float64Array
     fields: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    depth: DepthSequence | None = None
 
     def __len__(self) -> int:
         return len(self.starts) - 1
@@ -59,6 +72,22 @@ class ScanSequence:
             points.astype(np.float64), origin if np.isfinite(origin).all() else None, int(self.stamps_ns[index])
         )
 
+    def with_up(self, axis: str) -> ScanSequence:
+        """Return the scans turned so that an axis of the file, one of :data:`UPS`, points up.
+
+        Raises :class:`ConfigError` for another one.
+        """
+        if axis not in UPS:
+            raise ConfigError("volume.up", f"An axis that points up is one of {', '.join(UPS)}, not {axis!r:.80}.")
+        turn = np.array(UPS[axis], dtype=np.float64)
+        depth = self.depth
+        if depth is not None:
+            poses = depth.poses.copy()
+            poses[:, :3] = turn @ depth.poses[:, :3]
+            depth = replace(depth, poses=poses)
+        points = np.ascontiguousarray(self.points @ turn.T.astype(np.float32))
+        return replace(self, points=points, origins=self.origins @ turn.T, offset=turn @ self.offset, depth=depth)
+
     @property
     def has_origins(self) -> bool:
         """Whether it is known where the sensor was, so that free space can be mapped."""
@@ -67,7 +96,8 @@ class ScanSequence:
     @property
     def nbytes(self) -> int:
         """Bytes of the arrays."""
-        return self.points.nbytes + sum(one.nbytes for one in self.fields.values()) + self.origins.nbytes
+        depth = 0 if self.depth is None else self.depth.images.nbytes
+        return self.points.nbytes + sum(one.nbytes for one in self.fields.values()) + self.origins.nbytes + depth
 
 
 class _Gathered:
@@ -135,6 +165,8 @@ def gather(
 
     Raises as that does, and :class:`ReadError` where there is no scan with a point.
     """
+    if is_depth_folder(Path(path)):
+        return _of_depth_folder(Path(path), limits, progress, most)
     kind = None if Path(path).is_dir() else cloud_format(file_head(Path(path), limits))
     if kind is not None and kind != "scan graph":
         return _of_cloud(Path(path), kind, limits, progress, most)
@@ -157,6 +189,23 @@ def _of_source(source: ScanSource, most: int, progress: Progress | None) -> Scan
     if offset is None:
         raise ReadError("cloud.empty", "None of the scans has a point.")
     return _sequence(source.kind, gathered, np.array(origins), np.array(stamps), offset, {}, source.notes)
+
+
+def _of_depth_folder(path: Path, limits: Limits, progress: Progress | None, most: int) -> ScanSequence:
+    folder = read_depth_folder(path, limits=limits)
+    kept = GatheredDepth(folder.camera, folder.unit)
+
+    def scans() -> Iterator[PlacedScan]:
+        for frame in folder.frames:
+            depth = frame.read()
+            if np.isfinite(depth).any():
+                kept.add(depth, frame.pose)
+                cloud = PointCloud(folder.camera.points(depth), frame.stamp_ns, frame.name, depth.shape)
+                yield placed_scan(PosedCloud(cloud, frame.pose))
+
+    source = ScanSource("depth images", scans(), len(folder), list(folder.notes))
+    sequence = _of_source(source, most, progress)
+    return replace(sequence, notes=(*sequence.notes, *kept.notes), depth=kept.sequence(sequence.offset))
 
 
 def _of_cloud(path: Path, kind: str, limits: Limits, progress: Progress | None, most: int) -> ScanSequence:

@@ -59,11 +59,11 @@ def open_source(
     path = Path(path)
     if is_depth_folder(path):
         folder = read_depth_folder(path, limits=limits)
-        return ScanSource("depth images", map(_placed, folder.clouds()), len(folder), list(folder.notes))
+        return ScanSource("depth images", map(placed_scan, folder.clouds()), len(folder), list(folder.notes))
     kind = None if path.is_dir() else cloud_format(file_head(path, limits))
     if kind == "scan graph":
         graph = read_scan_graph(path, limits=limits, progress=progress)
-        return ScanSource(kind, map(_placed, graph), None, [])
+        return ScanSource(kind, map(placed_scan, graph), None, [])
     if kind is None:
         return _of_recording(open_posed_clouds(path, topic=topic, limits=limits, progress=progress))
     cloud = read_cloud(path, limits=limits, progress=progress)
@@ -86,7 +86,8 @@ def file_head(path: Path, limits: Limits) -> bytes:
     return head[:HEAD_BYTES]
 
 
-def _placed(posed: PosedCloud) -> PlacedScan:
+def placed_scan(posed: PosedCloud) -> PlacedScan:
+    """Return the finite points of a cloud at its pose that are near enough to the origin to be in a map."""
     points = posed.points_in_map()[posed.cloud.finite]
     # A message may state any number: what is read of a cloud's file is checked by its reader.
     near = (np.abs(points) <= DEFAULT_LIMITS.max_coordinate).all(axis=1)
@@ -103,7 +104,7 @@ def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
     n = far = 0
     for posed in clouds:
         n += 1
-        scan = _placed(posed)
+        scan = placed_scan(posed)
         far += int(np.count_nonzero(posed.cloud.finite)) - len(scan.points)
         yield scan
     if far:

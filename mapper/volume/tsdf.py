@@ -28,7 +28,7 @@ from mapper.volume.tsdf_parameters import TsdfConfig
 CENTRE = KEYS // 2
 _SHARE = 64  # blocks from which a second thread is worth its start
 _FIRST_ROOM = 8192  # blocks for which there is room at first; memory that is not used yet is only reserved
-_BEAMS = 4096  # whose blocks are looked up at a time
+_FOUND = 1 << 18  # blocks of beams that are looked up at a time, some of them several times
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +50,12 @@ class TsdfVolume:
     def __init__(self, config: TsdfConfig | None = None, limits: Limits = DEFAULT_LIMITS) -> None:
         self.config = TsdfConfig() if config is None else config
         self.blocks = BlockHash(limits)
-        self._most_blocks = limits.max_blocks // 2  # a voxel has twice the bytes of one of an OccupancyVolume
         self._distances = np.zeros((0, BLOCK**3), dtype=np.float32)
         self._weights = np.zeros((0, BLOCK**3), dtype=np.float32)
+
+    @property
+    def _most_blocks(self) -> int:
+        return self.blocks.limits.max_blocks // 2  # a voxel has twice the bytes of one of an OccupancyVolume
 
     @property
     def distances(self) -> Float32Array:
@@ -225,26 +228,31 @@ class TsdfVolume:
         resolution = self.config.resolution
         of_a_beam = 3 * (math.ceil(2.0 * float(fusion.truncation) / resolution / BLOCK) + 3)
         found = np.empty(0, dtype=np.int64)
-        out = np.empty(min(len(ends), _BEAMS) * of_a_beam, dtype=np.int64)
-        for a in range(0, len(ends), _BEAMS):
-            n = beam_blocks(start, ends[a : a + _BEAMS], resolution, fusion, out)
+        at_once = max(1, min(len(ends), _FOUND // of_a_beam))
+        out = np.empty(at_once * of_a_beam, dtype=np.int64)
+        for a in range(0, len(ends), at_once):
+            n = beam_blocks(start, ends[a : a + at_once], resolution, fusion, out)
             found = np.union1d(found, out[:n])
+            self._check_count(len(found))
         return found
 
     def _reserve(self, count: int) -> None:
         """Have room for ``count`` blocks, those that are not in the map all 0. Raises :class:`LimitError`."""
-        if count > self._most_blocks:
-            raise LimitError(
-                "volume.too_large",
-                f"The map would need {count:,} blocks of 8 × 8 × 8 voxels, more than {self._most_blocks:,}; choose a "
-                "coarser resolution, a shorter truncation or a shorter longest range.",
-            )
+        self._check_count(count)
         if count > len(self._distances):
             n = min(max(count, 2 * len(self._distances), _FIRST_ROOM), self._most_blocks)
             distances, weights = np.zeros((n, BLOCK**3), np.float32), np.zeros((n, BLOCK**3), np.float32)
             held = self.blocks.count
             distances[:held], weights[:held] = self._distances[:held], self._weights[:held]
             self._distances, self._weights = distances, weights
+
+    def _check_count(self, count: int) -> None:
+        if count > self._most_blocks:
+            raise LimitError(
+                "volume.too_large",
+                f"The map would need {count:,} blocks of 8 × 8 × 8 voxels, more than {self._most_blocks:,}; choose a "
+                "coarser resolution, a shorter truncation or a shorter longest range.",
+            )
 
     def _keep(self, codes: Int64Array, rows: Int32Array, first: int, n_new: int) -> None:
         """Add blocks, whose voxels are in ``rows`` from ``first`` on; the others of these ``n_new`` are 0 again."""

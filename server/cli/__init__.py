@@ -57,6 +57,9 @@ from server.cli import map3d as mapping_in_3d  # noqa: F401
 from server.cli import terrain as assessing  # noqa: F401
 
 # isort: split
+from server.cli import fleet as many  # noqa: F401
+
+# isort: split
 from server.cli import bench as measuring  # noqa: F401
 
 # isort: split

@@ -13,7 +13,7 @@ import json
 import secrets
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import structlog
@@ -24,6 +24,7 @@ TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
 VALID_S = 30 * 24 * 3600  #: of a cookie
 MAX_ENDED = 4096  #: cookies that ended early, which are recorded; beyond it all that are as old as the oldest end
 
+ALL = "*"  #: in the place of a name
 _log = structlog.get_logger(__name__)
 
 
@@ -62,12 +63,7 @@ class SignIns:
             return
         given, name = parsed
         with self._ending:
-            oldest = max(self._clock() - VALID_S, self._ended_until)
-            ended = {one: at for one, at in self._ended.items() if at > oldest} | {name: given}
-            while len(ended) > MAX_ENDED:
-                first = min(ended, key=ended.__getitem__)
-                self._ended_until = max(self._ended_until, ended.pop(first))
-            self._ended = ended
+            self._end({name: given})
             self._write()
 
     def end_all(self) -> None:
@@ -77,6 +73,25 @@ class SignIns:
             self._ended_until = max(int(self._clock()), self._ended_until + 1)
             self._ended = {}
             self._write()
+
+    @property
+    def ended(self) -> Mapping[str, int]:
+        """What has ended early: cookies by name with the time at which each was given; ``*``: all up to its time."""
+        return {**self._ended, ALL: self._ended_until}
+
+    def take_over(self, ended: Mapping[str, int]) -> None:
+        """End what other services on the same database have ended."""
+        with self._ending:
+            self._ended_until = max(self._ended_until, ended.get(ALL, 0))
+            self._end({name: given for name, given in ended.items() if name != ALL})
+
+    def _end(self, names: Mapping[str, int]) -> None:
+        oldest = max(self._clock() - VALID_S, self._ended_until)
+        ended = {one: at for one, at in {**self._ended, **names}.items() if at > oldest}
+        while len(ended) > MAX_ENDED:
+            first = min(ended, key=ended.__getitem__)
+            self._ended_until = max(self._ended_until, ended.pop(first))
+        self._ended = ended
 
     def _digest(self, given: int, name: str) -> str:
         return hmac.digest(self._key or b"", f"{given:x}.{name}".encode(), hashlib.sha256).hex()

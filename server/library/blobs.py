@@ -10,16 +10,17 @@ import asyncio
 import contextlib
 import hashlib
 import shutil
+import time
 import uuid
 from collections.abc import AsyncIterator, Collection, Iterator
 from contextlib import asynccontextmanager, contextmanager
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import obstore
 import structlog
-from obstore.exceptions import BaseError
+from obstore.exceptions import AlreadyExistsError, BaseError
 from obstore.store import LocalStore, S3Store
 
 from server.library.storage import StorageError, disk_full, private_folder
@@ -142,20 +143,29 @@ class Blobs:
                 return bytes(obstore.get(self._store, IDENTITY).bytes()).decode("ascii", "replace")[:64]
             except FileNotFoundError:
                 identity = uuid.uuid4().hex
-                obstore.put(self._store, IDENTITY, identity.encode())
+                try:
+                    obstore.put(self._store, IDENTITY, identity.encode(), mode="create")
+                except AlreadyExistsError:  # another service has begun at the same time
+                    return bytes(obstore.get(self._store, IDENTITY).bytes()).decode("ascii", "replace")[:64]
                 return identity
 
     def incoming(self) -> Incoming:
         """Return a new upload."""
         return Incoming(self._store)
 
-    async def names(self) -> set[str]:
-        """Return the digests of all blobs. Raises :class:`StorageError`."""
-        found: set[str] = set()
+    async def names(self, min_age_s: float = 0.0) -> set[str]:
+        """Return the digests of all blobs that are as old. Raises :class:`StorageError`."""
+        return {path.rsplit("/", 1)[-1] for path in await self._paths(self._kind, min_age_s)}
+
+    async def _paths(self, kind: str, min_age_s: float) -> list[str]:
+        newest = datetime.now(UTC) - timedelta(seconds=min_age_s)
         with _storage_errors(remote=not isinstance(self._store, LocalStore)):
-            async for entries in obstore.list(self._store, self._kind):
-                found |= {entry["path"].rsplit("/", 1)[-1] for entry in entries}
-        return found
+            return [
+                entry["path"]
+                async for entries in obstore.list(self._store, kind)
+                for entry in entries
+                if not min_age_s or entry["last_modified"] < newest
+            ]
 
     async def delete(self, name: str) -> None:
         """Remove a blob. A missing one is no error; one that cannot be removed is removed at the next start."""
@@ -198,24 +208,46 @@ class Blobs:
             await obstore.put_async(self._store, f"{self._kind}/{name}", path)
             await asyncio.to_thread(path.unlink)
 
-    async def remove_unreferenced(self, keep: Collection[str]) -> None:
-        """Remove incomplete files of an earlier run, and all blobs except those named in ``keep``."""
-        for name in await self.names() - set(keep):
-            await self.delete(name)
+    async def copy_in(self, path: Path, name: str) -> None:
+        """Copy a local file into the store. Raises :class:`StorageError`."""
         with _storage_errors(remote=not isinstance(self._store, LocalStore)):
-            async for entries in obstore.list(self._store, INCOMING):
-                await obstore.delete_async(self._store, [entry["path"] for entry in entries])
-        folders = {self._scratch} if self._folder is None else {self._scratch, self._folder / INCOMING}
-        for folder in folders:
-            await asyncio.to_thread(_empty, folder)
+            await obstore.put_async(self._store, f"{self._kind}/{name}", path)
+
+    async def copy_out(self, name: str, path: Path) -> None:
+        """Copy a blob to a new local file, whole or not at all. Raises :class:`StorageError`, also if there is none."""
+        copy = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
+        try:
+            with _storage_errors(remote=not isinstance(self._store, LocalStore)):
+                await self._copy(name, copy)
+                copy.replace(path)
+        finally:
+            copy.unlink(missing_ok=True)
+
+    async def remove_unreferenced(self, keep: Collection[str], min_age_s: float = 0.0) -> None:
+        """Remove incomplete files of an earlier run, and all blobs except those named in ``keep``.
+
+        Where other services use the store, ``min_age_s`` spares what they may be writing.
+        """
+        for name in await self.names(min_age_s) - set(keep):
+            await self.delete(name)
+        paths = await self._paths(INCOMING, min_age_s)
+        with _storage_errors(remote=not isinstance(self._store, LocalStore)):
+            if paths:
+                await obstore.delete_async(self._store, paths)
+        await asyncio.to_thread(_empty, self._scratch, 0.0)
+        if self._folder is not None and self._folder / INCOMING != self._scratch:
+            await asyncio.to_thread(_empty, self._folder / INCOMING, min_age_s)
 
 
-def _empty(folder: Path) -> None:
+def _empty(folder: Path, min_age_s: float) -> None:
     for path in folder.iterdir():  # obstore does not list the parts of an upload
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink(missing_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            if min_age_s and path.stat().st_mtime >= time.time() - min_age_s:
+                continue
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink()
 
 
 @contextmanager

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +19,9 @@ import structlog
 
 from server.library.blobs import Blobs, Incoming
 from server.library.cache import LogCache
+from server.library.common_files import CommonFiles
 from server.library.folder import FolderLog
+from server.library.leases import Lease
 from server.library.legacy_import import import_legacy_records
 from server.library.records import Record, Records
 from server.library.storage import StorageError
@@ -26,12 +29,14 @@ from server.library.storage import StorageError
 _log = structlog.get_logger(__name__)
 
 INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading was interrupted too often
+FULL_BYTES = 1 << 20  #: of free space, below which a file system counts as full
 
 
 class Catalogue:
     """The records of one library, kept in ``store``; ``root`` is the folder of its packs and pictures.
 
-    ``forgotten`` is called with the id of each log whose record was removed.
+    ``forgotten`` is called with the id of each log whose record was removed; ``common`` has the files that several
+    services share.
     """
 
     def __init__(
@@ -40,11 +45,13 @@ class Catalogue:
         blobs: Blobs,
         cache: LogCache,
         root: Path,
+        common: CommonFiles,
         forgotten: Callable[[str], Awaitable[None]] | None = None,
     ) -> None:
         self._store = store
         self._blobs = blobs
         self._cache = cache
+        self._common = common
         self._forgotten = forgotten
         self._root = root
         self._packs = root / "packs"
@@ -86,7 +93,10 @@ class Catalogue:
             names = await self._blobs.names()
             if is_new and names:  # they may belong to another database
                 _log.warning("the database knows none of the blobs: they are left alone", blobs=len(names))
-            await self._blobs.remove_unreferenced(names if is_new else {record.sha256 for record in self.uploaded()})
+            keep = names if is_new else {record.sha256 for record in self.uploaded()}
+            await self._blobs.remove_unreferenced(keep, self._common.min_age_s)
+            if not is_new:
+                await self._common.remove_unreferenced(self._records)
         except StorageError:
             _log.warning("the store of blobs could not be tidied")
 
@@ -149,6 +159,14 @@ class Catalogue:
     async def _folder_file(self, record: Record) -> AsyncIterator[Path]:
         yield self.folder_logs[record.id].path
 
+    async def fetch(self, log_id: str) -> None:
+        """Copy the pack and the picture of a log that another service has read, where they are not here yet."""
+        await self._common.fetch(self.pack(log_id), self.picture(log_id))
+
+    async def publish(self, log_id: str) -> None:
+        """Copy the pack and the picture of a log to where other services find them."""
+        await self._common.publish(self.pack(log_id), self.picture(log_id))
+
     # -- changing -----------------------------------------------------------------------------------------------
 
     async def add(self, record: Record, incoming: Incoming) -> Record:
@@ -156,7 +174,7 @@ class Catalogue:
 
         Raises ``StorageError``; then there is nothing of it.
         """
-        async with self._blob_lock:
+        async with self._blob_lock, self._common.alone(record.sha256):
             for known in self.uploaded():
                 if known.owner == record.owner and known.sha256 == record.sha256:
                     return known
@@ -176,21 +194,72 @@ class Catalogue:
         if record.source == "upload" or record.state == "ready":
             asyncio.ensure_future(self._store.put(record)).add_done_callback(_ignore_error)
 
+    async def finish(self, record: Record, lease: Lease) -> None:
+        """Store what came of a job, unless the log was deleted, and end the job's lease.
+
+        If it cannot be written, the change is lost at the next start. Raises :class:`LeaseLostError`.
+        """
+        if not self._common.is_shared:
+            self.save(record)
+            return
+        with contextlib.suppress(StorageError):
+            await lease.finish(self._store.writing(record))
+        if record.id in self._records:
+            self._records[record.id] = record
+
+    async def is_due(self, log_id: str) -> bool:
+        """Return whether a log is to be read, as the database says."""
+        found = await self._store.get([log_id])
+        if not found:
+            return log_id in self.folder_logs
+        self._records[log_id] = found[0]
+        return found[0].state in ("queued", "reading")
+
+    async def follow(self, log_ids: Collection[str] | None) -> list[Record]:
+        """Take over what another service has changed of some logs, None: of any; return their records.
+
+        Raises ``StorageError``.
+        """
+        found = await (self._store.load() if log_ids is None else self._store.get(log_ids))
+        found = [one for one in found if one.source == "upload" or one.id in self.folder_logs]
+        there = {one.id for one in found}
+        for log_id in [one.id for one in self.uploaded()] if log_ids is None else log_ids:
+            if log_id not in there and log_id in self._records:
+                await self._forget(log_id)
+        self._records |= {one.id: one for one in found}
+        return found
+
     async def delete(self, log_id: str) -> None:
         """Remove a log's record, pack and, unless it is another's too, blob. Raises ``StorageError``."""
         record = self._records.get(log_id)
-        async with self._blob_lock:
-            await self._store.delete(log_id)
+        sha256 = record.sha256 if record is not None and record.source == "upload" else None
+        async with self._blob_lock, self._common.alone(sha256):
+            try:
+                await self._store.delete(log_id)
+            except StorageError:
+                if not _is_full(self._packs):
+                    raise
+                # On a full disk the database cannot even delete. The log's files that can be made again give it room.
+                self._remove_derived(log_id)
+                await self._store.delete(log_id)
             self._records.pop(log_id, None)
-            self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
-            self.pack(log_id).unlink(missing_ok=True)
-            self.contents(log_id).unlink(missing_ok=True)
-            self.picture(log_id).unlink(missing_ok=True)
-            self.no_picture(log_id).unlink(missing_ok=True)
-            if record is not None and record.source == "upload":
-                await self._delete_unused_blob(record.sha256)
+            await self._common.delete(self.pack(log_id), self.picture(log_id))
+            if sha256 is not None:
+                await self._delete_unused_blob(sha256)
+        await self._forget(log_id)
+
+    async def _forget(self, log_id: str) -> None:
+        """Remove what is here of a log whose record was deleted."""
+        self._records.pop(log_id, None)
+        self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
+        self._remove_derived(log_id)
         if self._forgotten is not None:
             await self._forgotten(log_id)
+
+    def _remove_derived(self, log_id: str) -> None:
+        """Remove the files of a log that are made of its bytes."""
+        for path in (self.pack(log_id), self.contents(log_id), self.picture(log_id), self.no_picture(log_id)):
+            path.unlink(missing_ok=True)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
         """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""
@@ -202,12 +271,24 @@ class Catalogue:
     def mark_used(self, record: Record) -> Record:
         """Record that an upload is in use."""
         record = replace(record, used_s=time.time())
-        self.save(record)
+        self._records[record.id] = record
+        asyncio.ensure_future(self._store.mark_used(record)).add_done_callback(_ignore_error)
         return record
 
     async def _delete_unused_blob(self, sha256: str) -> None:
-        if all(record.sha256 != sha256 for record in self.uploaded()):
+        if any(record.sha256 == sha256 for record in self.uploaded()):
+            return
+        if not (self._common.is_shared and await self._store.is_stored(sha256)):
             await self._blobs.delete(sha256)
+
+
+def _is_full(folder: Path) -> bool:
+    """Whether the file system of a folder has so little room that a database may not be able to write."""
+    try:
+        room = os.statvfs(folder)
+    except OSError:
+        return False
+    return room.f_bavail * room.f_frsize < FULL_BYTES
 
 
 def _ignore_error(written: asyncio.Future[None]) -> None:

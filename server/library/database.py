@@ -32,6 +32,10 @@ class Database:
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
+        self.is_shared = engine.dialect.name == "postgresql"  #: whether other services may use it at the same time
+        self.pid = 0  #: of the server's process that serves the present connection, where it is shared
+        if self.is_shared:
+            event.listen(engine, "connect", self._connected)
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="records")
 
     @classmethod
@@ -41,13 +45,14 @@ class Database:
         Raises :class:`StorageError`, also for one that a newer program has written.
         """
         engine = _engine(url, folder)
+        opened = cls(engine)
         try:
             _attempt(engine, _check)
             _attempt(engine, bring_up_to_date)
         except BaseException:
-            engine.dispose()
+            opened.close()
             raise
-        return cls(engine)
+        return opened
 
     def run(self, work: Callable[[Connection], T]) -> asyncio.Future[T]:
         """Run ``work`` in a transaction, after all work that was queued before.
@@ -59,6 +64,14 @@ class Database:
     def now(self, work: Callable[[Connection], T]) -> T:
         """Run ``work`` before any other, and wait for it. Raises :class:`StorageError`."""
         return _attempt(self._engine, work)
+
+    def _connected(self, connection: Any, _: object) -> None:  # noqa: ANN401 - psycopg's, which may not be installed
+        self.pid = connection.info.backend_pid
+
+    @property
+    def address(self) -> str:
+        """The address of a shared database for psycopg, with its password."""
+        return self._engine.url.set(drivername="postgresql").render_as_string(hide_password=False)
 
     def close(self) -> None:
         """Finish the queued work, which may take a while, and close the database."""

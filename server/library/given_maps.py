@@ -15,7 +15,8 @@ from server.library.given_map import GivenMap, read_given_map
 from server.library.given_map_job import GivenMapJob
 from server.library.log_reader import outcome_of
 from server.library.map_files import MOST_BYTES
-from server.library.pose_jobs import JobLimits, Logs, packed
+from server.library.pose_job_kind import JobLimits, Logs
+from server.library.pose_jobs import packed
 from server.library.storage import private_folder
 from server.library.workers import Worker
 from server.work.fair_lock import FairLock

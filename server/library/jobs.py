@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +12,10 @@ import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.library.catalogue import INTERRUPTED, Catalogue
+from server.library.leases import Lease, Leases, Once
 from server.library.log_reader import Reader
 from server.library.records import Failure, Record
+from server.library.storage import StorageError
 
 _log = structlog.get_logger(__name__)
 
@@ -23,7 +25,9 @@ MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interr
 class Jobs:
     """The logs that are queued for ``reader`` or being read; ``room`` returns how many more bytes are allowed."""
 
-    def __init__(self, catalogue: Catalogue, reader: Reader, room: Callable[[], int]) -> None:
+    def __init__(self, catalogue: Catalogue, reader: Reader, room: Callable[[], int], leases: Leases) -> None:
+        self._leases = leases
+        self._closing = False
         self._catalogue = catalogue
         self._reader = reader
         self._room = room
@@ -34,29 +38,51 @@ class Jobs:
         """The ids of the logs that are queued or being read."""
         return list(self._jobs)
 
+    def progress(self, log_id: str) -> float:
+        """Return how much of a log has been read that is being read, here or by another service."""
+        return self._leases.elsewhere.get(f"read {log_id}", self._reader.progress)
+
     def queue(self, record: Record, *, pack: bool = True) -> Record:
         """Queue a log for reading, once, and return its record in that state; without ``pack`` only to look at it."""
         if record.id in self._jobs:
             return self._catalogue.get(record.id) or record
+        target = self._catalogue.pack(record.id) if pack else None
+        if self._leases.is_shared and record.state == "ready":  # only its pack is missing here
+            self._jobs[record.id] = asyncio.create_task(self._pack(record, target))
+            return record
         queued = replace(record, state="queued", progress=0.0, error=None)
         self._catalogue.save(queued)
-        target = self._catalogue.pack(record.id) if pack else None
         self._jobs[record.id] = asyncio.create_task(self._read(queued, target))
         return queued
+
+    def adopt(self, record: Record) -> None:
+        """Wait for a log that another service has queued, and read it if that service does not."""
+        if record.id not in self._jobs:
+            task = self._read(record, self._catalogue.pack(record.id), adopted=True)
+            self._jobs[record.id] = asyncio.create_task(task)
+
+    async def follow(self, log_ids: Collection[str] | None) -> None:
+        """Take over what other services have changed of some logs, None: of any. Raises ``StorageError``."""
+        for record in await self._catalogue.follow(log_ids):
+            if record.source == "upload" and record.state in ("queued", "reading"):
+                self.adopt(record)
+            elif record.state == "failed":  # read elsewhere, or cancelled there
+                await self.stop(record.id)
+        for log_id in self.busy:
+            if self._catalogue.get(log_id) is None:
+                await self.stop(log_id)
 
     def resume(self, record: Record) -> None:
         """Queue again a log whose reading an earlier run of the service did not finish.
 
         It fails instead where :data:`MOST_ATTEMPTS` readings were interrupted: the log may be what ends the service.
         """
-        if record.attempts < MOST_ATTEMPTS:
+        if self._leases.is_shared and record.state in ("queued", "reading"):
+            self.adopt(record)  # it may be being read
+        elif record.attempts < MOST_ATTEMPTS:
             self.queue(record)
         elif record.state != "failed":
-            message = (
-                f"The service ended {record.attempts} times while it read this log; it is not read again by itself."
-            )
-            self._catalogue.save(replace(record, state="failed", error=Failure(INTERRUPTED, message)))
-            _log.warning("log not read again", log=record.id, attempts=record.attempts)
+            self._catalogue.save(interrupted(record))
 
     async def settled(self, log_id: str) -> None:
         """Wait for the end of the running job."""
@@ -75,33 +101,77 @@ class Jobs:
 
     async def close(self) -> None:
         """Stop all jobs; the next start queues them again. An orderly stop is not an attempt that failed."""
+        self._closing = True
         jobs = dict(self._jobs)
         for job in jobs.values():
             job.cancel()
         await asyncio.gather(*jobs.values(), return_exceptions=True)
-        for log_id in jobs:
-            record = self._catalogue.get(log_id)
-            if record is not None and record.state == "reading":
-                self._catalogue.save(replace(record, state="queued", attempts=record.attempts - 1))
 
-    async def _read(self, record: Record, pack: Path | None) -> None:
+    async def _read(self, record: Record, pack: Path | None, *, adopted: bool = False) -> None:
         """The job: wait for the reader, read, and store the outcome."""
+        log_id = record.id
+
+        def is_open() -> bool:
+            known = self._catalogue.get(log_id)
+            return known is not None and known.state in ("queued", "reading")
+
+        async def work(lease: Lease) -> None:
+            await self._read_here(self._catalogue.get(log_id) or record, pack, lease)
+
+        once = Once(
+            f"read {log_id}", lambda: self._reader.turn(record.owner), is_open,
+            lambda: self._catalogue.is_due(log_id), lambda: self._reader.progress,
+        )  # fmt: skip
+        try:
+            await self._leases.done_once(once, work, adopted=adopted)
+        except StorageError as error:  # the database of several services is away: another one reads it, or a later run
+            _log.warning("log not read now", log=log_id, code=error.code)
+        finally:
+            self._ended(log_id)
+
+    def _ended(self, log_id: str) -> None:
+        self._jobs.pop(log_id, None)
+        for path in (self._catalogue.pack(log_id), self._catalogue.picture(log_id)):
+            for half in path.parent.glob(f"{path.name}.*.new"):
+                half.unlink(missing_ok=True)
+
+    async def _pack(self, record: Record, pack: Path | None) -> None:
+        """Read a log again whose record is complete, for its pack: another service has read it."""
+        try:
+            async with self._reader.turn(record.owner), self._catalogue.source(record) as source:
+                try:
+                    await self._reader.read(source, pack, picture=self._catalogue.picture(record.id))
+                except MapperError as error:
+                    raise without_paths(error, source, record.name) from None
+            await self._catalogue.publish(record.id)
+        except MapperError as error:
+            _log.warning("log not packed", log=record.id, code=error.code)
+        finally:
+            self._ended(record.id)
+
+    async def _read_here(self, record: Record, pack: Path | None, lease: Lease) -> None:
+        if self._leases.is_shared and record.attempts >= MOST_ATTEMPTS:
+            await self._catalogue.finish(interrupted(record), lease)
+            return
         started = time.monotonic()
         try:
-            async with self._reader.turn(record.owner):
-                if self._room() < 0:
-                    raise full()
-                record = replace(record, attempts=record.attempts + 1)
-                self._catalogue.save(replace(record, state="reading"))
-                started = time.monotonic()
-                async with self._catalogue.source(record) as source:
-                    try:
-                        picture = self._catalogue.picture(record.id)
-                        summary = await self._reader.read(source, pack, picture=picture)
-                    except MapperError as error:
-                        raise without_paths(error, source, record.name) from None
+            if self._room() < 0:
+                raise full()
+            record = replace(record, attempts=record.attempts + 1)
+            self._catalogue.save(replace(record, state="reading"))
+            async with self._catalogue.source(record) as source:
+                try:
+                    summary = await self._reader.read(source, pack, picture=self._catalogue.picture(record.id))
+                except MapperError as error:
+                    raise without_paths(error, source, record.name) from None
+            await self._catalogue.publish(record.id)
             done = replace(record, state="ready", progress=1.0, summary=summary)
             _log.info("log read", log=record.id, scans=summary.scans, seconds=round(time.monotonic() - started, 3))
+        except asyncio.CancelledError:
+            known = self._catalogue.get(record.id)
+            if self._closing and known is not None and known.state == "reading":
+                self._catalogue.save(replace(known, state="queued", attempts=known.attempts - 1))
+            raise
         except MapperError as error:
             done = replace(record, state="failed", error=Failure(error.code, error.message))
             _log.info("log refused", log=record.id, code=error.code, message=error.message)
@@ -109,13 +179,15 @@ class Jobs:
             # A reader's own defect must not hang the log in "reading", nor show a traceback to the visitor.
             done = replace(record, state="failed", error=Failure("log.reader_failed", "The reader failed on this log."))
             _log.exception("log reader failed", log=record.id)
-        finally:
-            self._jobs.pop(record.id, None)
-            for path in (self._catalogue.pack(record.id), self._catalogue.picture(record.id)):
-                for half in path.parent.glob(f"{path.name}.*.new"):
-                    half.unlink(missing_ok=True)
         if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
-            self._catalogue.save(replace(done, attempts=0))
+            await self._catalogue.finish(replace(done, attempts=0), lease)
+
+
+def interrupted(record: Record) -> Record:
+    """Return the record of a log that is not read any more: it may be what ends the service."""
+    message = f"The service ended {record.attempts} times while it read this log; it is not read again by itself."
+    _log.warning("log not read again", log=record.id, attempts=record.attempts)
+    return replace(record, state="failed", error=Failure(INTERRUPTED, message))
 
 
 def without_paths(error: MapperError, source: Path, name: str) -> MapperError:

@@ -18,8 +18,10 @@ from mapper.sensors.scan import ScanLog
 from server.library.blobs import Blobs
 from server.library.cache import LogCache
 from server.library.catalogue import Catalogue
+from server.library.common_files import CommonFiles
 from server.library.inspections import Inspections
 from server.library.jobs import Jobs
+from server.library.leases import Leases
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
 from server.library.log_errors import LogNotFoundError, LogReadOnlyError
@@ -55,14 +57,18 @@ class Library:
     """
 
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
+        from server.library.changes import Changes  # noqa: PLC0415
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.given_maps import GivenMaps  # noqa: PLC0415
+        from server.library.lease_rows import LeaseRows  # noqa: PLC0415
         from server.library.links import Links  # noqa: PLC0415
         from server.library.localize_jobs import LocalizationKind  # noqa: PLC0415
         from server.library.log_rows import LogRows  # noqa: PLC0415
         from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.pose_jobs import PoseJobs  # noqa: PLC0415
+        from server.library.puzzles import MadePuzzles  # noqa: PLC0415
+        from server.library.sign_in_ends import SignInEnds  # noqa: PLC0415
         from server.library.slam_jobs import SlamKind  # noqa: PLC0415
         from server.library.tags import Tags  # noqa: PLC0415
         from server.library.trajectories import Trajectories  # noqa: PLC0415
@@ -94,33 +100,40 @@ class Library:
         self._standing = Standing([root, scratch, *([root / "library.db"] if settings.database_url is None else [])])
         self.links = Links(self._database)
         self.notes = Notes(self._database)
+        self.sign_in_ends = SignInEnds(self._database)
+        self.puzzles = MadePuzzles(self._database)
         self.tags = Tags(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         self._intake = UploadReceiver(blobs, max_bytes=settings.max_upload_bytes)
-        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, self._forgotten)
+        lease_s = self._limits.lease_s
+        leases = Leases(LeaseRows(self._database, lease_s) if self._database.is_shared else None, lease_s)
+        common = CommonFiles(leases, None if settings.blobs is None else blobs)
+        self._catalogue = Catalogue(LogRows(self._database), blobs, self._cache, root, common, self._forgotten)
         self._sample = Sample(self._cache, self._catalogue.picture(SAMPLE_ID))
-        self._jobs = Jobs(self._catalogue, self._reader, self._room)
+        self._jobs = Jobs(self._catalogue, self._reader, self._room, leases)
         places = Places(self._limits, settings.max_upload_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
-        self.slam = PoseJobs(self._database, self, new_worker, root / "slam", SlamKind())
+        self.slam = PoseJobs(self._database, leases, self, new_worker, root / "slam", SlamKind())
         self.maps = GivenMaps(self, new_worker, root / "maps", self._room)
         kind = LocalizationKind(self.maps)
-        self.localization = PoseJobs(self._database, self, new_worker, root / "localization", kind)
-        self.merges = MergeJobs(self._database, self, new_worker, root / "merges")
+        self.localization = PoseJobs(self._database, leases, self, new_worker, root / "localization", kind)
+        self.merges = MergeJobs(self._database, leases, self, new_worker, root / "merges")
+        self._changes = Changes(
+            self._database,
+            logs=self._jobs.follow,
+            links=self.links.follow,
+            puzzles=self.puzzles.follow,
+            log_tags=self.tags.follow,
+            trajectories=self.trajectories.follow,
+            slam_jobs=self.slam.follow,
+            localization_jobs=self.localization.follow,
+            merge_jobs=self.merges.follow,
+            ended_sign_ins=self.sign_in_ends.follow,
+        )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
-        self._inspections = Inspections(
-            self._catalogue,
-            timeout_s=self._limits.read_timeout_s,
-            cpu_s=self._limits.read_cpu_s,
-            memory_bytes=memory,
-        )
-        self.scores = RelationScores(
-            self._catalogue,
-            scratch,
-            timeout_s=self._limits.read_timeout_s,
-            cpu_s=self._limits.read_cpu_s,
-            memory_bytes=memory,
-        )
+        timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
+        self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
+        self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
         self._old_pictures = OldPictures(self._catalogue, self._reader)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
@@ -136,8 +149,8 @@ class Library:
         await self._folder.look()
         stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
         await self._catalogue.start(stores_match=stores_match)
-        await self.links.start()
-        await self.tags.start()
+        for follow in (self.links.follow, self.puzzles.follow, self.tags.follow, self.sign_in_ends.follow):
+            await follow()
         # As with blobs: the files may belong to another database, or this database may be new.
         await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
         await self._expire()
@@ -148,9 +161,11 @@ class Library:
         await self.localization.start()
         self._folder.begin_survey()
         self._old_pictures.begin()
+        self._changes.begin()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
+        await self._changes.close()
         await self._folder.close()
         await self._old_pictures.close()
         await self.slam.close()
@@ -179,12 +194,12 @@ class Library:
         self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
+        self.puzzles.drop(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        return (
-            self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes - self.maps.total_bytes
-        )
+        taken = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
+        return self._limits.max_total_bytes - taken
 
     # -- uploads ------------------------------------------------------------------------------------------------
 
@@ -309,7 +324,8 @@ class Library:
     def _as_seen_by(self, owner: str, record: Record) -> Record:
         """Return a record with the present progress, and with what ``owner`` has added to the log."""
         is_read = record.state == "reading"
-        progress, reading_s = (self._reader.progress, self._reader.elapsed_s) if is_read else (record.progress, None)
+        progress = self._jobs.progress(record.id) if is_read else record.progress
+        reading_s = self._reader.elapsed_s if is_read else None
         added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
         has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
         tags = self.tags.of(owner, record.id)
@@ -323,6 +339,7 @@ class Library:
         from server.library.log_picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
 
         record = self.get(owner, log_id)
+        await self._catalogue.fetch(record.id)
         try:
             return await asyncio.to_thread(read_picture, self._catalogue.picture(record.id), dark=dark)
         except OSError:

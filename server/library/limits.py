@@ -21,6 +21,7 @@ class LibraryLimits:
     read_timeout_s: float = 120.0  #: and more for a large file, see :class:`server.library.log_reader.Reader`
     read_cpu_s: float = 100.0  #: seconds of processor time, likewise
     read_memory_bytes: int = 6 << 30  #: address space of the reading process
+    lease_s: float = 15.0  #: for which a service that was killed or cut off keeps its jobs from others
     cache_bytes: int = 512 << 20  #: bytes of logs kept in memory
 
     def with_room_for(self, upload_bytes: int) -> LibraryLimits:

@@ -30,7 +30,7 @@ class Links:
         self._database = database
         self._links: dict[str, Link] = {}
 
-    async def start(self) -> None:
+    async def follow(self, _: object = None) -> None:
         """Load the stored links. Raises ``StorageError``."""
         self._links = {link.token: link for link in await self._database.run(_load)}
 

@@ -112,6 +112,7 @@ class Loading:
             if record.summary is not None and not record.summary.costmaps:
                 return None
             try:
+                await self.catalogue.fetch(record.id)
                 return await asyncio.to_thread(read_costmap_pack, self.catalogue.pack(record.id))
             except StalePackError:
                 if record.summary is None:
@@ -136,6 +137,7 @@ class Loading:
                 return await self.scans.of_clouds(record, topic)
             from server.library.volume_pack import read_volume_pack  # noqa: PLC0415 - few logs are clouds
 
+            await self.catalogue.fetch(record.id)
             try:
                 return await asyncio.to_thread(read_volume_pack, self.catalogue.pack(record.id))
             except StalePackError:
@@ -152,6 +154,7 @@ class Loading:
             if record.summary is not None and record.summary.map is None:
                 return None
             try:
+                await self.catalogue.fetch(record.id)
                 found = await asyncio.to_thread(read_given_map, self.catalogue.pack(record.id))
             except ConfigError:
                 if record.summary is None:

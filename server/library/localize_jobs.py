@@ -21,8 +21,8 @@ from server.library.localize_job import (
     check_one_sensor,
     read_progress,
 )
+from server.library.pose_job_kind import JobLimits
 from server.library.pose_job_record import PoseJobRecord
-from server.library.pose_jobs import JobLimits
 from server.library.tables import localization_jobs
 from server.library.trajectories import NewTrajectory
 

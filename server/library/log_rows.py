@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -29,6 +29,28 @@ class LogRows:
         """Keep ``record`` in the place of any older one with its id."""
         return self._database.run(lambda connection: upsert_log(connection, record))
 
+    def mark_used(self, record: Record) -> asyncio.Future[None]:
+        """Keep the time at which a log was used, and nothing else of its record."""
+        return self._database.run(
+            lambda connection: _ignore(
+                connection.execute(update(logs).where(logs.c.id == record.id).values(used_s=record.used_s))
+            )
+        )
+
+    def get(self, record_ids: Collection[str]) -> asyncio.Future[Sequence[Record]]:
+        """Return the records of these ids that there are."""
+        wanted = select(logs).where(logs.c.id.in_(record_ids))
+        return self._database.run(lambda connection: [_record(row) for row in connection.execute(wanted)])
+
+    def writing(self, record: Record) -> Callable[[Connection], None]:
+        """Return what writes the row of a record in a transaction, unless it is that of an upload that was deleted."""
+        return lambda connection: (_change_log if record.source == "upload" else upsert_log)(connection, record)
+
+    def is_stored(self, sha256: str) -> asyncio.Future[bool]:
+        """Return whether some record has these bytes."""
+        wanted = select(logs.c.id).where(logs.c.sha256 == sha256).limit(1)
+        return self._database.run(lambda connection: connection.execute(wanted).first() is not None)
+
     def delete(self, record_id: str) -> asyncio.Future[None]:
         """Forget a record; one that is not there is no error."""
 
@@ -36,6 +58,15 @@ class LogRows:
             connection.execute(delete(logs).where(logs.c.id == record_id))
 
         return self._database.run(work)
+
+
+def _ignore(_: object) -> None:
+    """Return nothing: the result of a statement is of no use after its transaction."""
+
+
+def _change_log(connection: Connection, record: Record) -> None:
+    """Write the row of a record, unless it was deleted."""
+    connection.execute(update(logs).where(logs.c.id == record.id).values(_values(record)))
 
 
 def upsert_log(connection: Connection, record: Record) -> None:

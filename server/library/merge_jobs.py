@@ -11,7 +11,7 @@ import contextlib
 import secrets
 import shutil
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -23,9 +23,11 @@ from mapper.sensors.scan import ScanLog
 from server.library.database import Database
 from server.library.following import followed
 from server.library.job_record import load_job_records, put_job_record
+from server.library.leases import Lease, Leases, Once
 from server.library.merge_job import ENDINGS, LOG, NAME, STAGE, MergeJob
 from server.library.merge_record import MergeRecord
-from server.library.pose_jobs import MOST_ATTEMPTS, JobLimits, Logs, emptied, packed
+from server.library.pose_job_kind import JobLimits, Logs
+from server.library.pose_jobs import MOST_ATTEMPTS, emptied, packed
 from server.library.records import Failure, Record
 from server.library.storage import StorageError, private_folder
 from server.library.tables import merge_jobs
@@ -60,7 +62,10 @@ class _Running:
 class MergeJobs:
     """All jobs; ``folder`` is one for their files that worker processes see."""
 
-    def __init__(self, database: Database, logs: Uploads, worker: Callable[[], Worker], folder: Path) -> None:
+    def __init__(
+        self, database: Database, leases: Leases, logs: Uploads, worker: Callable[[], Worker], folder: Path
+    ) -> None:
+        self._leases = leases
         self._database, self._logs, self._make_worker, self._folder = database, logs, worker, folder
         self._worker: Worker | None = None
         self._limits = JobLimits()
@@ -75,16 +80,35 @@ class MergeJobs:
         Raises :class:`StorageError`.
         """
         await asyncio.to_thread(emptied, self._folder)
-        records = await self._database.run(lambda connection: load_job_records(connection, merge_jobs, MergeRecord))
-        for record in records:
+        for record in await self._load():
             self._records[record.owner, record.log_id] = record
-            if not record.is_unfinished:
-                continue
-            if record.attempts < MOST_ATTEMPTS:
+            if record.is_unfinished and self._leases.is_shared:
+                self._queue(record, adopted=True)  # another service may be at it
+            elif record.is_unfinished and record.attempts < MOST_ATTEMPTS:
                 self._queue(replace(record, state="queued"))
-            else:
-                message = f"The service ended {record.attempts} times during this job; it is not begun again by itself."
-                self._save(replace(record, state="failed", error=Failure("merge.interrupted", message)))
+            elif record.is_unfinished:
+                self._save(_interrupted(record))
+
+    def _load(self) -> asyncio.Future[Sequence[MergeRecord]]:
+        return self._database.run(lambda connection: load_job_records(connection, merge_jobs, MergeRecord))
+
+    async def follow(self, _: object = None) -> None:
+        """Take over what other services have changed. Raises :class:`StorageError`."""
+        found = {(one.owner, one.log_id): one for one in await self._load()}
+        for key in [key for key in self._records if key not in found]:
+            await self._stop(key)
+        self._records = found
+        for key, record in found.items():
+            if record.is_unfinished and key not in self._running:
+                self._queue(record, adopted=True)
+            elif not record.is_unfinished:
+                await self._stop(key)
+
+    async def _stop(self, key: tuple[str, str]) -> None:
+        running = self._running.get(key)
+        if running is not None:
+            running.task.cancel()
+            await asyncio.wait([running.task])
 
     async def begin(
         self,
@@ -132,54 +156,76 @@ class MergeJobs:
 
     async def cancel(self, owner: str, log_id: str) -> dict[str, Any]:
         """Stop a merge, if it is queued or running; return its state."""
-        running = self._running.get((owner, log_id))
-        if running is not None:
-            running.task.cancel()
-            await asyncio.wait([running.task])
+        await self._stop((owner, log_id))
         return self.state(owner, log_id)
 
     async def forget_log(self, log_id: str) -> None:
         """Stop the jobs of a log that was deleted, as first or as second log, and forget those that it was first of."""
         for key, record in [*self._records.items()]:
-            running = self._running.get(key)
             if key[1] == log_id:
                 del self._records[key]
-            if running is not None and log_id in (record.log_id, record.other):
-                running.task.cancel()
-                await asyncio.wait([running.task])
+            if log_id in (record.log_id, record.other):
+                await self._stop(key)
 
-    def _queue(self, record: MergeRecord) -> _Running:
+    def _queue(self, record: MergeRecord, *, adopted: bool = False) -> _Running:
         key = (record.owner, record.log_id)
         self._records[key] = record
-        task = asyncio.create_task(self._run(record), name="merge")
+        task = asyncio.create_task(self._run(record, adopted=adopted), name="merge")
         self._running[key] = running = _Running(task, [], time.monotonic())
         return running
 
-    async def _run(self, record: MergeRecord) -> None:
+    async def _run(self, record: MergeRecord, *, adopted: bool) -> None:
         key = (record.owner, record.log_id)
-        done = record
+
+        def is_open() -> bool:
+            known = self._records.get(key)
+            return known is not None and known.is_unfinished
+
+        async def is_due() -> bool:
+            self._records |= {(one.owner, one.log_id): one for one in await self._load() if one.log_id == key[1]}
+            return is_open()
+
+        once = Once(f"merge {key[1]} {key[0]}", lambda: self._turns.of(record.owner), is_open, is_due)
         try:
-            async with self._turns.of(record.owner):
-                done = record = replace(record, state="running", attempts=record.attempts + 1)
-                self._save(record)
-                result = await self._merged(record, self._running[key])
+            await self._leases.done_once(once, lambda lease: self._run_here(self._records[key], lease), adopted=adopted)
+        except asyncio.CancelledError:
+            if not self._closing and is_open():  # else it is begun again at the next start
+                self._save(replace(self._records[key], state="cancelled", attempts=0))
+            raise
+        except StorageError:  # the database of several services is away
+            _log.warning("merge not done now", log=key[1])
+        finally:
+            for tell in self._running.pop(key).done:
+                tell()
+
+    async def _run_here(self, record: MergeRecord, lease: Lease) -> None:
+        key = (record.owner, record.log_id)
+        if self._leases.is_shared and record.attempts >= MOST_ATTEMPTS:
+            await self._finish(_interrupted(record), lease)
+            return
+        record = replace(record, state="running", attempts=record.attempts + 1)
+        self._save(record)
+        try:
+            result = await self._merged(record, self._running[key])
             done = replace(record, state="done", result=result, attempts=0)
         except MapperError as error:
             done = replace(record, state="failed", error=Failure(error.code, error.message), attempts=0)
-        except asyncio.CancelledError:
-            if not self._closing:  # else it is begun again at the next start
-                done = replace(record, state="cancelled", attempts=0)
-            raise
         except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this job alone
             failure = Failure("merge.failed", "Merging these logs failed.")
             done = replace(record, state="failed", error=failure, attempts=0)
             _log.exception("merge failed")
-        finally:
-            running = self._running.pop(key)
-            if key in self._records and done is not record:  # not deleted meanwhile
-                self._save(done)
-            for tell in running.done:
-                tell()
+        if key in self._records:  # not deleted meanwhile
+            await self._finish(done, lease)
+
+    async def _finish(self, record: MergeRecord, lease: Lease) -> None:
+        """Store what came of a job, and end its lease; as :meth:`_save`. Raises :class:`LeaseLostError`."""
+        if not self._leases.is_shared:
+            self._save(record)
+            return
+        log = self._logs.get(record.owner, record.log_id)
+        with contextlib.suppress(StorageError):
+            await lease.finish(lambda connection: put_job_record(connection, merge_jobs, log, record))
+        self._records[record.owner, record.log_id] = record
 
     async def _merged(self, record: MergeRecord, running: _Running) -> dict[str, Any]:
         """Run the job, add a trajectory to each log and a log of both, and return what is shown of the result."""
@@ -228,6 +274,11 @@ class MergeJobs:
         await asyncio.gather(*(one.task for one in self._running.values()), return_exceptions=True)
         if self._worker is not None:
             await asyncio.to_thread(self._worker.close)
+
+
+def _interrupted(record: MergeRecord) -> MergeRecord:
+    message = f"The service ended {record.attempts} times during this job; it is not begun again by itself."
+    return replace(record, state="failed", error=Failure("merge.interrupted", message))
 
 
 def _name_of_both(names: list[str]) -> str:

@@ -47,6 +47,7 @@ class OldPictures:
 
     async def _draw(self, records: list[Record]) -> None:
         for record in records:
+            await self._catalogue.fetch(record.id)
             # Between two of them whoever waits has a turn, as all logs are read one after the other.
             async with self._reader.turn(record.owner):
                 now = self._catalogue.get(record.id)
@@ -58,6 +59,7 @@ class OldPictures:
                         await self._reader.read(source, None, picture=picture)
                 except (MapperError, StorageError, OSError, KeyError) as error:
                     _log.info("no picture of a log", log=record.id, error=str(error))
+                await self._catalogue.publish(record.id)
                 if self._catalogue.get(record.id) is None:  # deleted meanwhile
                     picture.unlink(missing_ok=True)
                 elif not picture.exists():  # nothing of it can be drawn: it is not read again at each start

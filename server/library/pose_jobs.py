@@ -14,10 +14,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 import structlog
-from sqlalchemy import Table
 
 from mapper.core.errors import LimitError, MapperError
 from mapper.sensors.joint_log import sensors_of
@@ -28,11 +27,12 @@ from server.library.database import Database
 from server.library.following import followed
 from server.library.job import WorkerJob
 from server.library.job_record import load_job_records, put_job_record
+from server.library.leases import Lease, Leases, Once
 from server.library.log_pack import write_pack
+from server.library.pose_job_kind import JobKind, JobLimits, Logs, Progress
 from server.library.pose_job_record import PoseJobRecord
-from server.library.records import Failure, Record
+from server.library.records import Failure
 from server.library.storage import StorageError, private_folder
-from server.library.trajectories import NewTrajectory, Trajectories
 from server.library.workers import Worker
 from server.work.fair_lock import FairLock
 
@@ -43,69 +43,10 @@ MOST_ATTEMPTS = 2  #: runs of one job that the end of the service may interrupt
 _log = structlog.get_logger(__name__)
 
 
-class Logs(Protocol):
-    """What the jobs need of the library."""
-
-    def get(self, owner: str, log_id: str) -> Record:
-        """Return the record of a log."""
-
-    async def load(self, owner: str, log_id: str, topic: str | None = None, cut: PlanarCut | None = None) -> ScanLog:
-        """Return a log."""
-
-    @property
-    def trajectories(self) -> Trajectories:
-        """The trajectories that are added to logs."""
-
-
-@dataclass(frozen=True, slots=True)
-class JobLimits:
-    """Limits of one job: seconds of elapsed and of processor time, bytes of address space."""
-
-    timeout_s: float = 3600.0
-    cpu_s: float = 7200.0
-    memory_bytes: int = 6 << 30
-
-
-class Progress(Protocol):
-    """What a running job reports."""
-
-    @property
-    def fraction(self) -> float:
-        """How much of it is done, from 0 to 1."""
-
-
 P = TypeVar("P", bound=Progress)
 T = TypeVar("T")
 Listener = Callable[[P | None], None]
 """Called with the newest report, and with None once the job has ended."""
-
-
-class JobKind(Protocol[P, T]):
-    """One kind of jobs. ``name`` is in the codes of errors, ``title`` in their sentences; ``table`` has the records."""
-
-    name: str
-    title: str
-    table: Table
-
-    def checked(self, parameters: dict[str, Any]) -> dict[str, Any]:
-        """Return the parameters that are kept of a job (worker thread). Raises :class:`ConfigError`."""
-
-    def check(self, log: ScanLog) -> None:
-        """Raise :class:`ConfigError` for a log that it cannot use."""
-
-    async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> WorkerJob[T]:
-        """Return the job on the log in ``pack``; ``out`` is the path of its files without their endings."""
-
-    def read_progress(self, out: Path) -> P | None:
-        """Return what a running job has reported last (worker thread); None before the first report."""
-
-    def shown(self, newest: P | None) -> dict[str, Any]:
-        """Return what the HTTP interface shows of a report."""
-
-    async def finished(
-        self, record: PoseJobRecord, outcome: T, out: Path, own_names: Sequence[str]
-    ) -> tuple[NewTrajectory, dict[str, Any]]:
-        """Return the trajectory that a job has made of a log with ``own_names``, and what is shown of the result."""
 
 
 @dataclass(slots=True, eq=False)
@@ -125,6 +66,7 @@ class PoseJobs(Generic[P, T]):
     def __init__(
         self,
         database: Database,
+        leases: Leases,
         logs: Logs,
         worker: Callable[[], Worker],
         folder: Path,
@@ -132,6 +74,7 @@ class PoseJobs(Generic[P, T]):
         limits: JobLimits | None = None,
     ) -> None:
         self._database = database
+        self._leases = leases
         self._logs = logs
         self._make_worker = worker
         self._worker: Worker | None = None
@@ -149,16 +92,43 @@ class PoseJobs(Generic[P, T]):
         Raises :class:`StorageError`.
         """
         await asyncio.to_thread(emptied, self._folder)
-        table = self._kind.table
-        for record in await self._database.run(lambda connection: load_job_records(connection, table, PoseJobRecord)):
+        for record in await self._load():
             self._records[record.owner, record.log_id] = record
-            if not record.is_unfinished:
-                continue
-            if record.attempts < MOST_ATTEMPTS:
+            if record.is_unfinished and self._leases.is_shared:
+                self._queue(record, adopted=True)  # another service may be at it
+            elif record.is_unfinished and record.attempts < MOST_ATTEMPTS:
                 self._queue(replace(record, state="queued"))
-            else:
-                message = f"The service ended {record.attempts} times during this job; it is not begun again by itself."
-                self._save(replace(record, state="failed", error=Failure(f"{self._kind.name}.interrupted", message)))
+            elif record.is_unfinished:
+                self._save(self._interrupted(record))
+
+    def _name(self, key: tuple[str, str]) -> str:
+        return f"{self._kind.name} {key[1]} {key[0]}"
+
+    def _load(self) -> asyncio.Future[Sequence[PoseJobRecord]]:
+        table = self._kind.table
+        return self._database.run(lambda connection: load_job_records(connection, table, PoseJobRecord))
+
+    def _interrupted(self, record: PoseJobRecord) -> PoseJobRecord:
+        message = f"The service ended {record.attempts} times during this job; it is not begun again by itself."
+        return replace(record, state="failed", error=Failure(f"{self._kind.name}.interrupted", message))
+
+    async def follow(self, _: object = None) -> None:
+        """Take over what other services have changed. Raises :class:`StorageError`."""
+        found = {(one.owner, one.log_id): one for one in await self._load()}
+        for key in [key for key in self._records if key not in found]:
+            await self._stop(key)
+        self._records = found
+        for key, record in found.items():
+            if record.is_unfinished and key not in self._running:
+                self._queue(record, adopted=True)
+            elif not record.is_unfinished:
+                await self._stop(key)
+
+    async def _stop(self, key: tuple[str, str]) -> None:
+        running = self._running.get(key)
+        if running is not None:
+            running.task.cancel()
+            await asyncio.wait([running.task])
 
     async def close(self) -> None:
         """End the running job, which the next start begins again."""
@@ -219,9 +189,10 @@ class PoseJobs(Generic[P, T]):
         running = self._running.get((owner, log_id))
         newest = None if running is None else running.newest
         began = None if running is None else running.began
+        elsewhere = self._leases.elsewhere.get(self._name((owner, log_id)), 0.0)
         waiting = [one for one in self._running.values() if one.began is None]
         return record.public() | {
-            "fraction": 0.0 if newest is None else round(newest.fraction, 4),
+            "fraction": round(elsewhere if newest is None else newest.fraction, 4),
             "elapsed_s": None if began is None else round(time.monotonic() - began, 1),
             "ahead": sum(one.queued_at < running.queued_at for one in waiting) if running and began is None else 0,
             **self._kind.shown(newest),
@@ -230,10 +201,7 @@ class PoseJobs(Generic[P, T]):
     async def cancel(self, owner: str, log_id: str) -> dict[str, Any]:
         """Stop a job, if it is queued or running; return its state."""
         self.state(owner, log_id)
-        running = self._running.get((owner, log_id))
-        if running is not None:
-            running.task.cancel()
-            await asyncio.wait([running.task])
+        await self._stop((owner, log_id))
         return self.state(owner, log_id)
 
     def listen(self, owner: str, log_id: str, listener: Listener[P]) -> Callable[[], None]:
@@ -254,48 +222,76 @@ class PoseJobs(Generic[P, T]):
         """Stop the jobs of a log that was deleted, and forget them."""
         for key in [key for key in self._records if key[1] == log_id]:
             del self._records[key]
-            running = self._running.get(key)
-            if running is not None:
-                running.task.cancel()
-                await asyncio.wait([running.task])
+            await self._stop(key)
 
     # -- the job --------------------------------------------------------------------------------------------------
 
-    def _queue(self, record: PoseJobRecord) -> None:
+    def _queue(self, record: PoseJobRecord, *, adopted: bool = False) -> None:
         key = (record.owner, record.log_id)
         self._records[key] = record
-        task = asyncio.create_task(self._run(record), name=self._kind.name)
+        task = asyncio.create_task(self._run(record, adopted=adopted), name=self._kind.name)
         self._running[key] = _Running(task, [], time.monotonic())
 
-    async def _run(self, record: PoseJobRecord) -> None:
+    async def _run(self, record: PoseJobRecord, *, adopted: bool) -> None:
         key, kind = (record.owner, record.log_id), self._kind
-        done = record
+
+        def is_open() -> bool:
+            known = self._records.get(key)
+            return known is not None and known.is_unfinished
+
+        async def is_due() -> bool:
+            self._records |= {(one.owner, one.log_id): one for one in await self._load() if one.log_id == key[1]}
+            return is_open()
+
+        def fraction() -> float:
+            running = self._running.get(key)
+            return 0.0 if running is None or running.newest is None else running.newest.fraction
+
+        once = Once(self._name(key), lambda: self._turns.of(record.owner), is_open, is_due, fraction)
         try:
-            async with self._turns.of(record.owner):
-                running = self._running[key]
-                running.began = time.monotonic()
-                done = record = replace(record, state="running", attempts=record.attempts + 1)
-                self._save(record)
-                result = await self._made(record, running)
+            await self._leases.done_once(once, lambda lease: self._run_here(self._records[key], lease), adopted=adopted)
+        except asyncio.CancelledError:
+            if not self._closing and is_open():  # else it is begun again at the next start
+                self._save(replace(self._records[key], state="cancelled", attempts=0))
+            raise
+        except StorageError as error:  # the database of several services is away
+            _log.warning("job not done now", kind=kind.name, log=key[1], code=error.code)
+        finally:
+            for listener in [*self._running.pop(key).listeners]:
+                listener(None)
+
+    async def _run_here(self, record: PoseJobRecord, lease: Lease) -> None:
+        key, kind = (record.owner, record.log_id), self._kind
+        if self._leases.is_shared and record.attempts >= MOST_ATTEMPTS:
+            await self._finish(self._interrupted(record), lease)
+            return
+        running = self._running[key]
+        running.began = time.monotonic()
+        record = replace(record, state="running", attempts=record.attempts + 1)
+        self._save(record)
+        try:
+            result = await self._made(record, running)
             done = replace(record, state="done", result=result, attempts=0)
             _log.info("job done", kind=kind.name, log=record.log_id, seconds=round(time.monotonic() - running.began, 1))
         except MapperError as error:
             done = replace(record, state="failed", error=Failure(error.code, error.message), attempts=0)
             _log.info("job refused", kind=kind.name, log=record.log_id, code=error.code, message=error.message)
-        except asyncio.CancelledError:
-            if not self._closing:  # else it is begun again at the next start
-                done = replace(record, state="cancelled", attempts=0)
-            raise
         except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this job alone
             failure = Failure(f"{kind.name}.failed", f"{kind.title} failed on this log.")
             done = replace(record, state="failed", error=failure, attempts=0)
             _log.exception("job failed", kind=kind.name)
-        finally:
-            listeners = self._running.pop(key).listeners
-            if key in self._records and done is not record:  # not deleted meanwhile
-                self._save(done)
-            for listener in [*listeners]:
-                listener(None)
+        if key in self._records:  # not deleted meanwhile
+            await self._finish(done, lease)
+
+    async def _finish(self, record: PoseJobRecord, lease: Lease) -> None:
+        """Store what came of a job, and end its lease; as :meth:`_save`. Raises :class:`LeaseLostError`."""
+        if not self._leases.is_shared:
+            self._save(record)
+            return
+        log = self._logs.get(record.owner, record.log_id)
+        with contextlib.suppress(StorageError):
+            await lease.finish(lambda connection: put_job_record(connection, self._kind.table, log, record))
+        self._records[record.owner, record.log_id] = record
 
     async def _made(self, record: PoseJobRecord, running: _Running[P]) -> dict[str, Any]:
         """Do the job in the worker process, add the trajectory, and return what is shown of the result."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -103,6 +103,18 @@ class Records(Protocol):
 
     def put(self, record: Record) -> Awaitable[None]:
         """Keep ``record`` in the place of any older one with its id, wholly or not at all."""
+
+    def mark_used(self, record: Record) -> Awaitable[None]:
+        """Keep the time at which a log was used, and nothing else of its record."""
+
+    def get(self, record_ids: Collection[str]) -> Awaitable[Sequence[Record]]:
+        """Return the records of these ids that there are."""
+
+    def writing(self, record: Record) -> Callable[[Any], None]:
+        """Return what writes a record in a transaction, unless it is that of an upload that was deleted."""
+
+    def is_stored(self, sha256: str) -> Awaitable[bool]:
+        """Return whether some record has these bytes."""
 
     def delete(self, record_id: str) -> Awaitable[None]:
         """Forget a record; one that is not there is no error."""

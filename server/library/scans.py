@@ -41,6 +41,7 @@ class Scans:
             kept = self._cache.get(record.id)
             if kept is not None:
                 return kept
+            await self._catalogue.fetch(record.id)
             log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id))
             log = replace(log, name=record.name)
             self._cache.put(record.id, log)
@@ -90,6 +91,7 @@ class Scans:
             if kept is not None:
                 return kept
             if cut is None:
+                await self._catalogue.fetch(record.id)
                 with suppress(StalePackError, NotPackedError):
                     log = await asyncio.to_thread(read_pack, self._catalogue.pack(record.id), topic)
                     log = replace(log, name=record.name)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from sqlalchemy import Connection, inspect, text
 
+from server.library.announcing import announce_changes
 from server.library.migrations import HEAD
 from server.library.storage import StorageError
 from server.library.tables import alembic_version, metadata
@@ -24,11 +25,13 @@ def bring_up_to_date(connection: Connection) -> None:
     known = set(inspect(connection).get_table_names())
     if known.isdisjoint({alembic_version.name, *metadata.tables}):
         _create(connection)
-        return
-    is_versioned = alembic_version.name in known
-    version = connection.execute(alembic_version.select()).scalar() if is_versioned else None
-    if version != HEAD:
-        upgrade(connection, version)
+    else:
+        is_versioned = alembic_version.name in known
+        version = connection.execute(alembic_version.select()).scalar() if is_versioned else None
+        if version != HEAD:
+            upgrade(connection, version)
+    if connection.dialect.name == "postgresql":
+        announce_changes(connection)
 
 
 def _create(connection: Connection) -> None:

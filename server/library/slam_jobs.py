@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from mapper.sensors.scan import ScanLog
+from server.library.pose_job_kind import JobLimits
 from server.library.pose_job_record import PoseJobRecord
-from server.library.pose_jobs import JobLimits
 from server.library.slam_job import GRAPH, NAME, TUM, PartialPoses, SlamJob, SlamOutcome, read_progress
 from server.library.tables import slam_jobs
 from server.library.trajectories import NewTrajectory

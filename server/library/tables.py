@@ -137,8 +137,40 @@ merge_jobs = Table(
     Column("result", Text),  # JSON
 )
 
+#: One row for each puzzle that a visitor made. One of a log goes with it.
+puzzles = Table(
+    "puzzles",
+    metadata,
+    Column("token", String(64), primary_key=True),
+    Column("owner", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE")),
+    Column("created_s", Double, nullable=False),
+    Column("title", Text, nullable=False),
+    Column("spec", Text, nullable=False),  # JSON
+    Index("puzzles_by_log_id", "log_id"),
+)
+
 #: One row: what tells the store of logs that the records belong to from every other.
 store = Table("store", metadata, Column("id", String(64), primary_key=True))
+
+#: One row for each job that one of several services does now: who does it, until when that counts without a renewal
+#: (seconds since 1970, of the database's clock), and how much of it is done. The name says which job.
+leases = Table(
+    "leases",
+    metadata,
+    Column("name", String(200), primary_key=True),
+    Column("holder", String(64), nullable=False),
+    Column("until_s", Double, nullable=False),
+    Column("fraction", Double, nullable=False),
+)
+
+#: One row for each sign-in that was ended early, with the time at which it was given; ``*``: all up to that time.
+ended_sign_ins = Table(
+    "ended_sign_ins",
+    metadata,
+    Column("name", String(64), primary_key=True),
+    Column("given_s", BigInteger, nullable=False),
+)
 
 #: One row: the newest revision that was run. alembic makes this table as well and uses it.
 alembic_version = Table(

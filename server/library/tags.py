@@ -37,7 +37,7 @@ class Tags:
         self._database = database
         self._tags: dict[tuple[str, str], tuple[str, ...]] = {}  #: owner, log → tags
 
-    async def start(self) -> None:
+    async def follow(self, _: object = None) -> None:
         """Load the stored tags. Raises ``StorageError``."""
         found: dict[tuple[str, str], list[str]] = {}
         for owner, log_id, tag in await self._database.run(_load):

@@ -28,6 +28,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from server.library.added import Added, TrajectoryNotFoundError, TrajectorySource
 from server.library.added_rows import delete_added, load_added, replace_added
 from server.library.blobs import Blobs
+from server.library.common_files import MIN_AGE_S
 from server.library.database import Database
 from server.library.records import Record
 from server.library.storage import StorageError
@@ -84,13 +85,17 @@ class Trajectories:
 
         Raises :class:`StorageError`.
         """
-        self._added = {one.id: one for one in await self._database.run(load_added)}
+        await self.follow()
         if not may_delete:
             return
         with contextlib.suppress(StorageError):  # of a bucket that cannot be reached: another time
-            for name in await self._files.names():
+            for name in await self._files.names(MIN_AGE_S if self._database.is_shared else 0.0):
                 if name.partition(".")[0] not in self._added:
                     await self._files.delete(name)
+
+    async def follow(self, _: object = None) -> None:
+        """Load the records. Raises :class:`StorageError`."""
+        self._added = {one.id: one for one in await self._database.run(load_added)}
 
     @property
     def total_bytes(self) -> int:

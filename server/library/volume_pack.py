@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import uuid
 import zipfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
+from mapper.sensors.camera import Intrinsics
 from mapper.volume import Octree, OctreeFile
+from mapper.volume.depth_sequence import DepthSequence
 from mapper.volume.scan_sequence import FIELDS, ScanSequence
 from server.library.log_pack import StalePackError
 
-VERSION = 1
+VERSION = 2
 _SCANS, _OCTREE = "scans in 3D", "octree"
 
 VolumeSource = ScanSequence | OctreeFile
@@ -37,6 +40,9 @@ def write_volume_pack(source: VolumeSource, path: Path) -> None:
             "points": source.points, "starts": source.starts, "origins": source.origins,
             "stamps": source.stamps_ns, "offset": source.offset, **source.fields,
         }  # fmt: skip
+        if source.depth is not None:
+            about |= {"camera": asdict(source.depth.camera), "unit": source.depth.unit}
+            arrays |= {"images": source.depth.images, "poses": source.depth.poses}
     text = json.dumps(about | {"version": VERSION}).encode()
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
     try:
@@ -58,9 +64,15 @@ def read_volume_pack(path: Path) -> VolumeSource:
             if about["kind"] == _OCTREE:
                 tree = Octree(float(about["resolution"]), arrays["values"], arrays["masks"])
                 return OctreeFile(about["ending"], about["header"].encode("latin-1"), tree)
+            depth = None
+            if "camera" in about:
+                depth = DepthSequence(
+                    Intrinsics(**about["camera"]), float(about["unit"]), arrays["images"], arrays["poses"]
+                )
             return ScanSequence(
                 about["format"], arrays["points"], arrays["starts"], arrays["origins"], arrays["stamps"],
                 arrays["offset"], {name: arrays[name] for name in FIELDS if name in arrays}, tuple(about["notes"]),
+                depth,
             )  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, MapperError) as error:
         raise StalePackError(f"{type(error).__name__}: {error}") from error

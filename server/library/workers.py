@@ -193,6 +193,8 @@ def do_in_process(job: WorkerJob[T], lease: str) -> T:
 def worker_at(place: str | None, memory_bytes: int, folder: Path) -> Worker:
     """Return the worker at ``place``: None is this machine, ``tcp://HOST:PORT`` the scheduler of a Dask cluster.
 
+    With ``tls`` for ``tcp``, Dask's own settings name the certificates (``distributed.comm.tls``).
+
     Raises :class:`StorageError` where there is none. Blocks until it is there.
     """
     if place is None:
@@ -203,5 +205,5 @@ def worker_at(place: str | None, memory_bytes: int, folder: Path) -> Worker:
         raise StorageError("library.executor", "Reading on Dask needs it: pip install 'gridbloom[dask]'.") from None
     try:
         return ExecutorWorker(Client(place, timeout=10, set_as_default=False).get_executor(), folder)
-    except OSError as error:
-        raise StorageError("library.executor", f"The Dask scheduler at {place} cannot be reached.") from error
+    except (OSError, TypeError) as error:  # TypeError: tls:// without the certificates
+        raise StorageError("library.executor", f"The Dask scheduler at {place} cannot be reached: {error}.") from error

@@ -9,7 +9,7 @@ that changes them puts a new array into the next drawing. An array that is the s
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
+from mapper.volume.surface_chunks import ChunkMesh
 
 MAX_DRAWING_BYTES = 64 << 20  #: bytes of the arrays of one drawing, which are sent in one message
 
@@ -126,6 +127,22 @@ class Voxels(PlacedDrawing):
     def __post_init__(self) -> None:
         Drawing.__post_init__(self)
         _check("palette", self.palette, "u1", (None, 3))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Surface(PlacedDrawing):
+    """The triangles of a surface with voxels of ``size`` metres, in chunks of 32³ of them.
+
+    ``chunks`` has by the key of each chunk, as in :class:`Voxels`, its mesh; one that is the same object is unchanged.
+    ``colors`` returns the colours (n, 3) uint8, sRGB, of a chunk's vertices by its key and mesh, which their normals
+    lighten and darken; it returns others only where ``colors_key`` is another one. Triangles are seen from outside.
+    """
+
+    chunks: Mapping[tuple[int, int, int], ChunkMesh]
+    colors: Callable[[tuple[int, int, int], ChunkMesh], NDArray[np.uint8]]
+    colors_key: Hashable
+    size: float
+    corner: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -62,8 +62,11 @@ class SessionHost:
         traffic: Traffic | None = None,
         remake_seconds: Callable[[float], None] = lambda _: None,
         clock: Callable[[], float] = time.monotonic,
+        place: str = "",
     ) -> None:
-        self.id = secrets.token_urlsafe(18)
+        #: A reverse proxy finds the service that has the session by what stands before the point.
+        self.id = f"{place}.{secrets.token_urlsafe(18)}" if place else secrets.token_urlsafe(18)
+        self.place = place
         self.epoch_id = secrets.token_hex(8)
         self.job_owner = job_owner
         self.owner = job_owner.visitor

@@ -108,6 +108,9 @@ class Volumetric(Protocol):
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
 
+    def mesh_bytes(self, kind: str) -> bytes:
+        """Return the present surface as a file ``.ply`` or ``.glb``. Raises :class:`ConfigError` without one."""
+
 
 class EditedFiles(Protocol):
     """A map that is edited."""

@@ -24,6 +24,7 @@ from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
 from server.stream.traffic import Traffic
+from server.work.memory import give_back
 from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
@@ -84,6 +85,7 @@ class SessionRegistry:
             tuple[str, str | None]
         ] = []  #: owner and link of sessions that are being created, which count
         self._tasks: list[asyncio.Task[None]] = []
+        self._have_ended = False  #: whether sessions have ended whose memory was not given back
         #: More threads than compute at one time: a thread whose turn is over waits for the scheduler.
         self.pool = ThreadPoolExecutor(THREADS_OF_SESSION * settings.max_sessions, thread_name_prefix="session")
         self._scheduler = Scheduler(settings.threads)
@@ -125,25 +127,40 @@ class SessionRegistry:
         return session
 
     async def create(
-        self, kind: Kind, wanted: SessionRequest, visitor: str, library: Library, *, address: str = ""
+        self,
+        kind: Kind,
+        wanted: SessionRequest,
+        visitor: str,
+        library: Library,
+        *,
+        address: str = "",
+        place: str = "",
     ) -> SessionHost:
         """Begin the session that a visitor requested. Raises as the kind's plan and :meth:`begin`."""
         with self.under_way.making(visitor, wanted.name) as making:
             plan = await kind.plan(wanted, Resources(visitor, library, self._settings.max_story_s, making))
-            return await self._begin(plan, visitor, making, address=address)
+            return await self._begin(plan, visitor, making, address=address, place=place)
 
     async def begin(
-        self, plan: Plan, owner: str, *, link: str | None = None, address: str = "", places: int | None = None
+        self,
+        plan: Plan,
+        owner: str,
+        *,
+        link: str | None = None,
+        address: str = "",
+        place: str = "",
+        places: int | None = None,
     ) -> SessionHost:
         """Begin a session for a visitor; ``link`` is the link that a guest followed.
 
         ``places`` is the most sessions of that link; None: as many as of one visitor.
 
-        ``address`` is the visitor's network address. While the model is made, :attr:`under_way` has its progress;
+        ``address`` is the visitor's network address, ``place`` what a reverse proxy chose this service by. While the
+        model is made, :attr:`under_way` has its progress;
         cancelling ends it. Raises :class:`SessionBudgetError`, and as the plan's ``make``.
         """
         with self.under_way.making(owner, plan.name) as making:
-            return await self._begin(plan, owner, making, link=link, address=address, places=places)
+            return await self._begin(plan, owner, making, link=link, address=address, place=place, places=places)
 
     async def _begin(
         self,
@@ -153,6 +170,7 @@ class SessionRegistry:
         *,
         link: str | None = None,
         address: str = "",
+        place: str = "",
         places: int | None = None,
     ) -> SessionHost:
         host = (await asyncio.to_thread(_host_class))(
@@ -163,6 +181,7 @@ class SessionRegistry:
             link=link,
             traffic=self._traffic,
             remake_seconds=self._remake_seconds,
+            place=place,
         )
         async with self._reserved(owner, link, places):
             for log in plan.logs:
@@ -187,6 +206,7 @@ class SessionRegistry:
     async def _end(self, session: SessionHost) -> None:
         self._sessions.pop(session.id, None)
         await session.close()
+        self._have_ended = True
         _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))
 
     def limits(self, session: SessionHost | None) -> Limits:
@@ -306,6 +326,9 @@ class SessionRegistry:
         while True:
             await asyncio.sleep(REAP_EVERY_S)
             await self.reap()
+            if self._have_ended:  # models refer to themselves: reference counts alone do not free them
+                self._have_ended = False
+                await asyncio.to_thread(give_back)
 
     async def reap(self) -> None:
         """End the sessions that have been idle for too long."""

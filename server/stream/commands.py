@@ -243,6 +243,12 @@ class VolumeLookCommand(Struct, tag_field="type", tag="volume_look"):
     values: Annotated[Values, Meta(description="new values; the others stay")]
 
 
+class SurfaceCommand(Struct, tag_field="type", tag="surface"):
+    """Sessions in 3D: change parameters of the surface, which is then made again."""
+
+    values: Annotated[Values, Meta(description="new values; the others stay")]
+
+
 class VoxelCommand(Struct, tag_field="type", tag="voxel"):
     """Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none."""
 
@@ -303,6 +309,7 @@ Command = (
     | InspectCommand
     | WhyCommand
     | VolumeLookCommand
+    | SurfaceCommand
     | VoxelCommand
     | VoxelRayCommand
     | VolumeKeepCommand

@@ -223,3 +223,14 @@ class VoxelUpdate(Part):
     beams: Annotated[int, Meta(description="how many, at most 64")]
     before: Annotated[float | None, Meta(description="log-odds before; null: unknown")]
     after: Annotated[float, Meta(description="log-odds after")]
+
+
+class SurfaceUpdate(Part):
+    """What one scan did to a voxel of a surface."""
+
+    scan: Annotated[int, Meta(description="number of the scan, from 1")]
+    measured: Annotated[float, Meta(description="signed distance that it measured, m, cut at the truncation")]
+    added: Annotated[float, Meta(description="weight of the measurement")]
+    before: Annotated[float | None, Meta(description="mean distance before, m; null: unknown")]
+    after: Annotated[float, Meta(description="mean distance after, m")]
+    weight: Annotated[float, Meta(description="weight of the mean after")]

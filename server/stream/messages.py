@@ -27,6 +27,7 @@ from server.stream.message_parts import (
     Point,
     Pose,
     Segment,
+    SurfaceUpdate,
     Table,
     TerrainPatch,
     TrajectoryInfo,
@@ -256,6 +257,7 @@ class TerrainMessage(Struct, tag_field="type", tag="terrain"):
         float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
     ]
     total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
+    truth: Annotated[str | None, Meta(description="what they are compared with; null: as above")]
     safe: Annotated[int, Meta(description="patches that are safe")]
     unsafe: Annotated[int, Meta(description="patches that are unsafe")]
     unknown: Annotated[int, Meta(description="patches with too few points")]
@@ -349,6 +351,34 @@ class VoxelMessage(Struct, tag_field="type", tag="voxel"):
     updates: Annotated[list[VoxelUpdate], Meta(description="at most the last 200, oldest first")]
 
 
+class SurfaceMessage(Struct, tag_field="type", tag="surface"):
+    """Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes."""
+
+    table: Annotated[list[Parameter], Meta(description="its parameters; empty where no surface can be made")]
+    values: Annotated[Values, Meta(description="their present values")]
+    truncation: Annotated[float, Meta(description="truncation that is used, m")]
+    index: Annotated[int, Meta(description="scans in the surface")]
+    blocks: Annotated[int, Meta(description="blocks of 8³ voxels")]
+    bytes: Annotated[int, Meta(description="memory of the blocks")]
+    triangles: Annotated[int, Meta(description="triangles that are drawn")]
+    chunks: Annotated[int, Meta(description="chunks of 32³ voxels that have triangles")]
+    pending: Annotated[int, Meta(description="chunks that are still to be meshed again")]
+    snapshots: Annotated[list[int], Meta(description="scans after which the surface is kept, to go back to")]
+    problem: Annotated[str | None, Meta(description="why it is not drawn; null: it is")]
+
+
+class SurfaceVoxelMessage(Struct, tag_field="type", tag="surface_voxel"):
+    """Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen."""
+
+    centre: Annotated[Place | None, Meta(description="its centre, m")]
+    size: Annotated[float, Meta(description="its side, m")]
+    distance: Annotated[float | None, Meta(description="mean signed distance, m, positive before; null: unknown")]
+    weight: Annotated[float, Meta(description="weight of the mean")]
+    index: Annotated[int, Meta(description="scans in the surface")]
+    total: Annotated[int, Meta(description="scans that measured it")]
+    updates: Annotated[list[SurfaceUpdate], Meta(description="at most the last 200, oldest first")]
+
+
 class WorkingMessage(Struct, tag_field="type", tag="working"):
     """Progress of a computation that takes more than 0.3 s. Sent four times a second until it has ended."""
 
@@ -437,6 +467,8 @@ ServerMessage = (
     | MapEditsMessage
     | Nav2Message
     | VolumeMessage
+    | SurfaceMessage
+    | SurfaceVoxelMessage
     | VoxelMessage
     | WorkingMessage
     | NoticeMessage

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from playwright.sync_api import Page, WebSocket, expect
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
@@ -155,12 +156,12 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
 def test_a_bag_of_a_lidar_that_moves_becomes_the_map_of_its_points(
     page: Page, server: str, data_file: Callable[[str], Path], tmp_path: Path
 ) -> None:
-    """Messages of four layouts, whose points state their times, as a ROS 1 bag through the file dialog."""
+    """Messages of four layouts, whose points state their times, as a ROS 1 bag, opened in 3D."""
     points = read_cloud(data_file("pointclouds/room_scan1.pcd")).points
     run = record(tmp_path, points[np.isfinite(points).all(axis=1)][::10], "bag")
     page.emulate_media(reduced_motion="reduce")
+    assert page.request.put(f"{server}/api/logs?name=run.bag", data=run.path.read_bytes()).ok
     page.goto(f"{server}/logs.html")
-    page.set_input_files("input[type=file]", str(run.path))
     page.locator(".log-card", has_text="run.bag").get_by_role("button", name="Open in 3D").click()
     await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 4 })")
@@ -191,3 +192,56 @@ def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
     page.get_by_role("radio", name="points", exact=True).check(force=True)
     await_true(page, f"() => ({VOLUME})().chunks === 0")
     expect(page.locator(".volume-facts")).to_contain_text("112,586 points")
+
+
+def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_away(
+    page: Page, server: str, data_file: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder = data_file("depth/camera-intrinsics.txt").parent
+    path = tmp_path / "desk.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for file in [folder / "camera-intrinsics.txt", *sorted(folder.glob("frame-00004*"))]:
+            archive.write(file, file.name)
+    received: list[int] = []
+    page.on(
+        "websocket",
+        lambda socket: (
+            socket.on("framereceived", lambda data: received.append(len(data))) if "/scenes/" in socket.url else None
+        ),
+    )
+    opened(page, server, path)
+    before = sum(received)
+    page.get_by_role("tab", name="Surface").click()
+    page.get_by_role("button", name="Show the surface").click()
+    surface = "() => gridbloom.connection.store.surface.message.peek()"
+    await_true(
+        page, f"() => {{ const now = ({surface})(); return now.index === 1 && now.triangles > 0 && !now.pending; }}"
+    )
+    first = page.evaluate(surface)
+    expect(page.locator(".volume-facts")).to_contain_text(f"{first['triangles']:,} triangles of 1 scan")
+    until("the triangles are in the browser", lambda: sum(received) - before > 2 * first["triangles"])
+
+    # The curve is grabbed with the keyboard: other triangles, made of the same image.
+    handle = page.get_by_role("slider", name="Truncation").first
+    handle.focus()
+    handle.press("ArrowRight")
+    until("the truncation has changed", lambda: page.evaluate(surface)["truncation"] != first["truncation"])
+    await_true(
+        page, f"() => {{ const now = ({surface})(); return now.index === 1 && now.triangles > 0 && !now.pending; }}"
+    )
+    second = page.evaluate(surface)
+    assert second["triangles"] != first["triangles"]
+
+    page.get_by_role("tab", name="Download").click()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="ply", exact=True).click()
+    with Path(download.value.path()).open("rb") as file:
+        mesh = trimesh.load_mesh(file, file_type="ply", process=False)
+    assert len(mesh.faces) == second["triangles"]
+    np.testing.assert_allclose(np.linalg.norm(mesh.vertex_normals, axis=1), 1.0, atol=1e-3)
+
+    # The camera's y points down: with −y up the map is another one, as the address says.
+    page.get_by_role("tab", name="View").click()
+    page.get_by_label("Axis of the file that points up").select_option("-y")
+    page.wait_for_url("**up=-y**")
+    await_true(page, f"() => {{ const now = ({VOLUME})(); return now && now.low[2] > -2 && now.low[2] < 0; }}")

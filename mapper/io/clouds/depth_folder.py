@@ -62,7 +62,7 @@ def read_depth_folder(path: str | os.PathLike[str], *, limits: Limits = DEFAULT_
             frames.append(DepthFrame(image.name, stamp_ns, pose, partial(read_depth, image, camera, unit, limits)))
         except ConfigError as error:
             raise ReadError("depth.pose", error.message) from error
-    return DepthFolder(camera, tuple(frames), (*said, *notes))
+    return DepthFolder(camera, tuple(frames), (*said, *notes), unit)
 
 
 Found = tuple[list[tuple[Path, int, NDArray[np.float64]]], list[str]]

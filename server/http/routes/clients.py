@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import Coroutine
 from typing import Any, TypeVar
 
@@ -12,12 +13,25 @@ from starlette.requests import HTTPConnection
 from mapper.core.errors import MapperError
 from server.network_address import network_of
 
+PLACE_HEADER = "X-Gridbloom-Place"
+
+_PLACE = re.compile(r"[0-9a-z]{1,32}")
+
 T = TypeVar("T")
 
 
 def client_address(request: HTTPConnection) -> str:
     """Return the client's address, for IPv6 its /64 network; empty if unknown."""
     return "" if request.client is None else network_of(request.client.host)
+
+
+def chosen_place(request: HTTPConnection) -> str:
+    """Return what a reverse proxy in front of several services has chosen this one by; empty without one.
+
+    The ids of the sessions that a request begins start with it, so that the proxy finds them (``deploy/haproxy.cfg``).
+    """
+    place = request.headers.get(PLACE_HEADER, "")
+    return place if _PLACE.fullmatch(place) else ""
 
 
 async def while_connected(request: Request, work: Coroutine[Any, Any, T]) -> T:

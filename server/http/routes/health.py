@@ -20,6 +20,7 @@ async def livez() -> dict[str, str]:
 
 
 @router.get("/readyz")
+@guests_may(GuestRight.ALWAYS)
 async def readyz(library: Logs) -> dict[str, str]:
     """Return 200 once requests can be served: the stores are open, and still there; 503 if they are not any more.
 

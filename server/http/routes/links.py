@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, while_connected
+from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import Logs, Sessions, Visitor
@@ -147,7 +147,9 @@ async def begin(
             making.watched = lambda: library.opening(link.log_id)
             log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
         plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
-        return await sessions.begin(plan, visitor, link=token, address=client_address(request))
+        return await sessions.begin(
+            plan, visitor, link=token, address=client_address(request), place=chosen_place(request)
+        )
 
     session = await while_connected(request, begun())
     try:

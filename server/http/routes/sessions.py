@@ -16,7 +16,7 @@ from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, while_connected
+from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.sessions import Kind
 from server.sessions.kind import SessionRequest
@@ -51,7 +51,8 @@ def creating(kinds: Mapping[str, Kind]) -> APIRouter:
         request: Request, wanted: SessionRequest, sessions: Sessions, library: Logs, visitor: Visitor
     ) -> Response:
         """Begin a session. If the client disconnects, the work is cancelled."""
-        work = sessions.create(kinds[wanted.kind], wanted, visitor, library, address=client_address(request))
+        where = {"address": client_address(request), "place": chosen_place(request)}
+        work = sessions.create(kinds[wanted.kind], wanted, visitor, library, **where)
         session = await while_connected(request, work)
         return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 

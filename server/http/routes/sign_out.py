@@ -12,6 +12,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from server.http.errors import error_response
 from server.http.services import services_of
 from server.http.sign_ins import TOKEN_COOKIE
+from server.library import StorageError
 
 router = APIRouter(include_in_schema=False)
 
@@ -39,15 +40,17 @@ async def page() -> Response:
 async def sign_out(request: Request) -> Response:
     """End the cookie of this browser, or with ``everywhere`` all of them."""
     everywhere = "everywhere" in parse_qs((await request.body()).decode("latin-1"))
-    sign_ins = services_of(request.app).sign_ins
+    services = services_of(request.app)
+    sign_ins = services.sign_ins
     response: Response = RedirectResponse("/", status_code=303)
     try:
         if everywhere:
             await asyncio.to_thread(sign_ins.end_all)
         else:
             await asyncio.to_thread(sign_ins.end, request.cookies.get(TOKEN_COOKIE, ""))
-    except OSError as error:
-        _log.warning("an ended sign-in cannot be recorded", reason=error.strerror)
+        await services.library.sign_in_ends.put(sign_ins.ended)
+    except (OSError, StorageError) as error:
+        _log.warning("an ended sign-in cannot be recorded", reason=str(error))
         message = "You are signed out until the service is started again: it cannot record it."
         response = error_response(507, "security.not_recorded", message)
     response.delete_cookie(TOKEN_COOKIE, httponly=True, samesite="lax")

@@ -1,7 +1,8 @@
-"""``/api/sessions/{id}/volume.*``: the map in 3D of a session as an octree of OctoMap."""
+"""``/api/sessions/{id}/volume.*``, ``surface.*``: the map in 3D of a session as an octree of OctoMap, and as a mesh."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 from fastapi import APIRouter, Request
@@ -12,6 +13,7 @@ from server.downloads import Content, Download, file_name
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
+from server.sessions.parts import Volumetric
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -22,6 +24,22 @@ async def volume_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["bt", "ot"]
 ) -> Response:
     """Return the map in 3D as an octree of OctoMap: .bt has free and occupied voxels, .ot their log-odds."""
+    return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.octree_bytes(f".{kind}"))
+
+
+@router.get("/{session_id}/surface.{kind}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def surface_file(
+    request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["ply", "glb"]
+) -> Response:
+    """Return the surface by truncated signed distances as triangles with normals: PLY, or glTF in one file."""
+    return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.mesh_bytes(f".{kind}"))
+
+
+def _download(
+    request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: str,
+    read: Callable[[Volumetric], bytes],
+) -> Response:  # fmt: skip
     session = sessions.get(session_id)
 
     async def make() -> Content:
@@ -29,7 +47,7 @@ async def volume_file(
             volume = session.model.volume
             if volume is None:
                 raise MapperError("session.no_volume", "This session shows no map in 3D to download.")
-            data = await downloads.run(lambda _: volume.octree_bytes(f".{kind}"))
+            data = await downloads.run(lambda _: read(volume))
         return Content(file_name(stem_of(session), kind), iter([data]), len(data))
 
     return Download(downloads, requester_of(request, session), make, "application/octet-stream")

@@ -13,6 +13,7 @@ from server.scenes.drawers.path import PathDrawer
 from server.scenes.drawers.points import PointsDrawer
 from server.scenes.drawers.robot_body import RobotBodyDrawer
 from server.scenes.drawers.segments import SegmentsDrawer
+from server.scenes.drawers.surface import SurfaceDrawer
 from server.scenes.drawers.voxels import VoxelsDrawer
 from server.scenes.drawers.walls import WallsDrawer
 from server.sessions import drawings
@@ -29,6 +30,7 @@ DRAWERS: Drawers = MappingProxyType(
         drawings.Points: PointsDrawer,
         drawings.RobotBody: RobotBodyDrawer,
         drawings.Segments: SegmentsDrawer,
+        drawings.Surface: SurfaceDrawer,
         drawings.Voxels: VoxelsDrawer,
         drawings.Walls: WallsDrawer,
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -17,6 +18,7 @@ from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, o
 from mapper.volume.blocks import BLOCK
 from mapper.volume.faces import FaceRule
 from mapper.volume.replayed import ReplayedVolume
+from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.drawings import Drawing, Point
 from server.sessions.messages import NO_READINGS
@@ -26,8 +28,9 @@ from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_look import LOOK_PARAMETERS
-from server.sessions.models.volume_messages import look_table, volume_message, voxel_message
-from server.sessions.models.volume_start import bounds_of, first_look, first_resolution, times_of
+from server.sessions.models.volume_messages import log_fields, look_table, volume_message, voxel_message
+from server.sessions.models.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
+from server.sessions.models.volume_surface import VolumeSurface
 from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
@@ -39,7 +42,7 @@ if TYPE_CHECKING:
     from server.library.volume_pack import VolumeSource
     from server.sessions.hosting import ModelHost
 
-SLICE_S = 0.1  #: of inserting scans, after which the map is shown as it is
+SLICE_S = 0.1  #: of inserting scans, after which the map is shown
 PIECE_S = 0.05  #: of drawing voxels
 FILL_S = 20.0  #: in which a sequence plays at first
 MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
@@ -50,8 +53,10 @@ class VolumeModel(SessionModel):
     """A map of occupied and free voxels of the scans of ``source`` so far, or an octree."""
 
     kind: ClassVar[str] = "volume"
-    replacing: ClassVar[frozenset[str]] = frozenset({"seek", "step", "restart", "parameters"})
-    resent_on_refusal: ClassVar[Mapping[str, str]] = {"parameters": "parameters", "volume_look": "volume"}
+    replacing: ClassVar[frozenset[str]] = frozenset({"seek", "step", "restart", "parameters", "surface"})
+    resent_on_refusal: ClassVar[Mapping[str, str]] = {
+        one: {"volume_look": "volume"}.get(one, one) for one in ("parameters", "volume_look", "surface")
+    }
 
     def __init__(
         self, host: ModelHost, source: VolumeSource, *, log_id: str, title: str, topic: str | None = None,
@@ -68,15 +73,16 @@ class VolumeModel(SessionModel):
         self.volume = self
         self._drawn = VolumeDrawings(source, self._low, self._high)
         self._questions = VoxelQuestions(host, self._drawn)
+        scans = source if isinstance(source, ScanSequence) else None
+        self._surface = VolumeSurface(scans, self._config.resolution, self._limits)
         self._target = self._map.count if self._map.count == 1 else 0
         self._layer = GridLayer("map", "Map from above")
         self._stale_grid = True
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
-        points = CloudPoints(source if isinstance(source, ScanSequence) else None, self._low, self._high)
-        self._terrain = TerrainView(points, points.first)
-        duration = float(self._times[-1])
-        speeds = (0.1, max(100.0, duration / 5.0))
+        points = CloudPoints(scans, self._low, self._high, other)
+        self._terrain = TerrainView(points, points.first, host)
+        speeds = (0.1, max(100.0, (duration := float(self._times[-1])) / 5.0))
         super().__init__(
             Playback(self._map.count > 1, float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds)
         )
@@ -102,10 +108,9 @@ class VolumeModel(SessionModel):
     @property
     def grid(self) -> OccupancyGrid | None:
         """The map from above, of the band of heights."""
-        try:
+        with contextlib.suppress(MapperError):
             return project(self._map.volume, self._look.band_low, self._look.band_high)
-        except MapperError:
-            return None
+        return None
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""
@@ -113,36 +118,39 @@ class VolumeModel(SessionModel):
             return self._source.bytes(self._config)
         return octree_file(Octree.of(self._map.volume), kind, self._config).bytes(self._config)
 
+    def mesh_bytes(self, kind: str) -> bytes:
+        """Return the present surface as a file ``.ply`` or ``.glb``. Raises :class:`ConfigError` without one."""
+        return self._surface.file(kind, self._shown.index)
+
+    @property
+    def _is_surface(self) -> bool:
+        return self._look.show == "surface"
+
+    @property
+    def _shown(self) -> ReplayedVolume | ReplayedSurface:
+        """The map that follows the timeline first."""
+        return self._surface.replayed if self._is_surface else self._map
+
     @property
     def footprint(self) -> Footprint:
         """The voxels of the map, of the one that it is compared with, and the points."""
         points = 3 * len(self._source.points) if isinstance(self._source, ScanSequence) else self._source.tree.n_nodes
-        return Footprint(self._map.n_cells + self._comparison.n_cells + points + self._terrain.cells)
+        return Footprint(
+            self._map.n_cells + self._comparison.n_cells + points + self._terrain.cells + self._surface.cells
+        )
 
     @property
     def progress(self) -> tuple[int, int]:
         """Scans in the map, scans in total."""
-        return (self._map.index, self._map.count)
+        return (self._shown.index, self._map.count)
 
     def particulars(self) -> dict[str, Any]:
         """Return the file as a log without planar scans, and the table of the map's parameters."""
-        scans = self._source if isinstance(self._source, ScanSequence) else None
-        rows = [] if scans is None else [asdict(row) for row in VOLUME_PARAMETERS]
+        rows = [asdict(row) for row in VOLUME_PARAMETERS] if isinstance(self._source, ScanSequence) else []
         return {
             "map3d": self._terrain.table if rows else [],
             "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
-            "log": {
-                "id": self._log_id,
-                "topic": self._topic or "",
-                "cut": None,
-                "trajectory": "",
-                "trajectories": [],
-                "n_beams": 0,
-                "n_scans": self._map.count,
-                "duration_s": 0.0 if scans is None or not scans.stamps_ns.any() else float(self._times[-1]),
-                "format": f"OctoMap {self._source.kind}" if isinstance(self._source, OctreeFile) else self._source.kind,
-                "notes": [] if scans is None else list(scans.notes),
-            },
+            "log": log_fields(self._source, self._log_id, self._topic, float(self._times[-1])),
         }
 
     def messages(self) -> list[dict[str, Any]]:
@@ -151,7 +159,9 @@ class VolumeModel(SessionModel):
             self._message(),
             self._parameters(),
             self._terrain.message(),
+            self._surface.message(),
             voxel_message(None, self._config.resolution),
+            self._surface.no_voxel(),
         ]
 
     def _parameters(self) -> dict[str, Any]:
@@ -159,7 +169,7 @@ class VolumeModel(SessionModel):
 
     def frame(self) -> dict[str, Any]:
         """Return the time of the newest scan."""
-        return {"stamp": round(float(self._times[max(self._map.index - 1, 0)]), 3)}
+        return {"stamp": round(float(self._times[max(self._shown.index - 1, 0)]), 3)}
 
     def scan(self) -> dict[str, Any]:
         """Return a scan without readings."""
@@ -167,13 +177,13 @@ class VolumeModel(SessionModel):
 
     def drawings(self) -> list[Drawing]:
         """Return the voxels, the points, the chosen voxel, and what differs from another map."""
-        return self._drawn.current(self._map.volume, self._look)
+        surface = [self._surface.drawing(self._look, float(self._low[2]))] if self._is_surface else []
+        return [*self._drawn.current(self._map.volume, self._look), *surface]
 
     def controls(self) -> SceneControls:
         """Return what the camera shows at first."""
-        x0, y0, x1, y1 = (float(v) for v in (self._low[0], self._low[1], self._high[0], self._high[1]))
-        heights = float(self._low[2]), float(self._high[2])
-        return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=heights)
+        (x0, y0, z0), (x1, y1, z1) = self._low.tolist(), self._high.tolist()
+        return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=(z0, z1))
 
     def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
         """Ask about the voxel that is clicked."""
@@ -199,6 +209,10 @@ class VolumeModel(SessionModel):
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
+        if self._is_surface and command["type"] in ("voxel", "voxel_ray"):
+            self._surface.ask(command, self._host, self._drawn, result)
+            result.changed = True
+            return
         if self._questions.obey(command, self._map, self._rule, result):
             result.changed = True
             return
@@ -213,16 +227,20 @@ class VolumeModel(SessionModel):
                 self._go_to(index)
             case "step":
                 self.playback.playing = False
-                self._go_to(self._map.index + integer(command, "scans", 1))
+                self._go_to(self._shown.index + integer(command, "scans", 1))
             case "restart":
                 self._go_to(0)
                 self.playback.playing = True
             case "cancel":
-                self._go_to(self._map.index)
+                self._go_to(self._shown.index)
             case "parameters":
                 self._set_config(values(command), result)
+            case "surface":
+                if self._surface.set_values(command):
+                    self._clear_voxel(result)
+                result.slot(self._surface.message())
             case "volume_look":
-                self._set_look(values(command))
+                self._set_look(values(command), result)
             case "volume_keep":
                 self._comparison.end()
                 self._drawn.show_changes(None, self._config.resolution)
@@ -235,7 +253,7 @@ class VolumeModel(SessionModel):
 
     def play(self) -> None:
         """Play; from the start if the end was reached."""
-        if self._map.index == self._map.count:
+        if self._shown.index == self._map.count:
             self._go_to(0)
         super().play()
 
@@ -250,25 +268,28 @@ class VolumeModel(SessionModel):
         config = replace(self._config, **wanted)
         if config == self._config:
             return
-        sides = np.maximum((self._high - self._low).astype(np.float64) / config.resolution, 1.0)
-        reach = float(np.abs(np.stack([self._low, self._high])).max())
-        if reach > (1 << 15) * config.resolution or float(sides.max()) > 1 << 16:
-            raise ConfigError(
-                "volume.resolution",
-                f"At {config.resolution:g} m a voxel the map reaches {32768 * config.resolution:.4g} m from 0 along "
-                f"each axis, and the points lie up to {reach:.4g} m from 0; choose a coarser one.",
-            )
+        check_resolution(self._low, self._high, config.resolution)
         self._config = config
         self._map = ReplayedVolume(self._source, config, self._limits)
         self._comparison.note_change()
         self._drawn.faces.clear()
         self._drawn.show_changes(None, config.resolution)
-        self._questions.clear(config.resolution, result)
+        self._clear_voxel(result)
         result.slot(self._parameters())
 
-    def _set_look(self, wanted: dict[str, Any]) -> None:
+    def _clear_voxel(self, result: TickResult) -> None:
+        """Choose no voxel."""
+        self._questions.clear(self._config.resolution, result)
+        result.slot(self._surface.no_voxel())
+
+    def _set_look(self, wanted: dict[str, Any], result: TickResult) -> None:
         check_names(wanted, LOOK_PARAMETERS)
-        old, self._look = self._look, replace(self._look, **wanted)
+        look = replace(self._look, **wanted)
+        if look.show == "surface":
+            self._surface.replayed  # noqa: B018 - raises where there is none
+        old, self._look = self._look, look
+        if (old.show == "surface") != (look.show == "surface"):
+            self._clear_voxel(result)
         if (old.band_low, old.band_high) != (self._look.band_low, self._look.band_high):
             self._stale_grid = True
         drawn = ("show", "colour", "band", "whole", "cut_low", "cut_high")
@@ -279,13 +300,18 @@ class VolumeModel(SessionModel):
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether scans are still to be put into the map."""
-        return self._map.index != self._target
+        """Whether scans are still to be put into the map; while it plays, only into the one that is shown."""
+        if self._shown.index != self._target:
+            return True
+        return self._map.index != self._target and not self.playback.playing
 
     @property
     def fraction(self) -> float | None:
-        """The share of the wanted scans that is in the map."""
-        return self._map.index / self._target if self._target and self.is_catching_up else None
+        """The share of the wanted scans that is in the map, or of the terrain that is done."""
+        if self._terrain.share is not None:
+            return self._terrain.share
+        behind = self._map if self._shown.index == self._target else self._shown
+        return behind.index / self._target if self._target and self.is_catching_up else None
 
     def draw(self, result: TickResult) -> None:
         """Assess the terrain if it has to be."""
@@ -297,27 +323,44 @@ class VolumeModel(SessionModel):
             self._time = min(self._time + dt * self.playback.speed, float(self._times[-1]))
             self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
             result.changed = True
-        if self.is_catching_up:
+        if self._is_surface and self._shown.index != self._target:
+            self._follow_surface(result)
+        elif self.is_catching_up:
             self._catch_up(result)
-        if self.playback.playing and self._map.index == self._map.count:
+        if self.playback.playing and self._shown.index == self._map.count:
             self.playback.playing = False
             result.changed = True
 
     def _catch_up(self, result: TickResult) -> None:
-        began = time.monotonic()
         self._nodes = None
         try:
+            self._go_on(self._map)
+        finally:
+            self._note_change()
+        if not self._is_surface:
+            self._drawn.show_newest(self._map.index, self._look)
+        result.changed = True
+
+    def _follow_surface(self, result: TickResult) -> None:
+        """Fuse scans and mesh what they changed, so that it is drawn at once."""
+        try:
+            self._go_on(self._surface.replayed)
+        finally:
+            self._surface.mesh()
+            result.slot(self._surface.message())
+        result.changed = True
+
+    def _go_on(self, shown: ReplayedVolume | ReplayedSurface) -> None:
+        """Bring a map nearer to the wanted scan; if it cannot be, the scan that it is at is wanted."""
+        began = time.monotonic()
+        try:
             with self._host.cancellable():
-                self._map.go_to(self._target, lambda: time.monotonic() - began > SLICE_S, self._host.may_continue)
+                shown.go_to(self._target, lambda: time.monotonic() - began > SLICE_S, self._host.may_continue)
         except WorkCancelledError:
             raise
         except MapperError:
-            self._target = self._map.index
-            self._note_change()
+            self._target = shown.index
             raise
-        self._note_change()
-        self._drawn.show_newest(self._map.index, self._look)
-        result.changed = True
 
     def _note_change(self) -> None:
         self._drawn.note_change(self._map.volume, self._map.take_touched())
@@ -327,11 +370,17 @@ class VolumeModel(SessionModel):
     @property
     def has_deferred_work(self) -> bool:
         """Whether voxels, the map from above or the comparison are out of date."""
-        return self._drawn.is_stale or self._stale_grid or self._comparison.is_stale or self._nodes is None
+        stale = self._is_surface and self._surface.is_stale
+        return stale or self._drawn.is_stale or self._stale_grid or self._comparison.is_stale or self._nodes is None
 
     def run_deferred_work(self, result: TickResult) -> None:
         """Bring one of them up to date, or a part of it."""
         began = time.monotonic()
+        result.changed = True
+        if self._is_surface and self._surface.is_stale:
+            self._surface.mesh()
+            result.slot(self._surface.message())
+            return
         if self._drawn.is_stale:
             self._drawn.work(
                 self._map.volume, self._map.index, self._look, has_free=self._has_free,
@@ -340,24 +389,12 @@ class VolumeModel(SessionModel):
         elif self._stale_grid:
             self._update_layer()
         elif self._comparison.is_stale:
-            self._update_changes(result)
+            self._comparison.update(self._map, self._drawn, self._host.may_continue, result)
         else:
             self._nodes = Octree.of(self._map.volume).n_nodes
-        result.changed = True
         result.slot(self._message())
 
     def _update_layer(self) -> None:
         self._stale_grid = False
-        grid = self.grid
-        if grid is not None:
+        if (grid := self.grid) is not None:
             self._layer.set(grid.geometry, grid.log_odds, -LOG_ODDS, LOG_ODDS, ~grid.observed)
-
-    def _update_changes(self, result: TickResult) -> None:
-        try:
-            if self._comparison.work(self._map, self._host.may_continue):
-                self._drawn.show_changes(self._comparison.changes, self._config.resolution)
-        except WorkCancelledError:
-            return
-        except MapperError as error:
-            self._comparison.end()
-            result.notice(error.code, error.message)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.volume import OctreeFile, VolumeConfig, changes_between
 from mapper.volume.changes import Changes
@@ -13,6 +14,8 @@ from mapper.volume.replayed import ReplayedVolume
 
 if TYPE_CHECKING:
     from server.library.volume_pack import VolumeSource
+    from server.sessions.models.volume_drawings import VolumeDrawings
+    from server.sessions.tick import TickResult
 
 SLICE_S = 0.1  #: of making the other map, after which other work has its turn
 
@@ -66,6 +69,19 @@ class VolumeComparison:
         self.is_stale = False
         self.changes = None if other is None else changes_between(other.volume, now.volume)
         return True
+
+    def update(
+        self, now: ReplayedVolume, drawn: VolumeDrawings, may_continue: Callable[[], bool], result: TickResult
+    ) -> None:
+        """Do a part of the work, and draw what differs once that is known; a comparison that is impossible ends."""
+        try:
+            if self.work(now, may_continue):
+                drawn.show_changes(self.changes, now.config.resolution)
+        except WorkCancelledError:
+            return
+        except MapperError as error:
+            self.end()
+            result.notice(error.code, error.message)
 
     def _differs(self, config: VolumeConfig) -> bool:
         other = self._map

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,6 @@ from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int6
 from mapper.volume import OccupancyVolume, OctreeFile
 from mapper.volume.changes import Changes
 from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
-from mapper.volume.provenance import VoxelUpdate
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.drawings import Drawing, Points, Segments, Voxels
 from server.sessions.models.volume_look import (
@@ -31,6 +31,9 @@ from server.sessions.models.volume_look import (
 MOST_POINTS = 1_000_000  #: that are drawn
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 HIT, PASSED, CHOSEN = (214, 92, 30), (60, 130, 200), (232, 60, 140)
+WITHOUT_VOXELS = ("points", "surface")
+#: Whether they ended in a voxel or passed it, the place of the sensor (3,), their ends (n, 3).
+Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
 
 
@@ -72,7 +75,7 @@ class VolumeDrawings:
     def note_look(self, volume: OccupancyVolume, old: Look, new: Look) -> None:
         """Note that another look was chosen."""
         self._stale_points = True
-        if (old.cut_low, old.cut_high) == (new.cut_low, new.cut_high) or old.show == "points":
+        if (old.cut_low, old.cut_high) == (new.cut_low, new.cut_high) or old.show in WITHOUT_VOXELS:
             self.note_change(volume, None)
             return
         # A cut changes the chunks between its old and its new height.
@@ -96,7 +99,7 @@ class VolumeDrawings:
         self, volume: OccupancyVolume, index: int, look: Look, *, has_free: bool, is_over: Callable[[], bool]
     ) -> None:
         """Make again what is stale, until that is done or ``is_over``."""
-        if look.show == "points":
+        if look.show in WITHOUT_VOXELS:
             self._pending.clear()
             self.faces.clear()
         rule = self.rule(volume, look, has_free=has_free)
@@ -125,7 +128,7 @@ class VolumeDrawings:
         return float(np.clip(np.linalg.norm(self._high - self._low) / 1500.0, 0.004, 0.2))
 
     def _drawn_points(self, index: int, look: Look) -> Points | None:
-        if self._scans is None or look.show == "voxels":
+        if self._scans is None or look.show in ("voxels", "surface"):
             return None
         scans = self._scans
         some = np.arange(0, int(scans.starts[index]), max(1, -(-int(scans.starts[index]) // MOST_POINTS)))
@@ -148,8 +151,8 @@ class VolumeDrawings:
 
     # -- a voxel, a comparison --------------------------------------------------------------------------------------
 
-    def choose(self, centre: Float32Array | None, size: float, updates: Sequence[VoxelUpdate]) -> None:
-        """Show the voxel that is asked about, and its beams; None for none."""
+    def choose(self, centre: Float32Array | None, size: float, beams: Sequence[Beams] = ()) -> None:
+        """Show the voxel that is asked about, and the beams that ended in it or passed it; None for none."""
         self._chosen = []
         if centre is None:
             return
@@ -161,9 +164,9 @@ class VolumeDrawings:
         )
         for name, is_hit, color in (("hits", True, HIT), ("passes", False, PASSED)):
             rays = [
-                np.stack([np.broadcast_to(one.origin, one.ends.shape), one.ends], axis=1)
-                for one in updates[-200:]
-                if one.is_hit == is_hit and one.origin is not None and len(one.ends)
+                np.stack([np.broadcast_to(origin, ends.shape), ends], axis=1)
+                for ended, origin, ends in beams[-200:]
+                if ended == is_hit and origin is not None and len(ends)
             ]
             if rays:
                 lines = np.concatenate(rays).astype(np.float32)[-2000:]
@@ -191,7 +194,7 @@ class VolumeDrawings:
         """Return the drawings."""
         by_side = look.colour == "side"
         palette = SIDE_COLOURS if by_side else BELIEF_RAMP if look.colour == "probability" else HEIGHT_RAMP
-        chunks = NO_CHUNKS if look.show == "points" else self._chunks
+        chunks = NO_CHUNKS if look.show in WITHOUT_VOXELS else self._chunks
         found: list[Drawing] = [
             Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
                    corner=CENTRE, by_side=by_side)

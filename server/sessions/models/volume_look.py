@@ -21,10 +21,12 @@ def _height(name: str, label: str, initial: float, sentence: str) -> Parameter:
 
 LOOK_PARAMETERS: tuple[Parameter, ...] = (
     Parameter("show", "Show", "look", "choice", "voxels",
-              "Occupied voxels, the points that they were made of, or both.", choices=("voxels", "points", "both")),
+              "Occupied voxels, the points that they were made of, both, or the surface by signed distances.",
+              choices=("voxels", "points", "both", "surface")),
     Parameter("colour", "Colour by", "look", "choice", "height",
-              "What the colours show: height, occupancy probability, the side of a voxel, or what the file states of "
-              "its points.", choices=("height", "probability", "side", "intensity", "class", "own colour")),
+              "What the colours show: height, occupancy probability, the side of a voxel, the direction that a surface "
+              "faces, or what the file states of its points.",
+              choices=("height", "probability", "side", "normal", "intensity", "class", "own colour")),
     Parameter("band", "Height band", "look", "number", 0.25, "Height of one colour.", "m", 0.05, 10.0, 0.05),
     Parameter("whole", "Unseen sides", "look", "flag", False,
               "Whether faces towards unknown space are drawn too, which no sensor has seen. Without them a room can be "
@@ -89,3 +91,15 @@ def ramp_of(values: NDArray[Any], low: float, high: float, ramp: NDArray[np.uint
     """Return the colours (n, 3) of values (n,) between ``low`` and ``high``."""
     share = (values - low) / max(high - low, 1e-9)
     return ramp[np.clip(np.nan_to_num(share) * len(ramp), 0, len(ramp) - 1).astype(np.int64)]
+
+
+def normal_colors(normals: NDArray[np.int8]) -> NDArray[np.uint8]:
+    """Return the colours (n, 3) of surfaces that face along ``normals`` (n, 3): those of the voxels' sides, mixed."""
+    away = normals.astype(np.float64)
+    squares = away * away
+    squares /= np.maximum(squares.sum(axis=1, keepdims=True), 1.0)
+    sides = SIDE_COLOURS.astype(np.float64)
+    mixed = sum(
+        squares[:, [axis]] * np.where(away[:, [axis]] < 0.0, sides[2 * axis], sides[2 * axis + 1]) for axis in range(3)
+    )
+    return np.round(np.asarray(mixed)).astype(np.uint8)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mapper.core.array_types import Float32Array, Float64Array
+from mapper.volume import OctreeFile
 from mapper.volume.provenance import VoxelUpdate
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.scan_sequence import ScanSequence
@@ -54,6 +55,23 @@ def volume_message(
         "pending": drawn.pending,
         "colours": [] if scans is None else ["own colour" if name == "rgb" else name for name in scans.fields],
         **more,
+    }
+
+
+def log_fields(source: ScanSequence | OctreeFile, log_id: str, topic: str | None, duration_s: float) -> dict[str, Any]:
+    """Return the file as a log without planar scans."""
+    scans = source if isinstance(source, ScanSequence) else None
+    return {
+        "id": log_id,
+        "topic": topic or "",
+        "cut": None,
+        "trajectory": "",
+        "trajectories": [],
+        "n_beams": 0,
+        "n_scans": 1 if scans is None else len(scans),
+        "duration_s": 0.0 if scans is None or not scans.stamps_ns.any() else duration_s,
+        "format": f"OctoMap {source.kind}" if isinstance(source, OctreeFile) else source.kind,
+        "notes": [] if scans is None else list(scans.notes),
     }
 
 

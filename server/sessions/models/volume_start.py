@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.errors import ConfigError
 from mapper.volume import OctreeFile
 from mapper.volume.faces import CENTRE
 from mapper.volume.scan_sequence import ScanSequence, first_in_cubes
@@ -62,6 +63,18 @@ def first_resolution(source: ScanSequence | OctreeFile, low: Float64Array, high:
         if len(some) >= POINTS_A_VOXEL * len(first_in_cubes(some, one)):
             return one
     return RESOLUTIONS[-1] if longest > 10.0 * RESOLUTIONS[-1] else RESOLUTIONS[2]
+
+
+def check_resolution(low: Float64Array, high: Float64Array, resolution: float) -> None:
+    """Raise :class:`ConfigError` for a resolution, metres, at which points within these bounds (3,) are too far out."""
+    sides = np.maximum((high - low).astype(np.float64) / resolution, 1.0)
+    reach = float(np.abs(np.stack([low, high])).max())
+    if reach > CENTRE * resolution or float(sides.max()) > 2 * CENTRE:
+        raise ConfigError(
+            "volume.resolution",
+            f"At {resolution:g} m a voxel the map reaches {CENTRE * resolution:.4g} m from 0 along each axis, and the "
+            f"points lie up to {reach:.4g} m from 0; choose a coarser one.",
+        )
 
 
 def first_look(low: Float64Array, high: Float64Array, resolution: float) -> Look:

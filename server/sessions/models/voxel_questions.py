@@ -50,7 +50,7 @@ class VoxelQuestions:
 
     def clear(self, resolution: float, result: TickResult) -> None:
         """Choose none."""
-        self._drawn.choose(None, 0.0, ())
+        self._drawn.choose(None, 0.0)
         result.slot(voxel_message(None, resolution))
 
     def _ask(self, key: Int64Array | None, now: ReplayedVolume, result: TickResult) -> None:
@@ -65,7 +65,7 @@ class VoxelQuestions:
             with self._host.cancellable():
                 updates = why_voxel(scans, config, key, self._host.may_continue)
         centre = centres_of(key[None], config.resolution)[0]
-        self._drawn.choose(centre, config.resolution, updates)
+        self._drawn.choose(centre, config.resolution, [(one.is_hit, one.origin, one.ends) for one in updates])
         value = float(now.volume.log_odds_of(key[None])[0])
         known = not math.isnan(value)
         state = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"

@@ -35,7 +35,12 @@ interface Place {
   readonly kind?: string | null;
   /** Whether the log is opened in 3D; the log to compare it with, or "". */
   readonly volume?: string | null;
+  /** The axis of the file that points up in 3D. */
+  readonly up?: string;
 }
+
+/** The axis that points up unless the address says another. */
+const UP = "z";
 
 function placeOf(search: string): Place {
   const query = new URLSearchParams(search);
@@ -45,6 +50,7 @@ function placeOf(search: string): Place {
     session: query.get("session"),
     kind: query.get("kind"),
     volume: query.get("volume"),
+    up: query.get("up") ?? UP,
   };
 }
 
@@ -62,18 +68,19 @@ if (arrival) {
 /** Time until the next request to a server that did not answer. */
 const RETRY_MS = 3000;
 
-function go({ log, topic, session, kind = null, volume = null }: Place, replace = false): void {
+function go({ log, topic, session, kind = null, volume = null, up = UP }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
   if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
   if (volume !== null) query.set("volume", volume);
+  if (volume !== null && up !== UP) query.set("up", up);
   if (session && kind) query.set("kind", kind);
   // When the entry is replaced, the fragment stays: it may describe a comparison.
   const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
   if (replace) history.replaceState(null, "", address);
   else history.pushState(null, "", address);
-  place.value = { log, topic, session, kind, volume };
+  place.value = { log, topic, session, kind, volume, up };
   if (!log && !session) document.title = "Logs · Gridbloom";
 }
 
@@ -86,17 +93,23 @@ function cancelOpening(): void {
 }
 
 /** Open a session on a log; with `replace` the session is added to the current address. */
-async function open(log: string, topic: string | null, replace: boolean, volume: string | null = null): Promise<void> {
-  go({ log, topic, session: null, volume }, replace);
+async function open(
+  log: string,
+  topic: string | null,
+  replace: boolean,
+  volume: string | null = null,
+  up: string = UP,
+): Promise<void> {
+  go({ log, topic, session: null, volume, up }, replace);
   ending?.abort();
   const own = new AbortController();
   ending = own;
   try {
-    const session = await openSession(log, topic, own.signal, volume === null ? null : { other: volume || null });
+    const session = await openSession(log, topic, own.signal, volume === null ? null : { other: volume || null, up });
     failure.value = null;
     const now = place.peek();
-    if (now.log !== log || now.topic !== topic || (now.volume ?? null) !== volume) return;
-    go({ log, topic, session: session.id, kind: session.kind === "log" ? null : session.kind, volume }, true);
+    if (now.log !== log || now.topic !== topic || (now.volume ?? null) !== volume || now.up !== up) return;
+    go({ log, topic, session: session.id, kind: session.kind === "log" ? null : session.kind, volume, up }, true);
   } catch (error) {
     if (own.signal.aborted) return;
     const isAway = error instanceof TypeError;
@@ -113,8 +126,8 @@ addEventListener("popstate", () => {
 });
 
 function resume(): void {
-  const { log, topic, session, volume } = place.peek();
-  if (log && !session) void open(log, topic, true, volume ?? null);
+  const { log, topic, session, volume, up } = place.peek();
+  if (log && !session) void open(log, topic, true, volume ?? null, up);
 }
 
 /** Open a log of the list: in 3D where it has no planar scans, or where that is asked for. */
@@ -126,8 +139,8 @@ const close = (): void => go({ log: null, topic: null, session: null });
 
 function Page() {
   if (link) return <Guest token={link} />;
-  const { log, topic, session, kind, volume = null } = place.value;
-  const again = (): void => (log ? void open(log, topic, true, volume) : close());
+  const { log, topic, session, kind, volume = null, up = UP } = place.value;
+  const again = (): void => (log ? void open(log, topic, true, volume, up) : close());
   if (session && kind === "volume") {
     return (
       <VolumeViewer
@@ -136,7 +149,9 @@ function Page() {
         log={log}
         onClose={close}
         onGone={again}
-        onCompare={(other) => log && void open(log, topic, false, other ?? "")}
+        onCompare={(other) => log && void open(log, topic, false, other ?? "", up)}
+        up={up}
+        onUp={log ? (axis) => void open(log, topic, false, volume ?? "", axis) : null}
       />
     );
   }

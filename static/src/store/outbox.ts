@@ -8,7 +8,7 @@ const afterFrame = (task: () => void): void => void requestAnimationFrame(() => 
 
 /** Of a change that has several parts, such as that of the costmap, the newest of each part is sent. */
 function joined(before: Command | undefined, command: Command): Command {
-  for (const type of ["costmap", "map3d", "terrain", "volume_look"] as const)
+  for (const type of ["costmap", "map3d", "terrain", "volume_look", "surface"] as const)
     if (command.type === type && before?.type === type)
       return { ...before, ...command, values: { ...before.values, ...command.values } } as Command;
   return command;

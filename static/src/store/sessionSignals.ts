@@ -37,6 +37,7 @@ import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
 import type { Stepping } from "./stepping";
+import { Surface } from "./surface";
 import { Terrain } from "./terrain";
 
 interface Notice {
@@ -163,6 +164,8 @@ export class SessionSignals {
   readonly look = new Optimistic();
   /** The voxel that is asked about. */
   readonly voxel = signal<VoxelMessage | null>(null);
+  /** The surface by signed distances of a map in 3D. */
+  readonly surface = new Surface();
   /** The 3D map of the simulated robot. */
   readonly map3d = new Map3d();
   /** The terrain of its points. */

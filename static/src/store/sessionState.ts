@@ -143,6 +143,12 @@ export class SessionState extends SessionSignals implements Receiver {
         this.look.update(message.look.values);
         this.volume.value = message;
         return;
+      case "surface":
+        this.surface.take(message);
+        return;
+      case "surface_voxel":
+        this.surface.voxel.value = message;
+        return;
       case "voxel":
         this.voxel.value = message;
         return;
@@ -171,7 +177,7 @@ export class SessionState extends SessionSignals implements Receiver {
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot, this.look]) values.refuse();
-        for (const part of [this.navigation, this.map3d, this.terrain]) part.values.refuse();
+        for (const part of [this.navigation, this.map3d, this.terrain, this.surface]) part.values.refuse();
         this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;

@@ -246,6 +246,22 @@ export interface VolumeChanges {
   readonly only_second: number;
 }
 
+/** What one scan did to a voxel of a surface. */
+export interface SurfaceUpdate {
+  /** number of the scan, from 1 */
+  readonly scan: number;
+  /** signed distance that it measured, m, cut at the truncation */
+  readonly measured: number;
+  /** weight of the measurement */
+  readonly added: number;
+  /** mean distance before, m; null: unknown */
+  readonly before: number | null;
+  /** mean distance after, m */
+  readonly after: number;
+  /** weight of the mean after */
+  readonly weight: number;
+}
+
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
 
@@ -317,6 +333,32 @@ export interface ClassQuestion {
   readonly counts: readonly number[] | null;
   /** the right option from 0, or number; null: there is none, or not yet */
   readonly right: number | null;
+}
+
+/** How far one follower is with the puzzle; followers are known by number only. */
+export interface ClassSolver {
+  /** number of the follower */
+  readonly number: number;
+  /** whether the cause is named */
+  readonly is_named: boolean;
+  /** share of the repair, 0 to 1 */
+  readonly repair: number;
+  /** whether the puzzle is solved */
+  readonly is_solved: boolean;
+  /** points, 0 to 100 */
+  readonly points: number;
+}
+
+/** The puzzle that the class solves. */
+export interface ClassPuzzle {
+  /** its title */
+  readonly title: string;
+  /** how many have begun */
+  readonly begun: number;
+  /** how many have solved it */
+  readonly solved: number;
+  /** how far each is; lecturer only, for others empty */
+  readonly board: readonly ClassSolver[];
 }
 
 /** The part of the map that a picture shows, with the size of the picture. */
@@ -636,6 +678,8 @@ export interface TerrainMessage {
   readonly kappa: number | null;
   /** points that are classified wrongly, %; null: as above */
   readonly total_error: number | null;
+  /** what they are compared with; null: as above */
+  readonly truth: string | null;
   /** patches that are safe */
   readonly safe: number;
   /** patches that are unsafe */
@@ -762,6 +806,52 @@ export interface VolumeMessage {
   readonly colours: readonly string[];
   /** the comparison with another map; null: there is none */
   readonly compared: VolumeChanges | null;
+}
+
+/** Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes. */
+export interface SurfaceMessage {
+  readonly type: "surface";
+  /** its parameters; empty where no surface can be made */
+  readonly table: readonly Parameter[];
+  /** their present values */
+  readonly values: Values;
+  /** truncation that is used, m */
+  readonly truncation: number;
+  /** scans in the surface */
+  readonly index: number;
+  /** blocks of 8³ voxels */
+  readonly blocks: number;
+  /** memory of the blocks */
+  readonly bytes: number;
+  /** triangles that are drawn */
+  readonly triangles: number;
+  /** chunks of 32³ voxels that have triangles */
+  readonly chunks: number;
+  /** chunks that are still to be meshed again */
+  readonly pending: number;
+  /** scans after which the surface is kept, to go back to */
+  readonly snapshots: readonly number[];
+  /** why it is not drawn; null: it is */
+  readonly problem: string | null;
+}
+
+/** Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen. */
+export interface SurfaceVoxelMessage {
+  readonly type: "surface_voxel";
+  /** its centre, m */
+  readonly centre: Place | null;
+  /** its side, m */
+  readonly size: number;
+  /** mean signed distance, m, positive before; null: unknown */
+  readonly distance: number | null;
+  /** weight of the mean */
+  readonly weight: number;
+  /** scans in the surface */
+  readonly index: number;
+  /** scans that measured it */
+  readonly total: number;
+  /** at most the last 200, oldest first */
+  readonly updates: readonly SurfaceUpdate[];
 }
 
 /** Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen. */
@@ -1169,6 +1259,13 @@ export interface VolumeLookCommand {
   readonly values: Values;
 }
 
+/** Sessions in 3D: change parameters of the surface, which is then made again. */
+export interface SurfaceCommand {
+  readonly type: "surface";
+  /** new values; the others stay */
+  readonly values: Values;
+}
+
 /** Sessions in 3D: ask why the voxel at a place is as it is; answered with `voxel`. Null: choose none. */
 export interface VoxelCommand {
   readonly type: "voxel";
@@ -1220,6 +1317,8 @@ export interface ClassState {
   readonly driver: number | null;
   /** the question that is asked; null: none */
   readonly question: ClassQuestion | null;
+  /** the puzzle that is solved; null: none */
+  readonly puzzle?: ClassPuzzle | null;
 }
 
 /** The first message: who one is in the class. */
@@ -1350,6 +1449,8 @@ export type ServerMessage =
   | MapEditsMessage
   | Nav2Message
   | VolumeMessage
+  | SurfaceMessage
+  | SurfaceVoxelMessage
   | VoxelMessage
   | WorkingMessage
   | NoticeMessage
@@ -1391,6 +1492,7 @@ export type Command =
   | InspectCommand
   | WhyCommand
   | VolumeLookCommand
+  | SurfaceCommand
   | VoxelCommand
   | VoxelRayCommand
   | VolumeKeepCommand
@@ -1522,6 +1624,14 @@ const isVolumeChanges: Check = isObject({
   only_first: isInteger,
   only_second: isInteger,
 });
+const isSurfaceUpdate: Check = isObject({
+  scan: isInteger,
+  measured: isNumber,
+  added: isNumber,
+  before: oneOf(isNumber, isNull),
+  after: isNumber,
+  weight: isNumber,
+});
 const isCellState: Check = isLiteral("free", "occupied", "unknown");
 const isVoxelUpdate: Check = isObject({
   scan: isInteger,
@@ -1557,6 +1667,19 @@ const isClassQuestion: Check = isObject({
   answered: isInteger,
   counts: oneOf(isListOf(isInteger), isNull),
   right: oneOf(isNumber, isNull),
+});
+const isClassSolver: Check = isObject({
+  number: isInteger,
+  is_named: isFlag,
+  repair: isNumber,
+  is_solved: isFlag,
+  points: isInteger,
+});
+const isClassPuzzle: Check = isObject({
+  title: isText,
+  begun: isInteger,
+  solved: isInteger,
+  board: isListOf(isClassSolver),
 });
 const isClassLook: Check = isObject({
   x: isNumber,
@@ -1726,6 +1849,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     ground: isInteger,
     kappa: oneOf(isNumber, isNull),
     total_error: oneOf(isNumber, isNull),
+    truth: oneOf(isText, isNull),
     safe: isInteger,
     unsafe: isInteger,
     unknown: isInteger,
@@ -1786,6 +1910,28 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     pending: isInteger,
     colours: isListOf(isText),
     compared: oneOf(isVolumeChanges, isNull),
+  },
+  surface: {
+    table: isListOf(isParameter),
+    values: isValues,
+    truncation: isNumber,
+    index: isInteger,
+    blocks: isInteger,
+    bytes: isInteger,
+    triangles: isInteger,
+    chunks: isInteger,
+    pending: isInteger,
+    snapshots: isListOf(isInteger),
+    problem: oneOf(isText, isNull),
+  },
+  surface_voxel: {
+    centre: oneOf(isPlace, isNull),
+    size: isNumber,
+    distance: oneOf(isNumber, isNull),
+    weight: isNumber,
+    index: isInteger,
+    total: isInteger,
+    updates: isListOf(isSurfaceUpdate),
   },
   voxel: {
     centre: oneOf(isPlace, isNull),
@@ -1855,6 +2001,7 @@ export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record
     hands: isListOf(isInteger),
     driver: oneOf(isInteger, isNull),
     question: oneOf(isClassQuestion, isNull),
+    puzzle: optional(oneOf(isClassPuzzle, isNull)),
   },
   welcome: {
     role: isLiteral("follower", "lecturer"),

@@ -193,7 +193,17 @@ async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_dat
     await LogRows(opened).put(RECORD)
     opened.close()
     with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as older, older:
-        for table in ("log_tags", "localization_jobs", "merge_jobs", "slam_jobs", "notes", "trajectories"):
+        for table in (
+            "leases",
+            "ended_sign_ins",
+            "puzzles",
+            "log_tags",
+            "localization_jobs",
+            "merge_jobs",
+            "slam_jobs",
+            "notes",
+            "trajectories",
+        ):
             older.execute(f"DROP TABLE {table}")
         older.execute("ALTER TABLE logs DROP COLUMN attempts")
         older.execute("UPDATE alembic_version SET version_num = '0003'")

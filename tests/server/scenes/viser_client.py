@@ -95,7 +95,12 @@ async def viser_client(port: int, session_id: str, cookies: str = "") -> AsyncIt
     url = f"ws://127.0.0.1:{port}/scenes/{session_id}"
     headers = {"Cookie": cookies} if cookies else {}
     async with connect(
-        url, subprotocols=[protocol], max_size=None, compression=None, additional_headers=headers
+        url,
+        subprotocols=[protocol],
+        max_size=None,
+        compression=None,
+        additional_headers=headers,
+        open_timeout=PATIENCE_S,
     ) as socket:
         client = Client(socket)
         await client.send(**CAMERA)

@@ -50,6 +50,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "auto", "value": True},
     {"type": "trajectory", "name": "odometry"},
     {"type": "volume_look", "values": {"show": "points", "cut_high": 2.5, "whole": True}},
+    {"type": "surface", "values": {"truncation": 0.1}},
     {"type": "voxel", "x": 1.5, "y": -2.0, "z": 0.25},
     {"type": "voxel_ray", "origin": [0.0, -5.0, 3.0], "direction": [0.0, 0.8, -0.6]},
     {"type": "volume_keep", "value": False},
@@ -218,6 +219,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         700,
         91.5,
         3.25,
+        "the true world",
         400,
         90,
         30,
@@ -225,7 +227,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         parts.TerrainPatch(1.0, 2.0, [3.0] + [0.5] * 15, "Terrain: safe.", "safe"),
         None,
     ),
-    messages.TerrainMessage(False, {}, 0, 0, 0.0, 0.0, 0, 0, 0, 0.0, None, "Too wide."),
+    messages.TerrainMessage(False, {}, 0, 0, None, None, None, 0, 0, 0, 0.0, None, "Too wide."),
     messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},
@@ -262,6 +264,11 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     messages.VoxelMessage(
         (0.05, 0.15, 0.25), 0.1, 0.85, "occupied", 3, 1, 1, [parts.VoxelUpdate(2, True, 4, None, 0.85)]
     ),
+    messages.SurfaceMessage([_ROW], {"truncation": 0.1}, 0.1, 3, 700, 2_900_000, 35_000, 49, 2, [8], None),
+    messages.SurfaceVoxelMessage(
+        (0.05, 0.15, 0.25), 0.02, -0.004, 2.0, 3, 2, [parts.SurfaceUpdate(2, -0.004, 1.0, None, -0.004, 1.0)]
+    ),
+    messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
     messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
     messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, ["A note."]),
     messages.WorkingMessage(0.55, 0.2),

@@ -25,13 +25,18 @@ interface ProfilesProps {
   readonly crossing: Crossing | null;
   readonly truncation: number;
   readonly maxWeight: number;
+  /** Metres that one metre of the model stands for: a voxel is RESOLUTION · scale wide. */
+  readonly scale?: number;
   readonly onWall: (metres: number) => void;
   readonly onTruncation: (metres: number) => void;
 }
 
 /** The beam, and below it what each map keeps of it, voxel by voxel; wall and truncation are dragged. */
 export function Profiles(props: ProfilesProps) {
-  const { wall, isMoved, readings, occupancy, voxels, crossing, truncation, maxWeight } = props;
+  const { wall, isMoved, readings, occupancy, voxels, crossing, maxWeight, scale = 1 } = props;
+  const truncation = Math.min(props.truncation, TRUNCATION.high);
+  const digits = scale < 0.5 ? 3 : 2;
+  const metres = (value: number): string => written(value * scale, digits);
   const before = useRef(0);
   const now = wall + (isMoved ? MOVE : 0);
   return (
@@ -100,7 +105,7 @@ export function Profiles(props: ProfilesProps) {
             />
             {[-truncation, 0, truncation].map((tick) => (
               <text key={tick} x={LEFT - 4} y={d(tick) + 4} text-anchor="end">
-                {tick === 0 ? "0" : written(tick, 2)}
+                {tick === 0 ? "0" : metres(tick)}
               </text>
             ))}
             <path class="tsdf-line" d={line.join("")} />
@@ -140,7 +145,7 @@ export function Profiles(props: ProfilesProps) {
             <path class="tsdf-zero" d={`M${LEFT} ${WEIGHT.from}H${width - RIGHT}`} />
             {[0, 0.5, 1, 1.5, 2].map((tick) => (
               <text key={tick} x={x(tick)} y={WEIGHT.from + 17} text-anchor={tick === 2 ? "end" : "middle"}>
-                {tick === 2 ? "2 m" : written(tick, tick % 1 === 0 ? 0 : 1)}
+                {tick === 2 ? `${written(2 * scale, scale < 0.5 ? 2 : 0)} m` : tickOf(tick, scale)}
               </text>
             ))}
 
@@ -152,7 +157,7 @@ export function Profiles(props: ProfilesProps) {
               now={wall}
               low={WALL.low}
               high={WALL.high}
-              text={`${written(now, 2)} m from the sensor`}
+              text={`${metres(now)} m from the sensor`}
               grab={{ x: x(now) - 20, y: 0, width: 40, height: 56 }}
               onStart={() => {
                 before.current = wall;
@@ -169,7 +174,7 @@ export function Profiles(props: ProfilesProps) {
             >
               <rect class="handle-mark" x={x(now) - 5} y={4} width={10} height={24} rx={5} />
               <text class="tsdf-wall-name" x={x(now) + 10} y={18}>
-                wall, {written(now, 2)} m
+                wall, {metres(now)} m
               </text>
             </Handle>
             <Handle
@@ -180,7 +185,7 @@ export function Profiles(props: ProfilesProps) {
               now={truncation}
               low={TRUNCATION.low}
               high={TRUNCATION.high}
-              text={`${written(truncation, 2)} metres`}
+              text={`${metres(truncation)} metres`}
               grab={{ x: x(knee) - 20, y: d(truncation) - 20, width: 40, height: 40 }}
               onStart={() => {
                 before.current = truncation;
@@ -203,6 +208,9 @@ export function Profiles(props: ProfilesProps) {
     </Plot>
   );
 }
+
+const tickOf = (tick: number, scale: number): string =>
+  scale < 0.5 ? written(tick * scale, 2) : written(tick, tick % 1 === 0 ? 0 : 1);
 
 interface UnknownProps {
   /** Which cells hold nothing. */

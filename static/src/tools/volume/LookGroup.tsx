@@ -7,6 +7,7 @@ import { useLook } from "./useLook";
 /** Names of the colourings that voxels have; the others are of points. */
 const OF_VOXELS = ["height", "probability", "side"];
 const OF_BOTH = ["height"];
+const OF_SURFACES = ["height", "normal"];
 
 /** What is drawn: voxels or points, their colours, the cuts. */
 export function LookGroup({ store }: { readonly store: Store }) {
@@ -17,8 +18,11 @@ export function LookGroup({ store }: { readonly store: Store }) {
   const { show, colour } = values.value;
   const shown = rows.flatMap((row) => {
     if (row.name.startsWith("band_")) return [];
-    if (row.name === "whole" && (!now.has_free || show === "points")) return [];
-    if (row.name === "show") return now.has_scans ? [row] : [];
+    if (row.name === "whole" && (!now.has_free || show === "points" || show === "surface")) return [];
+    if (row.name === "show") {
+      const choices = row.choices.filter((choice) => choice !== "surface" || now.has_free);
+      return now.has_scans ? [{ ...row, choices }] : [];
+    }
     if (row.name === "band" && colour !== "height") return [];
     if (row.name === "colour") return [{ ...row, choices: coloursOf(now, String(show)) }];
     return [row];
@@ -33,6 +37,7 @@ export function LookGroup({ store }: { readonly store: Store }) {
 
 /** The colourings for what is shown. */
 export function coloursOf({ colours }: Pick<VolumeMessage, "colours">, show: string): readonly string[] {
+  if (show === "surface") return OF_SURFACES;
   return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...(show === "voxels" ? [] : colours)];
 }
 
@@ -42,9 +47,12 @@ function Key({ colour, now, band }: { readonly colour: string; readonly now: Vol
     return <Ramp kind="height" from={`${now.low[2].toFixed(2)} m`} to={`${top.toFixed(2)} m and more`} />;
   }
   if (colour === "probability") return <Ramp kind="probability" from="just occupied" to="certain" />;
-  if (colour === "side") {
+  if (colour === "side" || colour === "normal") {
     return (
-      <p class="quiet">Green and red: sides that face along y and x. Blue: those that face up (light) and down.</p>
+      <p class="quiet">
+        Green and red: {colour === "side" ? "sides that face" : "where it faces"} along y and x. Blue: up (light) and
+        down.
+      </p>
     );
   }
   return null;

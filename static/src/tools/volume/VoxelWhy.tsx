@@ -4,6 +4,7 @@ import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
 import type { VoxelMessage } from "../../wire/protocol";
+import { SurfaceWhy } from "./SurfaceWhy";
 
 const probability = (logOdds: number): string => written(1 / (1 + Math.exp(-logOdds)), 2);
 const coordinates = (place: readonly number[]): string => place.map((one) => written(one, 2)).join(", ");
@@ -11,15 +12,18 @@ const coordinates = (place: readonly number[]): string => place.map((one) => wri
 /** Why the chosen voxel is as it is: what each scan did to it. */
 export function VoxelWhy({ store }: { readonly store: Store }) {
   const now = store.voxel.value;
+  const ofSurface = store.surface.voxel.value;
   return (
     <Panel title="Why is this voxel so?">
-      {now?.centre ? (
+      {ofSurface?.centre ? (
+        <SurfaceWhy now={ofSurface} centre={ofSurface.centre} />
+      ) : now?.centre ? (
         <Answer now={now} centre={now.centre} hasScans={store.volume.value?.has_scans ?? true} />
       ) : (
         <p class="quiet">Click a voxel in the picture, or enter a place:</p>
       )}
       <Place store={store} />
-      {now?.centre && (
+      {(now?.centre || ofSurface?.centre) && (
         <div class="actions">
           <Button onClick={() => store.send({ type: "voxel" })}>Choose none</Button>
         </div>

@@ -20,10 +20,14 @@ interface VolumeViewerProps {
   readonly onGone: () => void;
   /** Open the session again, compared with another log; null for none. */
   readonly onCompare: (other: string | null) => void;
+  /** The axis of the file that points up. */
+  readonly up: string;
+  /** Open the file again with another axis up; null where it cannot be. */
+  readonly onUp: ((axis: string) => void) | null;
 }
 
 /** A map in 3D: of point clouds, depth images or an octree. */
-export function VolumeViewer({ session, log, onClose, onGone, onCompare }: VolumeViewerProps) {
+export function VolumeViewer({ session, log, onClose, onGone, onCompare, up, onUp }: VolumeViewerProps) {
   const connection = useMemo(() => connect(session), [session]);
   useEffect(() => {
     exposeHook(connection, () => null);
@@ -41,7 +45,7 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare }: Volum
     if (notice) toast(notice.message, notice.kind);
   });
   useSignalEffect(() => {
-    if (store.voxel.value?.centre) openGroup.value = "why";
+    if (store.voxel.value?.centre || store.surface.voxel.value?.centre) openGroup.value = "why";
   });
   if (status.value === "gone") {
     return (
@@ -79,7 +83,11 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare }: Volum
           <VolumeFacts store={store} />
         </div>
       </div>
-      <Dock label="About this map" groups={volumeGroups({ store, session, log, onCompare })} open={openGroup} />
+      <Dock
+        label="About this map"
+        groups={volumeGroups({ store, session, log, onCompare, up, onUp })}
+        open={openGroup}
+      />
     </div>
   );
 }

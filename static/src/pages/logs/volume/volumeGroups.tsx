@@ -5,6 +5,8 @@ import type { Store } from "../../../store/store";
 import { LookGroup } from "../../../tools/volume/LookGroup";
 import { VoxelWhy } from "../../../tools/volume/VoxelWhy";
 import type { DockGroup } from "../../../ui/Dock";
+import { SurfaceGroup } from "./SurfaceGroup";
+import { UpChoice } from "./UpChoice";
 import { VolumeAbove } from "./VolumeAbove";
 import { VolumeCompare } from "./VolumeCompare";
 import { VolumeDownloads } from "./VolumeDownloads";
@@ -18,6 +20,10 @@ export interface VolumeView {
   /** The id of the log that the map is of; null if it is not known. */
   readonly log: string | null;
   readonly onCompare: (other: string | null) => void;
+  /** The axis of the file that points up. */
+  readonly up: string;
+  /** Open the file again with another axis up; null where it cannot be. */
+  readonly onUp: ((axis: string) => void) | null;
 }
 
 interface Group {
@@ -32,13 +38,24 @@ const GROUPS: readonly Group[] = [
     id: "look",
     title: "View",
     purpose: "What of the map is drawn, and what its colours mean.",
-    content: ({ store }) => <LookGroup store={store} />,
+    content: ({ store, up, onUp }) => (
+      <>
+        <LookGroup store={store} />
+        {onUp && <UpChoice store={store} up={up} onUp={onUp} />}
+      </>
+    ),
   },
   {
     id: "map",
     title: "Map",
     purpose: "How the points become voxels. After a change the map is made again from all of its points.",
     content: ({ store }) => <VolumeMapGroup store={store} />,
+  },
+  {
+    id: "surface",
+    title: "Surface",
+    purpose: "Where the surface is, between voxels: each keeps its mean signed distance to it.",
+    content: ({ store }) => <SurfaceGroup store={store} />,
   },
   {
     id: "why",
@@ -68,7 +85,7 @@ const GROUPS: readonly Group[] = [
     id: "download",
     title: "Download",
     purpose: "The map as files.",
-    content: ({ session }) => <VolumeDownloads session={session} />,
+    content: ({ store, session }) => <VolumeDownloads store={store} session={session} />,
   },
 ];
 

@@ -1,0 +1,70 @@
+"""``fleet``: many logs read, examined and mapped."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from server.cli.app import app
+from server.cli.common import AsJson, print_json, progress_bar, refusing
+
+PAGE_EVERY_S = 1.0
+
+
+@app.command()
+def fleet(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOGS...", help="Robot logs, plain or compressed.")],
+    out: Annotated[Path, typer.Option(help="Folder of the results; a run that was ended goes on from it.")],
+    executor: Annotated[
+        str | None,
+        typer.Option(
+            help="Scheduler of a Dask cluster, tcp://HOST:PORT or tls://HOST:PORT. [this machine's processes]"
+        ),
+    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Logs done at once. [all cores]")] = None,
+    again: Annotated[bool, typer.Option("--again", help="Do the logs again that failed in an earlier run.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Read, examine and map many logs; OUT/index.html shows the maps as they are made."""
+    from server.fleet import Fleet, FleetLimits, Result, workers_at  # noqa: PLC0415 - start-up
+    from server.fleet.page import PAGE, write_page  # noqa: PLC0415 - start-up
+
+    began = time.monotonic()
+    limits = FleetLimits()
+    whole = Fleet(logs, out, limits)
+    with refusing(out), whole.held():
+        before = len(whole.results)
+        written = 0.0
+        with (
+            progress_bar("Mapping") as bar,
+            workers_at(executor, workers, out.absolute() / "leases", limits.memory_bytes) as crew,
+        ):
+
+            def note(_: Result) -> None:
+                nonlocal written
+                if bar is not None:
+                    bar(len(whole.results) / len(whole.logs))
+                if time.monotonic() - written > PAGE_EVERY_S:
+                    written = time.monotonic()
+                    write_page(whole, running=True)
+
+            write_page(whole, running=True)
+            try:
+                whole.run(crew, note, again=again)
+            finally:
+                write_page(whole, running=False)
+    failed = [one for one in whole.results.values() if one.failed]
+    if as_json:
+        results = {key: one.public() for key, one in whole.results.items()}
+        print_json({"logs": len(whole.logs), "failed": len(failed), "results": results})
+    else:
+        ended = f"{len(whole.results)} of {len(whole.logs)} logs, {before} of them before, {len(failed)} failed"
+        typer.echo(f"{ended}, in {time.monotonic() - began:.1f} s")
+        for one in failed:
+            typer.echo(f"  {one.log}: {one.message}")
+        typer.echo(f"  {out / PAGE}")
+    if failed:
+        raise typer.Exit(1)

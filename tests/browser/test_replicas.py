@@ -1,0 +1,146 @@
+"""Two services on one PostgreSQL and one bucket behind HAProxy: pages go on when theirs is killed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import BrowserContext, Page, expect
+
+from tests.browser.looking import await_map, await_true, frame, open_group, until
+from tests.browser.running import free_port
+from tests.haproxy import running_haproxy
+from tests.programs import MissingProgramError
+from tests.server.library.postgresql import running_postgresql
+from tests.server.library.small_logs import carmen
+from tests.server.service import PATIENCE_S
+from tests.server.service import until as eventually
+
+BUCKET = "gridbloom"
+S3 = {"AWS_ACCESS_KEY_ID": "tests", "AWS_SECRET_ACCESS_KEY": "tests", "AWS_REGION": "us-east-1", "AWS_ALLOW_HTTP": "1"}
+
+
+def answers(address: str) -> bool:
+    try:
+        with urllib.request.urlopen(address, timeout=60):
+            return True
+    except OSError:
+        return False
+
+
+@contextmanager
+def process(command: list[str], log: Path, **environment: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Run a program until the block ends; it may be killed before."""
+    with log.open("wb") as output:
+        running = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, env=os.environ | environment)
+    try:
+        yield running
+    finally:
+        running.terminate()
+        try:
+            running.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            running.kill()
+            running.wait()
+
+
+class Replicas:
+    """Services by the port of each, and the address of the proxy."""
+
+    def __init__(self, address: str, processes: dict[int, subprocess.Popen[bytes]]) -> None:
+        self.address, self._processes = address, processes
+
+    def of_session(self, session: str) -> int:
+        """The port of the only service that has a session."""
+        found = [port for port in self._processes if answers(f"http://127.0.0.1:{port}/api/sessions/{session}")]
+        assert len(found) == 1
+        return found[0]
+
+    def kill(self, port: int) -> None:
+        killed = self._processes.pop(port)
+        killed.kill()
+        killed.wait()
+
+
+@pytest.fixture(scope="module")
+def replicas(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
+    folder = tmp_path_factory.mktemp("replicas")
+    with ExitStack() as stack:
+        try:
+            cluster = stack.enter_context(running_postgresql())
+            ports = [free_port(), free_port()]
+            address = stack.enter_context(running_haproxy(folder, free_port(), ports))
+        except MissingProgramError as missing:
+            pytest.skip(str(missing))
+        endpoint = f"http://127.0.0.1:{free_port()}"
+        moto = [sys.executable, "-m", "moto.server", "-p", endpoint.rsplit(":", 1)[1]]
+        stack.enter_context(process(moto, folder / "s3.log"))
+        eventually(lambda: answers(endpoint))
+        request = urllib.request.Request(f"{endpoint}/{BUCKET}", method="PUT")
+        urllib.request.urlopen(request, timeout=60).close()
+        gridbloom = str(Path(sys.executable).with_name("gridbloom"))
+        stores = ["--database", cluster.new_database(), "--blobs", f"s3://{BUCKET}/logs"]
+        running = {}
+        for port in ports:
+            command = [gridbloom, "serve", "--port", str(port), "--data-dir", str(folder / str(port)), *stores]
+            log = folder / f"{port}.log"
+            running[port] = stack.enter_context(process(command, log, AWS_ENDPOINT=endpoint, **S3))
+        for port in ports:
+            eventually(partial(answers, f"http://127.0.0.1:{port}/readyz"))
+        eventually(lambda: answers(f"{address}/readyz"))
+        yield Replicas(address, running)
+
+
+def session_of(page: Page) -> str:
+    return str(page.evaluate("() => gridbloom.connection.store.hello.peek().session"))
+
+
+def test_pages_reopen_on_the_other_service_when_theirs_is_killed(
+    context: BrowserContext, replicas: Replicas, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.log").write_bytes(carmen(60))
+    logs = context.new_page()
+    logs.goto(f"{replicas.address}/logs.html")
+    logs.set_input_files("input[type=file]", tmp_path / "mine.log")
+    await_true(logs, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    lab = context.new_page()
+    lab.goto(f"{replicas.address}/lab.html")
+    await_map(lab)
+    lab.get_by_role("button", name="Pause").click()
+    open_group(lab, "Faults")
+    lab.get_by_role("switch", name="Odometry drift").click()
+    until("the story to be in the address", lambda: "#s=" in lab.evaluate("() => location.href"))
+    confirmed = "() => Object.keys(gridbloom.connection.store.robot.pending()).length === 0"
+    until("the fault to be on", lambda: lab.evaluate(confirmed))
+    cells = lab.evaluate("() => gridbloom.cells()")
+
+    before = session_of(lab), session_of(logs)
+    theirs = {replicas.of_session(one) for one in before}
+    assert len(theirs) == 1, "all sessions of a visitor are with one service"
+    # Acknowledged by the service that is killed, and perhaps not read yet.
+    late = context.request.put(f"{replicas.address}/api/logs?name=late.log", data=carmen(40))
+    assert late.status == 202
+    replicas.kill(theirs.pop())
+
+    expect(lab.locator(".toast")).to_contain_text("Its world was restored")
+    expect(lab.locator(".lab-status")).to_have_text("live")
+    until("the same map", lambda: lab.evaluate("() => gridbloom.cells()") == cells)
+    expect(lab.get_by_role("switch", name="Odometry drift")).to_have_attribute("aria-checked", "true")
+    lab.get_by_role("button", name="Play").click()
+    at = frame(lab)["t"]
+    until("the world to go on", lambda: frame(lab)["t"] > at)
+    logs.bring_to_front()
+    until("another session", lambda: session_of(logs) != before[1])
+    until("the log to play", lambda: frame(logs)["count"] == 60)
+
+    def is_read() -> bool:
+        return bool(context.request.get(f"{replicas.address}/api/logs/{late.json()['id']}").json()["state"] == "ready")
+
+    until("the late upload to be read", is_read)

@@ -1,0 +1,219 @@
+"""Two libraries on one PostgreSQL and one store: what one does the other knows, and each job is done once."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytest_asyncio
+from sqlalchemy import Connection, select, text
+
+from mapper.core.errors import MapperError
+from mapper.simulation import sample_log
+from server.library import Library, LibraryLimits, StorageError
+from server.library import leases as leasing
+from server.library.database import Database
+from server.library.lease_rows import LeaseRows
+from server.library.leases import Lease, LeaseLostError, Leases, Once
+from server.library.tables import leases, logs
+from server.settings import Settings
+from server.work.fair_lock import FairLock
+from tests.server.library.kept import settled
+from tests.server.library.postgresql import Cluster
+from tests.server.library.small_logs import carmen
+from tests.server.service import eventually
+
+
+async def chunks(data: bytes) -> AsyncIterator[bytes]:
+    yield data
+
+
+@pytest.fixture(autouse=True)
+def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(leasing, "WAIT_S", 0.05)
+    monkeypatch.setattr("mapper.simulation.sample_log", lambda: sample_log(5))
+
+
+class Two:
+    """Two libraries, each with a data folder and a reading process of its own."""
+
+    def __init__(self, first: Library, second: Library, folder: Path) -> None:
+        self.first, self.second, self.folder = first, second, folder
+
+    def now(self, work: Any) -> Any:
+        return self.first._database.now(work)
+
+
+@pytest_asyncio.fixture
+async def two(postgresql: Cluster, tmp_path: Path) -> AsyncIterator[Two]:
+    url = postgresql.new_database()
+    made = []
+    for name in ("a", "b"):
+        settings = Settings(data_dir=tmp_path / name, blobs=str(tmp_path / "bucket"), database=url)  # type: ignore[arg-type]
+        made.append(Library(settings, LibraryLimits(lease_s=0.5)))
+        await made[-1].start()
+    yield Two(made[0], made[1], tmp_path)
+    for library in made:
+        await library.close()
+
+
+def known(library: Library, owner: str, log_id: str) -> str:
+    """The state of a log as a library knows it, "" for none."""
+    try:
+        return library.get(owner, log_id).state
+    except MapperError:
+        return ""
+
+
+async def test_what_one_service_reads_the_other_opens_without_reading_it(two: Two) -> None:
+    record = await two.first.put("ann", "a.log", chunks(carmen(12)))
+    assert (await settled(two.first, "ann", record.id)).state == "ready"
+    await eventually(lambda: known(two.second, "ann", record.id) == "ready")
+    assert known(two.second, "bob", record.id) == ""
+    ours, theirs = [await one.load("ann", record.id) for one in (two.first, two.second)]
+    assert (ours.ranges == theirs.ranges).all()
+    assert two.second._reader.worker_pid * two.first._reader.worker_pid == 0, "one of them has read it, and only one"
+    assert await two.second.map_picture("ann", record.id) == await two.first.map_picture("ann", record.id)
+    # Uploaded again there it is the same log, and its pack is not made again.
+    assert (await two.second.put("ann", "again.log", chunks(carmen(12)))).id == record.id
+    link = await two.first.links.make("ann", record, {"index": 3})
+    await two.second.tags.put("ann", record, ["yard"])
+    await eventually(lambda: bool(two.second.links.of("ann", record.id)) and bool(two.first.tags.of("ann", record.id)))
+    assert two.second.links.get(link.token).view == {"index": 3}
+    await two.second.delete("ann", record.id)
+    await eventually(lambda: known(two.first, "ann", record.id) == "")
+    left = [path.name for path in two.folder.rglob("*") if path.is_file() and record.id in path.name]
+    assert left == []
+    assert list((two.folder / "bucket" / "blobs").iterdir()) == []
+
+
+async def test_a_log_whose_service_vanishes_is_read_by_the_other(two: Two) -> None:
+    turn = two.first._reader.turn("nobody")
+    async with two.second._reader.turn("nobody"):  # so that it is queued with the first
+        async with turn:
+            record = await two.first.put("ann", "a.log", chunks(carmen(9)))
+            await eventually(lambda: known(two.second, "ann", record.id) == "queued")
+            # The first is gone in the middle of the reading: what it leaves is a lease that nobody renews.
+            two.first._jobs._jobs[record.id].cancel()
+            held = "INSERT INTO leases SELECT 'read ' || id, 'gone', extract(epoch from now()) + 0.3, 0.5 FROM logs"
+            two.now(lambda c: c.execute(text(held)))
+            two.now(lambda c: c.execute(text("UPDATE logs SET state = 'reading', attempts = 1")))
+        await eventually(lambda: two.second._jobs.progress(record.id) == 0.5)
+    assert (await settled(two.second, "ann", record.id)).state == "ready"
+    stored = two.now(lambda c: [(row.state, row.attempts) for row in c.execute(select(logs))])
+    assert stored == [("ready", 0)]
+    await eventually(lambda: two.now(lambda c: c.execute(select(leases)).all()) == [])
+
+
+async def test_a_job_is_cancelled_where_it_runs(two: Two, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun = asyncio.Event()
+
+    async def endless(*_: object, **__: object) -> None:
+        begun.set()
+        await asyncio.Event().wait()
+
+    for library in (two.first, two.second):
+        monkeypatch.setattr(library._reader, "read", endless)
+    record = await two.first.put("ann", "a.log", chunks(carmen(9)))
+    await begun.wait()
+    await eventually(lambda: known(two.second, "ann", record.id) == "reading")
+    assert (await two.second.cancel("ann", record.id)).state == "failed"
+    await eventually(lambda: record.id not in two.first._jobs.busy)
+    assert known(two.first, "ann", record.id) == "failed"
+    assert two.now(lambda c: c.execute(select(logs.c.error_code)).scalars().all()) == ["log.cancelled"]
+
+
+async def test_a_start_leaves_alone_what_another_service_is_receiving(two: Two) -> None:
+    half = two.first._blobs.incoming()
+    await half.write(b"half of an upload")
+    stranger = two.first._blobs.incoming()
+    await stranger.write(b"bytes whose record is not written yet")
+    await stranger.commit()
+    await two.first.put("ann", "a.log", chunks(carmen(5)))
+    await two.second._catalogue.start(stores_match=True)
+    assert stranger.sha256 in await two.first._blobs.names()
+    await half.commit()
+    assert half.sha256 in await two.first._blobs.names()
+
+
+# -- leases ------------------------------------------------------------------------------------------------------------
+
+
+@pytest_asyncio.fixture
+async def databases(postgresql: Cluster, tmp_path: Path) -> AsyncIterator[list[Database]]:
+    url = postgresql.new_database()
+    made = [Database.open(url, tmp_path) for _ in range(4)]
+    yield made
+    for one in made:
+        one.close()
+
+
+async def test_a_hundred_jobs_of_four_services_are_each_done_once(databases: list[Database]) -> None:
+    left, done = set(range(100)), []
+
+    async def work_of(service: Leases, number: int) -> None:
+        async def is_due() -> bool:
+            return number in left
+
+        async def work(lease: Lease) -> None:
+            await asyncio.sleep(0)
+            await lease.finish(lambda _: left.discard(number))
+            done.append(number)
+
+        lock = FairLock()
+        job = Once(f"job {number}", lambda: lock.of("ann"), lambda: number in left, is_due)
+        await service.done_once(job, work)
+
+    services = [Leases(LeaseRows(one, 30.0), 30.0) for one in databases]
+    await asyncio.gather(*(work_of(service, number) for number in range(100) for service in services))
+    assert sorted(done) == list(range(100))
+
+
+async def test_who_has_lost_a_lease_writes_nothing(databases: list[Database]) -> None:
+    first, second = LeaseRows(databases[0], 0.2), LeaseRows(databases[1], 30.0)
+    written: list[str] = []
+    ours = Leases(first, 1000.0)  # it believes in its lease for longer than the database does: a stopped process
+    async with ours.held("job") as lease:
+        assert lease is not None
+        assert not await second.take("job")
+        deadline = asyncio.get_running_loop().time() + 60.0
+        while not await second.take("job"):
+            assert asyncio.get_running_loop().time() < deadline
+        with pytest.raises(LeaseLostError):
+            await lease.finish(lambda _: written.append("late"))
+    assert written == []
+    assert await second.fraction("job") == 0.0, "what is given back is one's own only"
+    await second.finish("job", lambda _: written.append("in time"))
+    assert written == ["in time"]
+
+
+async def test_work_without_a_lease_is_cancelled(databases: list[Database]) -> None:
+    rows = LeaseRows(databases[0], 0.3)
+
+    def take_away(connection: Connection) -> None:
+        connection.execute(leases.delete())
+
+    async def work() -> None:
+        async with Leases(rows, 0.3).held("job"):
+            databases[1].now(take_away)
+            await asyncio.Event().wait()
+
+    with pytest.raises(LeaseLostError):
+        await work()
+
+
+async def test_a_database_that_is_away_ends_the_work_when_the_lease_does(
+    databases: list[Database], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = LeaseRows(databases[0], 0.3)
+
+    async def away(*_: object) -> bool:
+        raise StorageError("library.unreachable", "It is away.")
+
+    monkeypatch.setattr(rows, "renew", away)
+    with pytest.raises(LeaseLostError):
+        async with Leases(rows, 0.3).held("job"):
+            await asyncio.Event().wait()

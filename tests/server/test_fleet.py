@@ -1,0 +1,158 @@
+"""A fleet of logs: each done once, failures listed, resumed; on this machine and on a Dask cluster with TLS."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Future
+from pathlib import Path
+from typing import Any
+
+import dask
+import pytest
+from distributed import LocalCluster
+from distributed.security import Security
+
+from mapper.core.errors import ConfigError
+from mapper.io.maps import load_map
+from server.fleet import Fleet, Result, workers_at
+from server.fleet.page import write_page
+from tests.server.library.small_logs import carmen
+
+
+class StandIn:
+    """A worker that ends the process of some logs."""
+
+    pid, progress = 0, 0.0
+
+    def __init__(self, dies: Callable[[str], bool] = lambda _: False) -> None:
+        self.done: list[str] = []
+        self.dies = dies
+
+    def submit(self, job: Any) -> Future[Any]:
+        out: Future[Any] = Future()
+        self.done.append(job.source)
+        if self.dies(job.source):
+            out.set_exception(BrokenExecutor("killed"))
+        else:
+            facts = {"scans": 3, "findings": [], "picture": False, "source": job.source}
+            out.set_result(facts)
+        return out
+
+    def end(self) -> None:
+        """Nothing runs."""
+
+    close = end
+
+
+def logs(folder: Path, count: int) -> list[Path]:
+    paths = [folder / f"{n}.log" for n in range(count)]
+    for path in paths:
+        path.write_bytes(carmen(5))
+    return paths
+
+
+def run(fleet: Fleet, *workers: Any, again: bool = False) -> list[Result]:
+    told: list[Result] = []
+    with fleet.held():
+        fleet.run(workers, told.append, again=again)
+    return told
+
+
+def test_each_log_is_done_once_however_many_workers_there_are(tmp_path: Path) -> None:
+    paths = logs(tmp_path, 60)
+    workers = [StandIn() for _ in range(8)]
+    fleet = Fleet([*paths, paths[0]], tmp_path / "out")
+    assert len(run(fleet, *workers)) == 60
+    assert sorted(one for worker in workers for one in worker.done) == sorted(map(str, paths))
+    assert len(list((tmp_path / "out" / "results").iterdir())) == 60
+    later = StandIn()
+    assert run(Fleet(paths, tmp_path / "out"), later) == []
+    assert later.done == []
+    paths[7].write_bytes(carmen(6))
+    assert [one.log for one in run(Fleet(paths, tmp_path / "out"), later)] == [str(paths[7])], "it is another log now"
+
+
+def test_an_interrupted_run_goes_on_and_failures_are_done_again_when_asked(tmp_path: Path) -> None:
+    paths = logs(tmp_path, 10)
+    fleet = Fleet(paths, tmp_path / "out")
+
+    def interrupt(_: Result) -> None:
+        if len(fleet.results) == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), fleet.held():
+        fleet.run([StandIn()], interrupt)
+    bad = StandIn(lambda source: source.endswith(("8.log", "9.log")))
+    rest = Fleet(paths, tmp_path / "out")
+    told = run(rest, bad)
+    assert len(told) == 6
+    assert [(one.log, one.code, one.runs) for one in told if one.failed] == [
+        (str(paths[8]), "fleet.died", 2), (str(paths[9]), "fleet.died", 2),
+    ]  # fmt: skip
+    assert run(Fleet(paths, tmp_path / "out"), StandIn()) == []
+    mended = run(Fleet(paths, tmp_path / "out"), StandIn(), again=True)
+    assert [(one.log, one.failed) for one in mended] == [(str(paths[8]), False), (str(paths[9]), False)]
+
+
+def test_a_folder_is_held_by_one_run(tmp_path: Path) -> None:
+    with Fleet([], tmp_path).held(), pytest.raises(ConfigError) as caught, Fleet([], tmp_path).held():
+        pass
+    assert caught.value.code == "fleet.held"
+
+
+def test_the_page_lists_maps_and_failures_and_quotes_names(tmp_path: Path) -> None:
+    nasty = tmp_path / "<b>&.log"
+    nasty.write_bytes(carmen(5))
+    fleet = Fleet([*logs(tmp_path, 2), nasty], tmp_path / "out")
+    run(fleet, StandIn(lambda source: "<b>" in source))
+    write_page(fleet, running=False)
+    text = (tmp_path / "out" / "index.html").read_text()
+    assert "<h1>3 of 3 logs, ended</h1>" in text
+    assert "Failed: 1" in text
+    assert "&lt;b&gt;&amp;.log" in text
+    assert "<b>&" not in text
+    assert "refresh" not in text
+    assert not re.search(r"https?://", text), "it asks no other host"
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Security]]:
+    security = Security.temporary()
+    with LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=False, security=security, protocol="tls://",
+        dashboard_address=None, host="127.0.0.1",
+    ) as running:  # fmt: skip
+        yield running.scheduler_address, security
+
+
+def test_logs_are_read_examined_and_mapped_on_a_cluster_with_tls(
+    cluster: tuple[str, Security], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    address, security = cluster
+    good, bad = tmp_path / "good.log", tmp_path / "bad.log"
+    good.write_bytes(carmen(30))
+    bad.write_bytes(b"Dear all,\n")
+    with pytest.raises(ConfigError) as caught, workers_at(address, None, tmp_path, 1 << 30):
+        pass
+    assert caught.value.code == "fleet.dask", "without the certificates"
+    tls = security.get_tls_config_for_role("client")
+    given = {"ca-file": tls["ca_file"], "client.cert": tls["cert"], "client.key": tls["key"]}
+    fleet = Fleet([good, bad, tmp_path / "none.log"], tmp_path / "out")
+    with (
+        dask.config.set({f"distributed.comm.tls.{name}": value for name, value in given.items()}),
+        fleet.held(),
+        workers_at(address, 2, tmp_path / "out" / "leases", 4 << 30) as workers,
+    ):
+        fleet.run(workers, lambda _: None)
+    results = {Path(one.log).name: one for one in fleet.results.values()}
+    assert results["bad.log"].code == "log.unknown_format"
+    assert results["none.log"].failed
+    facts = results["good.log"].facts
+    assert facts is not None
+    assert (facts["scans"], facts["beams"]) == (30, 3)
+    made = load_map(tmp_path / "out" / "maps" / f"{results['good.log'].key}.yaml")
+    assert made.grid.geometry.rows == facts["rows"]
+    assert list((tmp_path / "out" / "leases").iterdir()) == []
+    assert threading.active_count() < 100
