@@ -39,7 +39,6 @@ export default defineConfig({
     },
   },
   // Most tests need no document; those that do name happy-dom in their first line: setting it up takes as long as they do.
-  // The files of one worker share its modules and its page: making them anew takes half of the time. A test that
-  // computes for a second on an idle machine takes ten on a busy one.
-  test: { include: ["src/**/*.test.{ts,tsx}"], css: { include: /\?raw/ }, isolate: false, testTimeout: 60_000 },
+  // A test that computes for a second on an idle machine takes ten on a busy one.
+  test: { include: ["src/**/*.test.{ts,tsx}"], css: { include: /\?raw/ }, testTimeout: 60_000 },
 });

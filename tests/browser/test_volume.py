@@ -235,8 +235,8 @@ def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_aw
     page.get_by_role("tab", name="Download").click()
     with page.expect_download() as download:
         page.get_by_role("link", name="ply", exact=True).click()
-    with Path(download.value.path()).open("rb") as file:
-        mesh = trimesh.load_mesh(file, file_type="ply", process=False)
+    with Path(download.value.path()).open("rb") as ply:
+        mesh = trimesh.load_mesh(ply, file_type="ply", process=False)
     assert len(mesh.faces) == second["triangles"]
     np.testing.assert_allclose(np.linalg.norm(mesh.vertex_normals, axis=1), 1.0, atol=1e-3)
 
