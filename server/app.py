@@ -16,6 +16,7 @@ from server.downloads import Downloads
 from server.http.errors import CatchAll, Ending, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import (
+    class_puzzles,
     classes,
     contents,
     costmaps,
@@ -30,6 +31,7 @@ from server.http.routes import (
     merging,
     notes,
     pages,
+    puzzles,
     relations,
     scenes,
     sensor,
@@ -143,8 +145,10 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         slam.router,
         localization.router,
         links.router,
+        puzzles.router,
         scenes.router,
         classes.router,
+        class_puzzles.router,
         docs.router,
         sign_out.router,
         pages.router,  # last: it has a route for any other name

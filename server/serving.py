@@ -89,7 +89,7 @@ class Socket(WebSocketsSansIOProtocol):
         """Begin the application for a handshake."""
         super().handle_connect(event)
         if not self.handshake_complete:  # the handshake was not refused
-            self.scope["extensions"][EXTENSION] = {}  # type: ignore[typeddict-unknown-key, index]
+            self.scope["extensions"][EXTENSION] = {}
 
     def send_receive_event_to_app(self) -> None:
         """Queue a message for the application.

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.grid import GridGeometry
 from mapper.simulation.kernels.raycast import arc_clearance, chord_clearance, farthest_in_sight, nearest_edge
 from mapper.simulation.kernels.shortest_paths import shortest_paths
 from mapper.simulation.robot import MAX_ANGULAR, PoseTuple, Robot
@@ -28,6 +30,14 @@ GOALS_TRIED = 48
 ARRIVED = 0.7  # metres before a goal at which the next is chosen, so that the robot does not halt
 STUCK_AFTER = 2.5  # seconds without progress after which the goal is given up
 SPACING = 0.1  # metres between the points of a path
+
+
+@lru_cache(maxsize=16)
+def _centres_of(lattice: GridGeometry) -> Float64Array:
+    """Return the centres (rows, cols, 2) of the cells of a lattice, metres, which all robots in one world share."""
+    centres = lattice.cell_to_world(np.stack(np.meshgrid(*map(np.arange, lattice.shape), indexing="ij"), axis=-1))
+    centres.setflags(write=False)
+    return centres
 
 
 @dataclass(slots=True)
@@ -48,9 +58,7 @@ class Explorer:
         lattice = clearance_lattice(self.world)
         self.visited = np.full(lattice.clearance.shape, -300.0)  # never: as good as five minutes before the start
         self.path = np.empty((0, 2))
-        self._centres = lattice.geometry.cell_to_world(
-            np.stack(np.meshgrid(*(np.arange(n) for n in lattice.clearance.shape), indexing="ij"), axis=-1)
-        )
+        self._centres = _centres_of(lattice.geometry)
 
     def enter(self, world: World) -> None:
         """Go on in an altered world of the same bounds: what was visited stays visited, the goal is dropped."""

@@ -13,7 +13,7 @@ from mapper.simulation.faults import with_lengthened
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 
 CAPACITY = 6000  #: scans: ten minutes at 10 Hz; 13 MB with 360 beams
-FIRST_ROWS = 256  # scans that the arrays hold at the start; they double
+FIRST_ROWS = 64  # scans that the arrays hold at the start; they double
 PLACES = (0.5, 1.0, 2.0, 4.0, 8.0)  # metres: sides of the squares by which a full recording is thinned
 TURNS = 4  # headings that are distinguished in each square
 

@@ -7,6 +7,7 @@ LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,9 +40,15 @@ class Ground:
     left_out: int
 
 
-def find_ground(points: NDArray[np.floating[Any]], config: GroundConfig | None = None) -> Ground:
+def find_ground(
+    points: NDArray[np.floating[Any]],
+    config: GroundConfig | None = None,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Ground:
     """Return which of the ``points`` (n, 3), metres with z up, are ground.
 
+    ``progress`` is called with the share of the work that is done, 0 … 1, after each disc; what it raises ends it.
     Raises :class:`ConfigError` for another shape and for a cloud without finite points, :class:`LimitError` for one
     that is too wide for the cells.
     """
@@ -64,7 +71,7 @@ def find_ground(points: NDArray[np.floating[Any]], config: GroundConfig | None =
             f"Discs of up to {radius} cells on {shape[1]} × {shape[0]} cells are more than the limit; "
             "take greater cells or a smaller window.",
         )
-    ground, surface = _filter(used, corner, shape, radius, config)
+    ground, surface = _filter(used, corner, shape, radius, config, progress or _no_progress)
     is_ground = np.zeros(len(points), dtype=np.bool_)
     is_ground[finite] = ground
     return Ground(is_ground, surface, corner, config.cell, int(len(points) - len(used)))
@@ -115,7 +122,13 @@ def filled(heights: Heights) -> Heights:
     return out
 
 
-def objects(heights: Heights, radius: int, slope: float, cell: float) -> BoolArray:
+def _no_progress(_: float) -> None:
+    pass
+
+
+def objects(
+    heights: Heights, radius: int, slope: float, cell: float, progress: Callable[[float], None] = _no_progress
+) -> BoolArray:
     """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope."""
     found = np.zeros(heights.shape, dtype=np.bool_)
     runs = np.empty((2, *heights.shape), dtype=np.float32)
@@ -125,17 +138,25 @@ def objects(heights: Heights, radius: int, slope: float, cell: float) -> BoolArr
         kernels.erode(eroded, r, -1.0, runs, after)
         kernels.mark_lowered(before, after, slope * r * cell, found)
         before, after = after, before
+        progress(r / radius)
     return found
 
 
 def _filter(
-    points: Float64Array, corner: Float64Array, shape: tuple[int, int], radius: int, config: GroundConfig
+    points: Float64Array,
+    corner: Float64Array,
+    shape: tuple[int, int],
+    radius: int,
+    config: GroundConfig,
+    progress: Callable[[float], None],
 ) -> tuple[BoolArray, Heights]:
     ground = np.ones(len(points), dtype=np.bool_)
     least, steep = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
     kernels.lowest_of_cells(points, ground, corner, config.cell, least)
     whole = filled(least)
-    taken = objects(-whole, 1, config.low_slope, config.cell) | objects(whole, radius, config.slope, config.cell)
+    progress(0.1)
+    taken = objects(-whole, 1, config.low_slope, config.cell)
+    taken |= objects(whole, radius, config.slope, config.cell, lambda share: progress(0.1 + 0.6 * share))
     known = np.where(taken, np.float32(np.nan), least)
     surface = filled(whole if np.isnan(known).all() else known)
     for i in range(round(config.passes)):
@@ -146,4 +167,5 @@ def _filter(
             surface = filled(least)
         kernels.slope_of_surface(surface, config.cell, steep)
         kernels.classify(points, corner, surface, steep, config.cell, config.height, config.scaling, ground)
+        progress(0.7 + 0.3 * (i + 1) / round(config.passes))
     return ground, surface

@@ -14,6 +14,7 @@ from collections.abc import Callable
 import msgspec
 
 from mapper.core.errors import ConfigError
+from server.classes.puzzle import RoomPuzzle
 from server.classes.questions import Question
 from server.stream.class_messages import (
     AnswerCommand,
@@ -21,6 +22,7 @@ from server.stream.class_messages import (
     ClassCommand,
     ClassError,
     ClassExplained,
+    ClassSolver,
     ClassState,
     ClassView,
     ClassViewMessage,
@@ -63,6 +65,7 @@ class Classroom:
     def __init__(self, code: str, owner: str | None, clock: Callable[[], float] = time.monotonic) -> None:
         self.code = code
         self.owner = owner  #: the lecturer's visitor id; None until somebody takes it over
+        self.place = ""  #: what a reverse proxy chose this service by when the class was opened
         self.session: str | None = None  #: id of the session that is shown
         self.stage = 0  #: number of that session, from 1
         self.stage_over = asyncio.Event()  #: set once that session is not shown any more
@@ -71,6 +74,8 @@ class Classroom:
         self.driver: int | None = None
         self.questions: list[Question] = []
         self.asked: Question | None = None
+        self.puzzles: list[RoomPuzzle] = []
+        self.puzzle: RoomPuzzle | None = None  #: that is solved now
         self.members: set[Member] = set()
         self.lecturer_seen = clock()
         self._clock = clock
@@ -106,7 +111,7 @@ class Classroom:
 
     def join(self, visitor: str) -> Member:
         """Return a new connection of the lecturer or a follower, to which the complete state will be sent."""
-        number = 0 if visitor == self.owner else self._numbers.setdefault(visitor, len(self._numbers) + 1)
+        number = self.number_of(visitor)
         member = Member(number)
         answer = None if self.asked is None else self.asked.answers.get(number)
         member.send(ClassWelcome("follower" if number else "lecturer", number, answer))
@@ -190,6 +195,28 @@ class Classroom:
         self.asked = Question.of(len(self.questions) + 1, asked)
         self.questions.append(self.asked)
 
+    def give_puzzle(self, key: str, title: str) -> None:
+        """Have the class solve a puzzle. Raises :class:`ConfigError` for one too many."""
+        if len(self.puzzles) >= MAX_QUESTIONS:
+            raise ConfigError("class.puzzles", f"A class has at most {MAX_QUESTIONS} puzzles.")
+        self.puzzle = RoomPuzzle(key, title)
+        self.puzzles.append(self.puzzle)
+        self._changed()
+
+    def close_puzzle(self) -> None:
+        """Take the puzzle away. Its results are kept until the class ends."""
+        self.puzzle = None
+        self._changed()
+
+    def solver_moved(self, puzzle: RoomPuzzle, solver: ClassSolver) -> None:
+        """Take how far a follower is."""
+        puzzle.solvers[solver.number] = solver
+        self._changed()
+
+    def number_of(self, visitor: str) -> int:
+        """Return the number of a follower, a new one for who has none; 0 of the lecturer."""
+        return 0 if visitor == self.owner else self._numbers.setdefault(visitor, len(self._numbers) + 1)
+
     def _hand(self, number: int | None) -> None:
         if number is not None and not any(member.number == number > 0 for member in self.members):
             raise ConfigError("class.number", f"Follower {number} is not here.")
@@ -239,6 +266,7 @@ class Classroom:
                 sorted(self._hands) if lecturer else [],
                 self.driver,
                 None if self.asked is None else self.asked.message(lecturer=lecturer),
+                None if self.puzzle is None else self.puzzle.message(lecturer=lecturer),
             )
             self._slots["class", lecturer] = _encoder.encode(state).decode()
         self._tell("class", to_lecturer=True)

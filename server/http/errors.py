@@ -24,6 +24,7 @@ from server.library import (
     TrajectoryNotFoundError,
 )
 from server.library.notes import NoteNotFoundError, NoteReadOnlyError
+from server.library.puzzles import PuzzleGoneError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.stream.close_codes import REFUSED
 
@@ -33,6 +34,7 @@ _log = structlog.get_logger(__name__)
 _STATUS: tuple[tuple[type[MapperError], int], ...] = (
     (SessionNotFoundError, 404),
     (LinkGoneError, 404),
+    (PuzzleGoneError, 404),
     (ClassNotFoundError, 404),
     (ClassRightError, 403),
     (ClassBudgetError, 429),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import Depends
 from starlette.applications import Starlette
@@ -19,6 +19,9 @@ from server.scenes import Scenes
 from server.sessions import SessionRegistry
 from server.settings import Settings
 from server.work.fair_lock import FairLock
+
+if TYPE_CHECKING:
+    from server.puzzles import Puzzles
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +95,17 @@ async def get_code_brake(connection: HTTPConnection) -> Brake:
     return services_of(connection.app).code_brake
 
 
+async def get_puzzles(connection: HTTPConnection) -> Any:  # noqa: ANN401 - FastAPI reads annotations at run time
+    """Return the puzzles."""
+    state = connection.app.state
+    if not hasattr(state, "puzzles"):
+        from server.puzzles import Puzzles  # noqa: PLC0415 - the simulator and the maps, imported with the first use
+
+        state.puzzles = Puzzles()
+    puzzles: Puzzles = state.puzzles
+    return puzzles
+
+
 async def get_request_work(connection: HTTPConnection) -> FairLock:
     """Return the lock under which a request computes on a thread."""
     return services_of(connection.app).request_work
@@ -112,4 +126,8 @@ OpenClasses = Annotated[Classes, Depends(get_classes)]
 CodeBrake = Annotated[Brake, Depends(get_code_brake)]
 OpenScenes = Annotated[Scenes, Depends(get_scenes)]
 RequestWork = Annotated[FairLock, Depends(get_request_work)]
+if TYPE_CHECKING:
+    AllPuzzles = Puzzles
+else:
+    AllPuzzles = Annotated[Any, Depends(get_puzzles)]
 Visitor = Annotated[str, Depends(get_visitor)]

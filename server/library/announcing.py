@@ -12,6 +12,7 @@ CHANNEL = "gridbloom_changes"
 ANNOUNCED = {
     "logs": "id",
     "links": "log_id",
+    "puzzles": "token",
     "trajectories": "log_id",
     "log_tags": "log_id",
     "slam_jobs": "log_id",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -28,6 +29,7 @@ from server.library.storage import StorageError
 _log = structlog.get_logger(__name__)
 
 INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading was interrupted too often
+FULL_BYTES = 1 << 20  #: of free space, below which a file system counts as full
 
 
 class Catalogue:
@@ -232,7 +234,14 @@ class Catalogue:
         record = self._records.get(log_id)
         sha256 = record.sha256 if record is not None and record.source == "upload" else None
         async with self._blob_lock, self._common.alone(sha256):
-            await self._store.delete(log_id)
+            try:
+                await self._store.delete(log_id)
+            except StorageError:
+                if not _is_full(self._packs):
+                    raise
+                # On a full disk the database cannot even delete. The log's files that can be made again give it room.
+                self._remove_derived(log_id)
+                await self._store.delete(log_id)
             self._records.pop(log_id, None)
             await self._common.delete(self.pack(log_id), self.picture(log_id))
             if sha256 is not None:
@@ -243,10 +252,14 @@ class Catalogue:
         """Remove what is here of a log whose record was deleted."""
         self._records.pop(log_id, None)
         self._cache.drop(log_id)  # and its other sensors' scans when they are the least recently used
-        for path in (self.pack(log_id), self.contents(log_id), self.picture(log_id), self.no_picture(log_id)):
-            path.unlink(missing_ok=True)
+        self._remove_derived(log_id)
         if self._forgotten is not None:
             await self._forgotten(log_id)
+
+    def _remove_derived(self, log_id: str) -> None:
+        """Remove the files of a log that are made of its bytes."""
+        for path in (self.pack(log_id), self.contents(log_id), self.picture(log_id), self.no_picture(log_id)):
+            path.unlink(missing_ok=True)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:
         """Remove the uploads that were last used before ``oldest_s``, save those that are ``busy``."""
@@ -267,6 +280,15 @@ class Catalogue:
             return
         if not (self._common.is_shared and await self._store.is_stored(sha256)):
             await self._blobs.delete(sha256)
+
+
+def _is_full(folder: Path) -> bool:
+    """Whether the file system of a folder has so little room that a database may not be able to write."""
+    try:
+        room = os.statvfs(folder)
+    except OSError:
+        return False
+    return room.f_bavail * room.f_frsize < FULL_BYTES
 
 
 def _ignore_error(written: asyncio.Future[None]) -> None:

@@ -67,6 +67,7 @@ class Library:
         from server.library.merge_jobs import MergeJobs  # noqa: PLC0415
         from server.library.notes import Notes  # noqa: PLC0415
         from server.library.pose_jobs import PoseJobs  # noqa: PLC0415
+        from server.library.puzzles import MadePuzzles  # noqa: PLC0415
         from server.library.sign_in_ends import SignInEnds  # noqa: PLC0415
         from server.library.slam_jobs import SlamKind  # noqa: PLC0415
         from server.library.tags import Tags  # noqa: PLC0415
@@ -100,6 +101,7 @@ class Library:
         self.links = Links(self._database)
         self.notes = Notes(self._database)
         self.sign_in_ends = SignInEnds(self._database)
+        self.puzzles = MadePuzzles(self._database)
         self.tags = Tags(self._database)
         self.trajectories = Trajectories(self._database, blobs, scratch, self._room)
         self._intake = UploadReceiver(blobs, max_bytes=settings.max_upload_bytes)
@@ -120,6 +122,7 @@ class Library:
             self._database,
             logs=self._jobs.follow,
             links=self.links.follow,
+            puzzles=self.puzzles.follow,
             log_tags=self.tags.follow,
             trajectories=self.trajectories.follow,
             slam_jobs=self.slam.follow,
@@ -128,19 +131,9 @@ class Library:
             ended_sign_ins=self.sign_in_ends.follow,
         )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
-        self._inspections = Inspections(
-            self._catalogue,
-            timeout_s=self._limits.read_timeout_s,
-            cpu_s=self._limits.read_cpu_s,
-            memory_bytes=memory,
-        )
-        self.scores = RelationScores(
-            self._catalogue,
-            scratch,
-            timeout_s=self._limits.read_timeout_s,
-            cpu_s=self._limits.read_cpu_s,
-            memory_bytes=memory,
-        )
+        timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
+        self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
+        self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
         self._old_pictures = OldPictures(self._catalogue, self._reader)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
@@ -156,7 +149,7 @@ class Library:
         await self._folder.look()
         stores_match = await asyncio.to_thread(belong_together, self._database, self._blobs)
         await self._catalogue.start(stores_match=stores_match)
-        for follow in (self.links.follow, self.tags.follow, self.sign_in_ends.follow):
+        for follow in (self.links.follow, self.puzzles.follow, self.tags.follow, self.sign_in_ends.follow):
             await follow()
         # As with blobs: the files may belong to another database, or this database may be new.
         await self.trajectories.start(may_delete=stores_match and bool(self._catalogue.all()))
@@ -201,12 +194,12 @@ class Library:
         self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
+        self.puzzles.drop(log_id)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""
-        return (
-            self._limits.max_total_bytes - self._catalogue.bytes - self.trajectories.total_bytes - self.maps.total_bytes
-        )
+        taken = self._catalogue.bytes + self.trajectories.total_bytes + self.maps.total_bytes
+        return self._limits.max_total_bytes - taken
 
     # -- uploads ------------------------------------------------------------------------------------------------
 

@@ -137,6 +137,19 @@ merge_jobs = Table(
     Column("result", Text),  # JSON
 )
 
+#: One row for each puzzle that a visitor made. One of a log goes with it.
+puzzles = Table(
+    "puzzles",
+    metadata,
+    Column("token", String(64), primary_key=True),
+    Column("owner", String(64), nullable=False),
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE")),
+    Column("created_s", Double, nullable=False),
+    Column("title", Text, nullable=False),
+    Column("spec", Text, nullable=False),  # JSON
+    Index("puzzles_by_log_id", "log_id"),
+)
+
 #: One row: what tells the store of logs that the records belong to from every other.
 store = Table("store", metadata, Column("id", String(64), primary_key=True))
 

@@ -33,7 +33,7 @@ MAX_FROM_BROWSER = 16 * 1024  #: most bytes of one message from the browser; a c
 MAX_FROM_SCENE = MAX_DRAWING_BYTES + (
     1 << 20
 )  #: most bytes of one message from viser: the largest drawing and its fields
-CONNECT_S = 5.0
+CONNECT_S = 30.0
 TOO_BIG = 1009  #: the close code for a message that is too large
 
 _log = structlog.get_logger(__name__)

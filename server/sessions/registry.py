@@ -24,6 +24,7 @@ from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making, UnderWay
 from server.sessions.prefetching import CheckpointPrefetching
 from server.stream.traffic import Traffic
+from server.work.memory import give_back
 from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
@@ -84,6 +85,7 @@ class SessionRegistry:
             tuple[str, str | None]
         ] = []  #: owner and link of sessions that are being created, which count
         self._tasks: list[asyncio.Task[None]] = []
+        self._have_ended = False  #: whether sessions have ended whose memory was not given back
         #: More threads than compute at one time: a thread whose turn is over waits for the scheduler.
         self.pool = ThreadPoolExecutor(THREADS_OF_SESSION * settings.max_sessions, thread_name_prefix="session")
         self._scheduler = Scheduler(settings.threads)
@@ -204,6 +206,7 @@ class SessionRegistry:
     async def _end(self, session: SessionHost) -> None:
         self._sessions.pop(session.id, None)
         await session.close()
+        self._have_ended = True
         _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))
 
     def limits(self, session: SessionHost | None) -> Limits:
@@ -323,6 +326,9 @@ class SessionRegistry:
         while True:
             await asyncio.sleep(REAP_EVERY_S)
             await self.reap()
+            if self._have_ended:  # models refer to themselves: reference counts alone do not free them
+                self._have_ended = False
+                await asyncio.to_thread(give_back)
 
     async def reap(self) -> None:
         """End the sessions that have been idle for too long."""

@@ -78,6 +78,25 @@ class ClassQuestion(Struct):
     ]
 
 
+class ClassSolver(Struct):
+    """How far one follower is with the puzzle; followers are known by number only."""
+
+    number: Annotated[int, Meta(description="number of the follower")]
+    is_named: Annotated[bool, Meta(description="whether the cause is named")]
+    repair: Annotated[float, Meta(description="share of the repair, 0 to 1")]
+    is_solved: Annotated[bool, Meta(description="whether the puzzle is solved")]
+    points: Annotated[int, Meta(description="points, 0 to 100")]
+
+
+class ClassPuzzle(Struct):
+    """The puzzle that the class solves."""
+
+    title: Annotated[str, Meta(description="its title")]
+    begun: Annotated[int, Meta(description="how many have begun")]
+    solved: Annotated[int, Meta(description="how many have solved it")]
+    board: Annotated[list[ClassSolver], Meta(description="how far each is; lecturer only, for others empty")]
+
+
 class ClassState(Struct, tag_field="type", tag="class"):
     """The state of the class, to all who are in it; at most five times a second."""
 
@@ -88,6 +107,7 @@ class ClassState(Struct, tag_field="type", tag="class"):
     hands: Annotated[list[int], Meta(description="numbers of the followers who ask for the robot; lecturer only")]
     driver: Annotated[int | None, Meta(description="number of the follower who drives the robot; null: the lecturer")]
     question: Annotated[ClassQuestion | None, Meta(description="the question that is asked; null: none")]
+    puzzle: Annotated[ClassPuzzle | None, Meta(description="the puzzle that is solved; null: none")] = None
 
 
 class ClassWelcome(Struct, tag_field="type", tag="welcome"):

@@ -257,6 +257,7 @@ class TerrainMessage(Struct, tag_field="type", tag="terrain"):
         float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
     ]
     total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
+    truth: Annotated[str | None, Meta(description="what they are compared with; null: as above")]
     safe: Annotated[int, Meta(description="patches that are safe")]
     unsafe: Annotated[int, Meta(description="patches that are unsafe")]
     unknown: Annotated[int, Meta(description="patches with too few points")]

@@ -104,12 +104,15 @@ class Slider:
     def lap(self) -> float:
         """Move the slider; return the seconds until the map with the new value is there."""
         self._moves += 1
-        value = 0.3 + 0.05 * (self._moves % 2)
+        return self.ask({"window": 0.3 + 0.05 * (self._moves % 2)})
+
+    def ask(self, values: dict[str, float]) -> float:
+        """Change parameters; return the seconds until the map with their values is there."""
         began = time.perf_counter()
-        self._send("parameters", values={"window": value})
+        self._send("parameters", values=values)
         while True:
             message = self.read()
-            if message is not None and message["type"] == "parameters" and message["values"]["window"] == value:
+            if message is not None and message["type"] == "parameters" and values.items() <= message["values"].items():
                 return time.perf_counter() - began
 
 

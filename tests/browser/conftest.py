@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect
 
+from tests.browser.lateness import late_script
 from tests.browser.looking import SECONDS, settled_digest
 from tests.browser.running import running_chromium, running_server
 
@@ -106,6 +107,8 @@ def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserC
     """Yield a fresh visitor's browser; what sessions they begin end with them: many tests must not fill the server."""
     context = browser.new_context(**({"viewport": {"width": 1440, "height": 900}} | options))
     context.set_default_timeout(SECONDS * 1000)
+    if script := late_script():
+        context.add_init_script(script)
     yield context
     for page in context.pages:
         page.close()

@@ -24,13 +24,22 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     section = open_section(page, server, "particles")
     stage = page.get_by_role("complementary", name="Stage")
     caption = stage.locator(".world-stage-caption p").first
-    figcaption = section.locator("figcaption")
+    figcaption = section.locator(".particles figcaption")
     expect(figcaption).to_contain_text("“door”")
     # A robot at a wall is weighed by another reading, and the comb keeps all particles of equal weight.
     drag(page, section.get_by_role("slider", name="Robot in the corridor"), 25, 0)
     expect(figcaption).to_contain_text("“wall”")
     section.get_by_role("button", name="From the start").click()
+    # KLD sampling counts the bins of these particles: fewer after the draw, and so are the particles that are wanted.
+    number = section.get_by_role("figure", name="Number of particles by the number of occupied bins")
+    expect(number.locator("figcaption")).to_contain_text("24 of 24 bins: n = 296 for ε = 0.05")
     section.get_by_role("button", name="Draw anew").click()
+    expect(number.locator("figcaption")).not_to_contain_text("24 of 24 bins")
+    few = first_number(number.locator("figcaption"), "n =")
+    drag(page, number.get_by_role("slider", name="ε"), 0, -60)
+    assert first_number(number.locator("figcaption"), "n =") > few
+    number.get_by_role("slider", name="z", exact=True).press("ArrowUp")
+    expect(number.locator("figcaption")).to_contain_text("z = 1.09")
     expect(figcaption).to_contain_text("all particles count alike")
     expect(section.get_by_text("drawn anew: 24 of 24 are left")).to_be_visible()
     section.get_by_text("independent", exact=True).click()
@@ -117,7 +126,7 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     expect(caption).to_contain_text("The low table is cut")
     dense, tree, points = (section.locator("tbody tr").nth(i).locator("td").last for i in range(3))
     at_10_cm = [one.inner_text() for one in (dense, tree, points)]
-    section.get_by_text("40 cm", exact=True).click()
+    section.get_by_text("40", exact=True).click()
     at_40_cm = [one.inner_text() for one in (dense, tree, points)]
     assert at_10_cm[2] == at_40_cm[2]
     assert at_10_cm[:2] != at_40_cm[:2]

@@ -40,8 +40,9 @@ def test_a_loop_closes_the_graph_a_wrong_one_bends_it_and_a_kernel_refuses_it(pa
     until("the wrong loop to bend the graph", lambda: off() > 1.0)
     section.get_by_text("Geman–McClure").click()
     until("the kernel to refuse it", lambda: off() < 0.3)
-    assert metres(caption, r"wrong loop: [\d.]+ σ, weight (\d\.\d+)") < 0.01
-    assert metres(caption, r"right loop: [\d.]+ σ, weight (\d\.\d+)") > 0.8
+    # The graph still relaxes for some frames.
+    until("no weight of the wrong loop", lambda: metres(caption, r"wrong loop: [\d.]+ σ, weight (\d\.\d+)") < 0.01)
+    until("the weight of the right loop", lambda: metres(caption, r"right loop: [\d.]+ σ, weight (\d\.\d+)") > 0.8)
 
 
 def test_the_noise_of_the_odometry_smears_the_map_and_matching_does_not(page: Page, server: str) -> None:

@@ -39,6 +39,8 @@ def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # Python does not notice that a file of bytecode was written in part, and later imports would fail.
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
     )
     try:
         assert process.stdout is not None

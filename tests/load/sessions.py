@@ -9,12 +9,13 @@ import httpx
 from tests.load.served import Figures, Process, echo, figures, service
 from tests.load.viewer import PERIOD_S
 
+WHO = {"Cookie": "gridbloom_visitor=" + "load".ljust(24, "_")}
 COUNTS = (16, 32, 64, 100, 200)
 
 
 def begun(process: Process, count: int) -> list[str]:
     """Begin so many sessions of the lab; return the paths of their streams."""
-    with httpx.Client(base_url=f"http://127.0.0.1:{process.port}", timeout=120.0) as http:
+    with httpx.Client(base_url=f"http://127.0.0.1:{process.port}", timeout=120.0, headers=WHO) as http:
         answers = [
             http.post("/api/sessions", json={"kind": "simulation", "world": "office", "seed": seed})
             for seed in range(count)

@@ -19,6 +19,20 @@ from tests.browser.looking import await_map, frame, open_group, settled_digest, 
 from tests.browser.running import running_chromium, running_server
 
 HERE = Path(__file__).parent
+# Asks why the most certain cell of a wall within 3 m of the robot is what it is.
+_EXPLAIN_WALL = """() => {
+  const { store } = gridbloom.connection;
+  const { geometry, cells } = store.map.peek();
+  const [x, y] = store.frame.peek().pose;
+  let [most, at] = [-Infinity, [x, y]];
+  for (let row = 0; row < geometry.rows; row++)
+    for (let col = 0; col < geometry.cols; col++) {
+      const [px, py] = [col, row].map((k, i) => geometry.origin[i] + (k + 0.5) * geometry.resolution);
+      const value = cells.at(row, col);
+      if (Math.hypot(px - x, py - y) < 3 && value > most) [most, at] = [value, [px, py]];
+    }
+  store.explain(at);
+}"""
 SIZE: ViewportSize = {"width": 1440, "height": 900}
 
 
@@ -28,33 +42,35 @@ def save(page: Page, name: str) -> None:
     picture.quantize(192, dither=Image.Dither.NONE).save(HERE / f"{name}.png", optimize=True)
 
 
+def walk(page: Page, seconds: int) -> None:
+    """Have the robot walk for simulated seconds, of ten scans each, and stand then."""
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'pause' })")
+    until("the robot to stand", lambda: not frame(page)["playing"])
+    for _ in range(0, seconds, 10):
+        before = frame(page)["stamp"]
+        page.evaluate("() => gridbloom.connection.store.send({ type: 'step', scans: 100 })")
+        until("ten seconds of the walk", lambda before=before: frame(page)["stamp"] >= before + 9.9)  # type: ignore[misc]
+
+
 def lab(page: Page, server: str) -> None:
     """The lab after two minutes of the robot's walk, with a cell under the pointer."""
     page.goto(f"{server}/lab.html")
     await_map(page)
-    page.locator("label", has_text="Speed").locator("select").select_option("8")
-    until("two minutes of the walk", lambda: frame(page)["stamp"] > 120)
-    page.locator("label", has_text="Speed").locator("select").select_option("1")
+    walk(page, 120)
     box = page.locator(".picture").nth(1).bounding_box()
     assert box is not None
     x, y = page.evaluate("(xy) => gridbloom.screen(xy)", frame(page)["pose"][:2])
-    page.mouse.move(box["x"] + x + 30, box["y"] + y + 40)
+    page.mouse.move(box["x"] + x - 40, box["y"] + y + 8)
     page.wait_for_timeout(1500)
     save(page, "lab")
-    page.locator("figure.profile").scroll_into_view_if_needed()
-    page.wait_for_timeout(500)
-    picture = Image.open(io.BytesIO(page.locator("figure.profile").screenshot())).convert("RGB")
-    picture.quantize(192, dither=Image.Dither.NONE).save(HERE / "profile.png", optimize=True)
 
 
 def front(page: Page, server: str) -> None:
-    """The front page after some scans."""
+    """The front page after a minute of the robot's walk."""
     page.goto(server)
     await_map(page)
-    for _ in range(3):
-        page.get_by_role("button", name="Forward 10 scans").click()
-        settled_digest(page)
-    page.wait_for_timeout(500)
+    walk(page, 60)
+    page.wait_for_timeout(1500)
     save(page, "front")
 
 
@@ -67,8 +83,9 @@ def log(page: Page, server: str) -> None:
     page.keyboard.press("End")
     until("the end of the log", lambda: frame(page)["index"] == frame(page)["count"])
     settled_digest(page)
-    page.evaluate("() => gridbloom.connection.store.explain([-3.475, -7.925])")
-    expect(page.locator(".why-chart").first).to_be_visible()
+    page.evaluate(_EXPLAIN_WALL)
+    expect(page.get_by_role("tabpanel", name="Why")).to_contain_text(re.compile(r"\d+ of [1-9]\d*"))
+    expect(page.locator(".viewer-map .working")).to_have_count(0)
     page.wait_for_timeout(1500)
     save(page, "log")
 
@@ -107,6 +124,7 @@ def main() -> None:
                 shutil.copy(Path(data) / "carmen" / f"{name}.log.gz", logs)
         with running_server(Path(folder) / "data", "--logs-dir", str(logs)) as server, running_chromium() as browser:
             page = browser.new_page(viewport=SIZE, color_scheme="light")
+            page.set_default_timeout(120_000)  # of a loaded machine
             front(page, server)
             lab(page, server)
             lecture(page, server)

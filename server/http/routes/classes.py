@@ -7,6 +7,7 @@ shows, answer questions, and begin a session of their own that is a copy of the 
 from __future__ import annotations
 
 import io
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Literal
 
 import segno
@@ -18,17 +19,19 @@ from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, while_connected
+from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
-from server.sessions import Plan, SessionBudgetError, SessionRegistry
+from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
+    from server.settings import Settings
 
+MAX_COPIES = 2  #: of the lecturer's world that one follower has, one of which is about to end
 router = APIRouter(tags=["classes"])
 
 #: Tells a reverse proxy in front of several services which class this one has (``deploy/haproxy.cfg``).
@@ -45,6 +48,13 @@ def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSo
     except ClassNotFoundError:
         brake.count(address)
         raise
+
+
+def joined_class(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
+    """Return a class for somebody who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
+    room = _guessed(brake, classes, code, request)
+    classes.check(room, visitor)
+    return room
 
 
 def _public(request: Request, room: Classroom) -> dict[str, Any]:
@@ -64,6 +74,7 @@ def _public(request: Request, room: Classroom) -> dict[str, Any]:
 async def open_class(request: Request, response: Response, classes: OpenClasses, visitor: Visitor) -> dict[str, Any]:
     """Open a class, or return the one that this visitor has open."""
     room = classes.open(visitor)
+    room.place = chosen_place(request)
     response.headers[CLASS_HEADER] = room.code
     return _public(request, room)
 
@@ -81,6 +92,8 @@ async def end(classes: OpenClasses, sessions: Sessions, visitor: Visitor, code: 
     room = classes.owned(code, visitor)
     classes.close(room)
     await sessions.end_linked(link_of(room))
+    for number in range(1, len(room.puzzles) + 1):
+        await sessions.end_linked(puzzle_link_of(room, number))
 
 
 @router.get("/api/classes/{code}/results.csv")
@@ -89,7 +102,7 @@ async def results(classes: OpenClasses, visitor: Visitor, code: str) -> Response
     room = classes.owned(code, visitor)
     name = f"gridbloom-class-{room.code}.csv"
     headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
-    return Response(results_csv(room.questions), media_type="text/csv; charset=utf-8", headers=headers)
+    return Response(results_csv(room.questions, room.puzzles), media_type="text/csv; charset=utf-8", headers=headers)
 
 
 @router.get("/api/classes/{code}/qr.svg")
@@ -123,9 +136,19 @@ async def stream(websocket: WebSocket, classes: OpenClasses, brake: CodeBrake, v
     await attend(websocket, room, member)
 
 
+def places_of(settings: Settings) -> int:
+    """Return how many sessions the followers of a class may have together."""
+    return max(1, settings.max_sessions // 2)
+
+
 def link_of(room: Classroom) -> str:
     """Return what marks the sessions of a class's followers."""
     return f"class {room.code}"
+
+
+def puzzle_link_of(room: Classroom, number: int) -> str:
+    """Return what marks the attempts of a class's followers at its puzzle of this number, from 1."""
+    return f"{link_of(room)} puzzle {number}"
 
 
 def _shown(classes: Classes, room: Classroom, sessions: SessionRegistry, visitor: str) -> SessionHost:
@@ -174,12 +197,16 @@ async def fork(
     link = link_of(room)
 
     async def begun() -> SessionHost:
-        for earlier in [s for s in sessions.all() if s.link == link and s.owner == visitor]:
-            await sessions.close(earlier.id)
+        earlier = [s for s in sessions.all() if s.link == link and s.owner == visitor]
+        if len(earlier) >= MAX_COPIES:  # made by pages that asked at the same time
+            raise SessionBudgetError("class.copies", "You have as many copies of this world as you may: wait a moment.")
         plan = await _copy(session, settings.max_story_s)
-        places = max(1, settings.max_sessions // 2)
-        where = {"address": client_address(request), "place": session.place}
-        return await sessions.begin(plan, visitor, link=link, places=places, **where)
+        address, places = client_address(request), places_of(settings)
+        made = await sessions.begin(plan, visitor, link=link, address=address, places=places, place=session.place)
+        for one in earlier:  # not before there is another one
+            with suppress(SessionNotFoundError):
+                await sessions.close(one.id)
+        return made
 
     made = await while_connected(request, begun())
     return JSONResponse(public(made), status_code=201, headers={"Location": f"/api/sessions/{made.id}"})
@@ -228,7 +255,7 @@ async def page(
     classes: OpenClasses,
     brake: CodeBrake,
     code: str,
-    name: Literal["lecture.html", "lab.html", "other.html"],
+    name: Literal["lecture.html", "lab.html", "puzzles.html", "other.html"],
 ) -> Response:
     """Return a page that follows a class."""
     try:

@@ -1,21 +1,38 @@
-"""The points of an uploaded cloud or recording, as a terrain takes them."""
+"""The points of an uploaded cloud or recording, as a terrain takes them, and which of them are ground."""
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 import numpy as np
+from scipy.spatial import KDTree
 
 from mapper.core.array_types import BoolArray, Float64Array
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.models.lab_terrain import TerrainParameters
 
+if TYPE_CHECKING:
+    from server.library.volume_pack import VolumeSource
+
 MOST_POINTS = 2_000_000  #: of a larger cloud every second point is taken, or fewer
+SAME_M = 0.002  #: two points so near are one: float32 in two files has other last digits
+LEAST_SHARE = 0.9  #: of the other cloud's points that must be this one's, for the other to be its ground
+GROUND_CLASS = 2  #: of the ASPRS LAS specification
 
 
 class CloudPoints:
-    """The points of ``scans`` within the bounds x0, y0, x1, y1 of ``low`` and ``high`` (3,); none without scans."""
+    """The points of ``scans`` within the bounds x0, y0, x1, y1 of ``low`` and ``high`` (3,); none without scans.
 
-    def __init__(self, scans: ScanSequence | None, low: Float64Array, high: Float64Array) -> None:
-        self._scans = scans
+    ``other`` is the title and the source of the file that this one is compared with: a part of this cloud is taken for
+    its ground. Without it those of the class "ground" are, of a file with classes.
+    """
+
+    def __init__(
+        self, scans: ScanSequence | None, low: Float64Array, high: Float64Array,
+        other: tuple[str, VolumeSource] | None = None,
+    ) -> None:  # fmt: skip
+        self._scans, self._other = scans, other
         self._bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
     @property
@@ -29,11 +46,37 @@ class CloudPoints:
         x0, y0, x1, y1 = self._bounds
         return TerrainParameters.outdoors(0 if self._scans is None else len(self._scans.points), (x1 - x0) * (y1 - y0))
 
+    @property
+    def truth(self) -> str | None:
+        """What is known of the ground: the name of a file, or of classes; None: nothing."""
+        return None if self._scans is None else self._known_ground[0]
+
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
-        """Return the points (n, 3), the bounds, and that it is not known which are ground."""
+        """Return the points (n, 3), the bounds, and which points are ground, None where that is not known."""
         if self._scans is None:
             return np.empty((0, 3)), self._bounds, None
-        points = self._scans.points[:: max(1, -(-len(self._scans.points) // MOST_POINTS))]
+        taken = slice(None, None, max(1, -(-len(self._scans.points) // MOST_POINTS)))
+        points, ground = self._scans.points[taken], self._known_ground[1]
         x0, y0, x1, y1 = self._bounds
         x, y = points[:, 0], points[:, 1]
-        return points[(x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)].astype(np.float64), self._bounds, None
+        inside = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)
+        return points[inside].astype(np.float64), self._bounds, None if ground is None else ground[taken][inside]
+
+    @cached_property
+    def _known_ground(self) -> tuple[str | None, BoolArray | None]:
+        scans = self._scans
+        if scans is None:
+            return None, None
+        title, part = self._other or (None, None)
+        if isinstance(part, ScanSequence):
+            tree = KDTree(part.points.astype(np.float64) + (part.offset - scans.offset))
+            far, nearest = tree.query(scans.points.astype(np.float64), distance_upper_bound=SAME_M)
+            is_ground = np.asarray(np.isfinite(far))
+            if len(np.unique(nearest[is_ground])) >= LEAST_SHARE * len(part.points):
+                return title, is_ground
+        classes = scans.fields.get("class")
+        if classes is not None:
+            of_class = np.asarray(classes).reshape(-1) == GROUND_CLASS
+            if of_class.any() and not of_class.all():
+                return "the file's classes", of_class
+        return None, None

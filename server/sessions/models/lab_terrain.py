@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -160,16 +160,22 @@ def assessed(
     bounds: tuple[float, float, float, float],
     parameters: TerrainParameters,
     truth: BoolArray | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Assessed | None:
     """Return the terrain of points (n, 3) within ``bounds``, x0, y0, x1, y1, None where there are too few.
 
-    ``truth`` (n,) are the points that are ground, None where that is not known. Raises
-    :class:`mapper.core.errors.MapperError` for parameters that do not fit them.
+    ``truth`` (n,) are the points that are ground, None where that is not known; ``progress`` is as in
+    :func:`mapper.terrain.find_ground`. Raises :class:`mapper.core.errors.MapperError` for parameters that do not fit
+    the points.
     """
     if len(points) < 3:
         return None
     config, values = parameters.patches, parameters.values
-    is_ground = find_ground(points, parameters.ground).is_ground if values["filter"] else np.ones(len(points), np.bool_)
+    is_ground = (
+        find_ground(points, parameters.ground, progress=progress).is_ground
+        if values["filter"]
+        else np.ones(len(points), np.bool_)
+    )
     right = {} if truth is None else agreement(is_ground, truth)
     x0, y0, x1, y1 = bounds
     rows, cols = (max(int(np.ceil(side / config.patch)), 1) for side in (y1 - y0, x1 - x0))  # of a wall one, too

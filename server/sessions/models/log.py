@@ -99,8 +99,9 @@ class LogModel(SessionModel):
         *,
         log_id: str = "",
         title: str = "",
+        first: MappingConfig | None = None,
     ) -> None:
-        """The map is brought to the scans of ``view`` first, and the log is then paused there."""
+        """The map is brought to the scans of ``view``, and the log is paused there. ``first``: see the recording."""
         self._times = play_times(replay.log.stamps_ns)
         super().__init__(_playback(self._times))
         replay.wanted = host.may_continue
@@ -110,7 +111,7 @@ class LogModel(SessionModel):
         self._time = 0.0  #: seconds of play
         self._target = 0  #: the index that commands requested
         self._left_at = 0  #: the index at which the map was before it was requested
-        self.recording = LogRecording(host, replay, log_id, view)
+        self.recording = LogRecording(host, replay, log_id, view, first)
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)

@@ -75,15 +75,19 @@ class _Examination:
 class LogRecording:
     """A log, and the replay that makes its map.
 
-    ``log_id`` identifies it in the library, ``view`` says of which sensor it is and how its scans are cut.
+    ``log_id`` identifies it in the library, ``view`` says of which sensor it is and how its scans are cut. ``first``
+    are the initial parameters, None for those of the log.
     """
 
-    def __init__(self, host: ModelHost, replay: Replay, log_id: str, view: LogView) -> None:
+    def __init__(
+        self, host: ModelHost, replay: Replay, log_id: str, view: LogView, first: MappingConfig | None = None
+    ) -> None:
         self.log_id = log_id
         self.replay = replay
         self.recorded = recorded_seconds(replay.log)  #: (n_scans,) float64, seconds since the first scan
         self._topic, self._cut = view.topic, view.cut
         self._host = host
+        self._first = first
         self._examinations: dict[str, _Examination] = {}  #: by trajectory
 
     @property
@@ -98,7 +102,7 @@ class LogRecording:
 
     def first_config(self) -> MappingConfig:
         """Return the initial parameters for the log."""
-        return first_config(self.log)
+        return first_config(self.log) if self._first is None else self._first
 
     def view(self) -> LogView:
         """Return the present view: sensor, trajectory, parameters, scans in the map."""

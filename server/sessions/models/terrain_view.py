@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import asdict, replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from mapper.core.array_types import BoolArray, Float64Array
-from mapper.core.errors import MapperError
+from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.terrain import Terrain
 from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed, patch_at
@@ -16,6 +17,9 @@ from server.sessions.models.simulation_commands import flag
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, number, values
+
+if TYPE_CHECKING:
+    from server.sessions.hosting import ModelHost
 
 SCANS_BETWEEN = 8  #: scans of the 3D sensor between two assessments
 
@@ -27,6 +31,10 @@ class TerrainPoints(Protocol):
     def count(self) -> int:
         """How many scans there are; 0 for no points."""
 
+    @property
+    def truth(self) -> str | None:
+        """What says which points are ground, None if nothing does."""
+
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
         """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""
 
@@ -34,9 +42,12 @@ class TerrainPoints(Protocol):
 class TerrainView:
     """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points."""
 
-    def __init__(self, source: TerrainPoints, first: TerrainParameters | None = None) -> None:
-        """``first`` are the parameters to begin with."""
-        self._source, self._first = source, first or TerrainParameters()
+    def __init__(
+        self, source: TerrainPoints, first: TerrainParameters | None = None, host: ModelHost | None = None
+    ) -> None:
+        """``first`` are the parameters to begin with; a visitor can cancel the work of a session with a ``host``."""
+        self._source, self._first, self._host = source, first or TerrainParameters(), host
+        self.share: float | None = None  #: of the present assessment that is done
         self._parameters: TerrainParameters | None = None
         self._costs = GridLayer("terrain_costs", "Terrain", "costs")
         self._values = GridLayer("terrain_values", "Property of the terrain")
@@ -94,16 +105,26 @@ class TerrainView:
             return
         self._taken = count
         try:
-            points, bounds, truth = self._source.read()
-            self._found = assessed(points, bounds, self._parameters, truth)
+            with nullcontext() if self._host is None else self._host.cancellable(by_newer=False):
+                points, bounds, truth = self._source.read()
+                self._found = assessed(points, bounds, self._parameters, truth, self._note_share)
             self._problem = None
         except MapperError as error:
             self._found, self._problem = None, error.message
+        self.share = None
         self.grid = None if self._found is None else self._found.grid()
         if self._found is not None:
             self._show(self._found, self._parameters.values["shown"])
         result.changed = True
         result.slot(self.message())
+
+    def _note_share(self, share: float) -> None:
+        """Note the progress. Raises :class:`WorkCancelledError` once a visitor has cancelled it."""
+        self.share = share
+        if self._host is not None and not self._host.may_continue():
+            raise WorkCancelledError(
+                "terrain.cancelled", "The assessment was cancelled; a change of a value begins it."
+            )
 
     def _show(self, found: Assessed, name: str) -> None:
         geometry = found.terrain.patches.geometry
@@ -131,6 +152,7 @@ class TerrainView:
             "ground": 0 if found is None else found.ground,
             "kappa": _rounded(None if found is None else found.kappa),
             "total_error": _rounded(None if found is None else found.total_error),
+            "truth": None if found is None or found.kappa is None else self._source.truth,
             **counts,
             "size": 0.0 if found is None else found.terrain.patches.size,
             "patch": patch,

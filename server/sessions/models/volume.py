@@ -80,8 +80,8 @@ class VolumeModel(SessionModel):
         self._stale_grid = True
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
-        points = CloudPoints(scans, self._low, self._high)
-        self._terrain = TerrainView(points, points.first)
+        points = CloudPoints(scans, self._low, self._high, other)
+        self._terrain = TerrainView(points, points.first, host)
         speeds = (0.1, max(100.0, (duration := float(self._times[-1])) / 5.0))
         super().__init__(
             Playback(self._map.count > 1, float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds)
@@ -307,7 +307,9 @@ class VolumeModel(SessionModel):
 
     @property
     def fraction(self) -> float | None:
-        """The share of the wanted scans that is in the map."""
+        """The share of the wanted scans that is in the map, or of the terrain that is done."""
+        if self._terrain.share is not None:
+            return self._terrain.share
         behind = self._map if self._shown.index == self._target else self._shown
         return behind.index / self._target if self._target and self.is_catching_up else None
 

@@ -68,6 +68,11 @@ class VolumeView:
         """How many scans are recorded; none while it is off."""
         return 0 if self._map is None else len(self._map.scans)
 
+    @property
+    def truth(self) -> str | None:
+        """The simulated world says which points are ground."""
+        return "the true world"
+
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
         """Return the points of the scans (n, 3), the world's bounds, and which points lie on its floor and ramps."""
         world = self._mapper.simulation.world

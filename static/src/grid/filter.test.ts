@@ -10,7 +10,14 @@ import {
   sampleMotion,
   sampleOmni,
 } from "./motionModel";
-import { augmentedShare, effectiveNumber, independentSampler, lowVarianceSampler } from "./particleFilter";
+import {
+  augmentedShare,
+  effectiveNumber,
+  independentSampler,
+  kldNumber,
+  kldQuantile,
+  lowVarianceSampler,
+} from "./particleFilter";
 import { seeded } from "./random";
 import { type BeamMixture, beamDensity, beamParts, fieldLikelihood } from "./rangeModels";
 
@@ -56,6 +63,13 @@ describe("drawing particles", () => {
     counts.forEach((share, i) => {
       expect(Math.abs(share - (weights[i] ?? 0))).toBeLessThan(0.02);
     });
+  });
+
+  it("wants as many particles for k bins as table 8.4, and finds z from them", () => {
+    for (const { k, error, z, n } of vectors.numbers) {
+      expect(kldNumber(k, error, z)).toBeCloseTo(n, 9);
+      if (k > 1) expect(kldQuantile(k, error, n)).toBeCloseTo(z, 6);
+    }
   });
 
   it("averages as table 8.3", () => {

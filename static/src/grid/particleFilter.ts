@@ -50,3 +50,16 @@ export function augmentedShare(
   const nowFast = fast + alphaFast * (average - fast);
   return [nowSlow, nowFast, Math.max(0, 1 - nowFast / nowSlow)];
 }
+
+/** How many particles k occupied bins need so that the KL distance is below `error` at the quantile z. Table 8.4. */
+export function kldNumber(k: number, error: number, z: number): number {
+  if (k < 2) return 0;
+  const a = 2 / (9 * (k - 1));
+  return ((k - 1) / (2 * error)) * (1 - a + Math.sqrt(a) * z) ** 3;
+}
+
+/** The z at which k bins need n particles: the inverse of {@link kldNumber} in z. */
+export function kldQuantile(k: number, error: number, n: number): number {
+  const a = 2 / (9 * (k - 1));
+  return (Math.cbrt((2 * error * n) / (k - 1)) - 1 + a) / Math.sqrt(a);
+}

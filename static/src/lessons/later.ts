@@ -1,6 +1,7 @@
 /** What is built on the map: the scenes and figures that the lecture fetches after its first sections. */
 
 import { Kidnapping } from "./localization/Kidnapping";
+import { ParticleNumber } from "./localization/ParticleNumber";
 import { Particles } from "./localization/Particles";
 import { SensorModels } from "./localization/SensorModels";
 import { kidnappingScene, particlesScene, sensorScene } from "./localization/scenes";
@@ -18,7 +19,7 @@ import { Tsdf } from "./tsdf/Tsdf";
 import { tsdfScene } from "./tsdf/tsdfScene";
 
 export const LATER: Readonly<Record<LaterId, Later>> = {
-  particles: { scene: particlesScene, figure: Particles },
+  particles: { scene: particlesScene, figure: Particles, more: ParticleNumber },
   "sensor-models": { scene: sensorScene, figure: SensorModels },
   kidnapping: { scene: kidnappingScene, figure: Kidnapping },
   layers: { scene: layersScene, figure: Layers },

@@ -257,6 +257,20 @@ function Page() {
       </section>
       <section class="home-section">
         <div class="prose">
+          <h2>Puzzles</h2>
+          <p>
+            Maps with a hidden fault: a sensor mounted askew, a clock that is late, people in the way. Find the cause,
+            repair the map.
+          </p>
+        </div>
+        <div class="actions">
+          <Button kind="primary" size="large" href="/puzzles.html">
+            Open the puzzles
+          </Button>
+        </div>
+      </section>
+      <section class="home-section">
+        <div class="prose">
           <h2>Your robot’s log</h2>
           <p>
             Open a log of a real robot and watch its map fill in. When a slider moves, the whole map is computed again

@@ -6,6 +6,7 @@ const PAGES = [
   { href: "/lecture.html", label: "Lecture", id: "lecture" },
   { href: "/lab.html", label: "Lab", id: "lab" },
   { href: "/logs.html", label: "Logs", id: "logs" },
+  { href: "/puzzles.html", label: "Puzzles", id: "puzzles" },
 ] as const;
 
 /** Whether this page stands within another one: a slide, or the speaker's window. */
@@ -13,7 +14,7 @@ const isFramed = parent !== window;
 document.documentElement.classList.toggle("framed", isFramed);
 
 interface SiteHeaderProps {
-  readonly current: "home" | "lecture" | "lab" | "logs";
+  readonly current: "home" | "lecture" | "lab" | "logs" | "puzzles";
   readonly links?: boolean;
   readonly children?: ComponentChildren;
 }

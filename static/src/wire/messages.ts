@@ -335,6 +335,32 @@ export interface ClassQuestion {
   readonly right: number | null;
 }
 
+/** How far one follower is with the puzzle; followers are known by number only. */
+export interface ClassSolver {
+  /** number of the follower */
+  readonly number: number;
+  /** whether the cause is named */
+  readonly is_named: boolean;
+  /** share of the repair, 0 to 1 */
+  readonly repair: number;
+  /** whether the puzzle is solved */
+  readonly is_solved: boolean;
+  /** points, 0 to 100 */
+  readonly points: number;
+}
+
+/** The puzzle that the class solves. */
+export interface ClassPuzzle {
+  /** its title */
+  readonly title: string;
+  /** how many have begun */
+  readonly begun: number;
+  /** how many have solved it */
+  readonly solved: number;
+  /** how far each is; lecturer only, for others empty */
+  readonly board: readonly ClassSolver[];
+}
+
 /** The part of the map that a picture shows, with the size of the picture. */
 export interface ClassLook {
   /** the place in the middle, m */
@@ -652,6 +678,8 @@ export interface TerrainMessage {
   readonly kappa: number | null;
   /** points that are classified wrongly, %; null: as above */
   readonly total_error: number | null;
+  /** what they are compared with; null: as above */
+  readonly truth: string | null;
   /** patches that are safe */
   readonly safe: number;
   /** patches that are unsafe */
@@ -1289,6 +1317,8 @@ export interface ClassState {
   readonly driver: number | null;
   /** the question that is asked; null: none */
   readonly question: ClassQuestion | null;
+  /** the puzzle that is solved; null: none */
+  readonly puzzle?: ClassPuzzle | null;
 }
 
 /** The first message: who one is in the class. */
@@ -1638,6 +1668,19 @@ const isClassQuestion: Check = isObject({
   counts: oneOf(isListOf(isInteger), isNull),
   right: oneOf(isNumber, isNull),
 });
+const isClassSolver: Check = isObject({
+  number: isInteger,
+  is_named: isFlag,
+  repair: isNumber,
+  is_solved: isFlag,
+  points: isInteger,
+});
+const isClassPuzzle: Check = isObject({
+  title: isText,
+  begun: isInteger,
+  solved: isInteger,
+  board: isListOf(isClassSolver),
+});
 const isClassLook: Check = isObject({
   x: isNumber,
   y: isNumber,
@@ -1806,6 +1849,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     ground: isInteger,
     kappa: oneOf(isNumber, isNull),
     total_error: oneOf(isNumber, isNull),
+    truth: oneOf(isText, isNull),
     safe: isInteger,
     unsafe: isInteger,
     unknown: isInteger,
@@ -1957,6 +2001,7 @@ export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record
     hands: isListOf(isInteger),
     driver: oneOf(isInteger, isNull),
     question: oneOf(isClassQuestion, isNull),
+    puzzle: optional(oneOf(isClassPuzzle, isNull)),
   },
   welcome: {
     role: isLiteral("follower", "lecturer"),

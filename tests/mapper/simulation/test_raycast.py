@@ -210,7 +210,7 @@ def test_the_farthest_point_in_sight_is_the_last_with_a_wide_way():
     path = np.stack([3.0 * np.cos(angles), 2.0 * np.sin(angles)], axis=-1)  # around the solid
     for room in (0.1, 0.5, 5.0):
         wide = [k for k in range(1, 30) if chord_clearance(world.segments, *path[0], *path[k]) >= room]
-        assert farthest_in_sight(world.segments, *path[0], path, 29, room) == max(wide, default=0)
+        assert farthest_in_sight(world.segments, path[0, 0], path[0, 1], path, 29, room) == max(wide, default=0)
 
 
 def test_clearance_along_an_arc_follows_the_circle():

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.io.clouds import read_cloud
 from mapper.terrain import GroundConfig, agreement, find_ground
 from tests.marks import also_long
@@ -62,3 +62,20 @@ def test_bad_clouds_are_named() -> None:
         find_ground(np.array([[0.0, 0, 0], [1900.0, 1900.0, 0]]), GroundConfig(window=100.0))
     with pytest.raises(ConfigError, match=r"\(cell\) must be between"):
         GroundConfig(cell=0.0)
+
+
+def test_the_filter_tells_its_progress_and_ends_when_it_is_told_to() -> None:
+    points = np.random.default_rng(2).uniform(0.0, 30.0, (3000, 3)) * [1.0, 1.0, 0.05]
+    shares: list[float] = []
+    whole = find_ground(points, progress=shares.append)
+    assert len(shares) > 18
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
+    np.testing.assert_array_equal(whole.is_ground, find_ground(points).is_ground)
+
+    def end(share: float) -> None:
+        if share > 0.3:
+            raise WorkCancelledError("terrain.cancelled", "Cancelled.")
+
+    with pytest.raises(WorkCancelledError, match="Cancelled"):
+        find_ground(points, progress=end)

@@ -107,6 +107,14 @@ def shares() -> list[list[float]]:
     return found
 
 
+def numbers() -> list[dict[str, float]]:
+    """Return how many particles some bins need, by table 8.4."""
+    return [
+        {"k": k, "error": error, "z": z, "n": textbook.kld_number(k, error, z)}
+        for k, error, z in product((0, 1, 2, 9, 24), (0.01, 0.05, 0.4), (0.0, 0.99, 2.33))
+    ]
+
+
 def densities() -> list[dict[str, Any]]:
     """Return p(z | x, m) of readings before, at and behind what the map has, and at the maximum."""
     return [
@@ -137,6 +145,7 @@ def vectors() -> dict[str, Any]:
         "omni": omni(),
         "draws": draws(),
         "shares": shares(),
+        "numbers": numbers(),
         "densities": densities(),
         "fields": fields(),
     }
@@ -146,7 +155,7 @@ def test_the_vectors_are_those_of_the_textbook() -> None:
     stored, fresh = json.loads(VECTORS.read_text()), json.loads(json.dumps(vectors()))
     for name in ("alphas", "mixtures"):
         assert stored[name] == fresh[name]
-    for name in ("motions", "omni", "draws", "shares", "densities", "fields"):
+    for name in ("motions", "omni", "draws", "shares", "numbers", "densities", "fields"):
         for old, new in zip(stored[name], fresh[name], strict=True):
             for a, b in zip(*(one.values() if isinstance(one, dict) else one for one in (old, new)), strict=True):
                 np.testing.assert_allclose(a, b, atol=1e-9)

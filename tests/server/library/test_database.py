@@ -196,6 +196,7 @@ async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_dat
         for table in (
             "leases",
             "ended_sign_ins",
+            "puzzles",
             "log_tags",
             "localization_jobs",
             "merge_jobs",

@@ -29,7 +29,7 @@ from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import viser_client
-from tests.server.service import eventually
+from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import SessionView, view_of
 
 
@@ -70,7 +70,10 @@ async def test_every_parameter_has_a_control(service: Service) -> None:
                 assert (props["min"], props["max"]) == (row.low, row.high)
 
 
-async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(service: Service) -> None:
+async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.scenes.panel.CONFIRM_TIMEOUT_S", PATIENCE_S)  # a slow machine confirms late
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         uuid = (await client.control("Hit increment"))["uuid"]

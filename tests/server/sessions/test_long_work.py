@@ -71,6 +71,7 @@ class Parts:
 async def test_newer_parameters_cancel_a_map(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(requests, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer ones
     session = await new_log(registry, "me", office_log, playing=False)
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)
@@ -108,6 +109,7 @@ async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
 async def test_a_newer_seek_cancels_a_seek(
     registry: SessionRegistry, obey: Callable[..., Any], office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(requests, "MAX_CANCELLING_S", PATIENCE_S)  # a slow machine is late with the newer one
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     parts = Parts(monkeypatch)

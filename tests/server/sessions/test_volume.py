@@ -14,13 +14,15 @@ import pyoctomap
 import pytest
 import trimesh
 
-from mapper.io.clouds import read_depth_folder
+from mapper.io.clouds import read_cloud, read_depth_folder
+from mapper.terrain import agreement, find_ground
 from mapper.volume import OccupancyVolume, Octree, TsdfConfig, TsdfVolume, VolumeConfig, octree_file, surface_mesh
 from mapper.volume.mesh_files import ply_bytes
 from mapper.volume.scan_sequence import ScanSequence, gather
 from mapper.volume.sources import Insertion, insert_all, open_source
 from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
 from server.library.volume_pack import read_volume_pack, write_volume_pack
+from server.sessions.models.cloud_terrain import CloudPoints
 from tests.mapper.io.logs.recorded import written
 from tests.mapper.io.logs.test_clouds import recording_of_room
 from tests.server.library.small_logs import carmen
@@ -201,3 +203,44 @@ def test_depth_images_are_packed_as_they_were_read(tmp_path: Path, data_file: Ca
     for k, frame in enumerate(read_depth_folder(folder).frames):
         np.testing.assert_array_equal(np.nan_to_num(frame.read()), again.depth.depth(k))
         np.testing.assert_array_equal(frame.pose, again.depth.poses[k])
+
+
+async def test_the_ground_of_a_cloud_is_judged_by_a_file_of_its_ground_points(
+    service: Service, data_file: Callable[[str], Path]
+) -> None:
+    """A real sample with its truth: kappa as the library has it; another cloud is no truth, and says so by null."""
+    path = data_file("pointclouds/samp21-utm.pcd")
+    true = data_file("pointclouds/samp21-utm-ground.pcd")
+    other = data_file("pointclouds/samp24-utm.pcd")
+    logs = [await asyncio.to_thread(uploaded, service, one) for one in (path, true, other)]
+    points = read_cloud(path).points
+    places = {place.tobytes() for place in read_cloud(true).points}
+    expected = agreement(find_ground(points).is_ground, np.array([place.tobytes() in places for place in points]))
+    for second, truth, kappa in ((logs[1], true.name, expected["kappa"]), (logs[2], None, None)):
+        wanted = {"kind": "volume", "log": logs[0], "other": second}
+        session = (await asyncio.to_thread(service.http.post, "/api/sessions", json=wanted)).json()["id"]
+        async with service.connect(session) as socket:
+            page = Watcher(socket)
+            await page.until(lambda page=page: "terrain" in page.newest)  # type: ignore[misc]
+            await page.send("terrain")
+            await page.until(lambda page=page: page.newest["terrain"]["points"] == len(points))  # type: ignore[misc]
+            said = page.newest["terrain"]
+        assert said["truth"] == truth
+        assert said["kappa"] == (None if kappa is None else pytest.approx(kappa, abs=0.1))
+
+
+def test_the_classes_of_a_file_are_the_truth_of_its_ground() -> None:
+    points = np.random.default_rng(0).uniform(0.0, 9.0, (100, 3)).astype(np.float32)
+    low, high = np.zeros(3), np.full(3, 9.0)
+
+    def of(classes: np.ndarray) -> CloudPoints:
+        whole, nowhere = np.array([0, 100]), np.full((1, 3), np.nan)
+        scans = ScanSequence("las", points, whole, nowhere, np.zeros(1, np.int64), np.zeros(3), {"class": classes})
+        return CloudPoints(scans, low, high)
+
+    known = of(np.where(np.arange(100) < 60, 2, 6))
+    _, _, ground = known.read()
+    assert ground is not None
+    assert (known.truth, ground.tolist()) == ("the file's classes", [k < 60 for k in range(100)])
+    unclassified = of(np.zeros(100, dtype=np.int64))
+    assert (unclassified.truth, unclassified.read()[2]) == (None, None)

@@ -219,6 +219,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         700,
         91.5,
         3.25,
+        "the true world",
         400,
         90,
         30,
@@ -226,7 +227,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         parts.TerrainPatch(1.0, 2.0, [3.0] + [0.5] * 15, "Terrain: safe.", "safe"),
         None,
     ),
-    messages.TerrainMessage(False, {}, 0, 0, 0.0, 0.0, 0, 0, 0, 0.0, None, "Too wide."),
+    messages.TerrainMessage(False, {}, 0, 0, None, None, None, 0, 0, 0, 0.0, None, "Too wide."),
     messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},

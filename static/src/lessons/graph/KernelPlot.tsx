@@ -38,7 +38,7 @@ export function KernelPlot({ kernel, scale, loops }: KernelPlotProps) {
                 {tick}
               </text>
             ))}
-            <text class="kernel-tick" x={width - PAD.right} y={HEIGHT - 2} text-anchor="end">
+            <text class="kernel-tick" x={width - PAD.right} y={HEIGHT - 5} text-anchor="end">
               residual, standard deviations
             </text>
             <text class="kernel-tick" x={0} y={14}>

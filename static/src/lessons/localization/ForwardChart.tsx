@@ -8,7 +8,7 @@ import { Plot } from "../common/Plot";
 import { RANGE_MAX, type Share, withShare } from "./sensor";
 
 const HEIGHT = 236;
-const PAD = { left: 12, right: 26, top: 34, bottom: 34 };
+const PAD = { left: 12, right: 26, top: 34, bottom: 38 };
 /** Density at the top of the axis, which is that of a square root: the small parts are seen. */
 const TOP = 2.5;
 const POINTS = 240;
@@ -104,7 +104,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
                 {tick}
               </text>
             ))}
-            <text x={x(RANGE_MAX)} y={HEIGHT - 2} text-anchor="end">
+            <text x={x(RANGE_MAX)} y={HEIGHT - 6} text-anchor="end">
               reading z, m
             </text>
             <text x={x(0)} y={14}>

@@ -23,11 +23,11 @@ import {
   start,
   weights,
 } from "./corridor";
+import { COUNT, corridor } from "./corridorState";
 import "../../render/chart/chart.css";
 import "./localization.css";
 import { Wheel } from "./Wheel";
 
-const COUNT = 24;
 const HEIGHT = 316;
 const PAD = 12;
 /** Tops and bottoms of the rows. */
@@ -48,7 +48,7 @@ const DRAWS = [
 
 /** A belief as a curve and as particles: weighed by a reading, drawn anew by their weights, moved. */
 export function Particles() {
-  const filter = useSignal(start(COUNT));
+  const filter = corridor;
   const draw = useSignal<Draw>("comb");
   const share = useSignal(0.5);
   const now = filter.value;

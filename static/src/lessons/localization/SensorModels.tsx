@@ -15,7 +15,7 @@ import "./localization.css";
 const EXPECTED = 5;
 const PRIOR = 0.05;
 const HEIGHT = 216;
-const PAD = { left: 34, right: 12, top: 30, bottom: 34 };
+const PAD = { left: 34, right: 12, top: 30, bottom: 38 };
 /** Evidence at the ends of the axis. */
 const MOST = 4;
 const READING = { low: 0.5, high: 7.5, step: 0.05 };
@@ -134,7 +134,7 @@ function InverseChart({ mix, z, prior }: ChartProps) {
                 {tick}
               </text>
             ))}
-            <text x={x(RANGE_MAX)} y={HEIGHT - 2} text-anchor="end">
+            <text x={x(RANGE_MAX)} y={HEIGHT - 6} text-anchor="end">
               distance s of a cell along the beam, m
             </text>
             <text x={0} y={14}>

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { belief, centre, DOORS, type Draw, drawnOf, type Filter, next, start, weights } from "./corridor";
+import { belief, centre, DOORS, type Draw, drawnOf, type Filter, next, occupiedBins, start, weights } from "./corridor";
 
 const steps = (count: number, draw: Draw, particles: number): Filter => {
   let now = start(particles);
@@ -11,6 +11,13 @@ const meanOf = (values: readonly number[], by: Float64Array): number =>
   values.reduce((sum, value, i) => sum + value * (by[i] ?? 0), 0);
 
 describe("the corridor with doors", () => {
+  it("counts the bins with a particle: fewer after a draw", () => {
+    expect(occupiedBins(start(24))).toBe(24);
+    expect(occupiedBins(start(6))).toBe(6);
+    expect(occupiedBins(next(start(24), "comb", 0.5))).toBeLessThan(12);
+    expect(occupiedBins({ ...start(6), particles: Float64Array.of(0.1, 0.4, 0.6, -1, 12) })).toBe(2);
+  });
+
   it("believes in the three doors alike after the first reading", () => {
     const found = belief(start(24));
     expect(found.reduce((a, b) => a + b, 0)).toBeCloseTo(1, 9);

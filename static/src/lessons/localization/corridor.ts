@@ -48,6 +48,19 @@ export interface Filter {
 
 export const centre = (cell: number): number => (cell + 0.5) * CELL;
 
+/** Width of the bins that KLD sampling counts, m, and their number. */
+export const BIN = 0.5;
+export const BINS = LENGTH / BIN;
+
+/** The number of bins in which there is a particle. */
+export const occupiedBins = ({ particles }: Filter): number =>
+  new Set(
+    Array.from(
+      particles.filter((x) => x >= 0 && x < LENGTH),
+      (x) => Math.floor(x / BIN),
+    ),
+  ).size;
+
 /** Nothing is known of the position, and the robot stands at the first door. */
 export function start(count: number): Filter {
   return {

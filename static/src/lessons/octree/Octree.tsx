@@ -7,7 +7,7 @@ import "./octree.css";
 
 const RESOLUTIONS = [0.4, 0.2, 0.1, 0.05].map((metres) => ({
   value: String(metres),
-  label: `${written(100 * metres, 0)} cm`,
+  label: written(100 * metres, 0),
 }));
 const LASER = 0.45;
 
@@ -30,7 +30,7 @@ export function Octree() {
     <div class="octree-controls">
       <div class="figure-controls no-print">
         <Choice
-          label="Finest cells"
+          label="Finest cells, cm"
           options={RESOLUTIONS}
           value={String(resolution.value)}
           sentence="Side of the finest cells of the octree, and of all cells of the dense grid."

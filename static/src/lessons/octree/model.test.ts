@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { cube, denseCells, octree, type State, stateOf } from "./model";
+import { cube, cut, denseCells, grown, type State, stateOf } from "./model";
 
 /** The same by another way: all finest cells, pruned from below. */
 function pruned(n: number, side: number): { leaves: number; inner: number } {
@@ -31,21 +31,22 @@ describe("the octree of the floor", () => {
       [32, 0.4],
       [64, 0.2],
     ] as const) {
-      const { leaves, inner } = octree(side, 1);
+      const { leaves, inner } = cut(grown(side), 1);
       expect({ leaves, inner }).toEqual(pruned(n, side));
     }
   });
 
   it("grows four times with half the side, a dense grid eight times", () => {
-    const ratio = octree(0.1, 1).leaves / octree(0.2, 1).leaves;
+    const ratio = grown(0.1).leaves.length / grown(0.2).leaves.length;
     expect(ratio).toBeGreaterThan(2.5);
     expect(ratio).toBeLessThan(5.5);
     expect(denseCells(0.1) / denseCells(0.2)).toBeCloseTo(8, 1);
   });
 
   it("has the low table below the plane of the laser only, and the doors below their lintels", () => {
+    const tree = grown(0.1);
     const at = (height: number, x: number, y: number) =>
-      octree(0.1, height).slice.find(
+      cut(tree, height).slice.find(
         (leaf) => x >= leaf.x && x < leaf.x + leaf.side && y >= leaf.y && y < leaf.y + leaf.side,
       )?.state;
     expect(at(0.2, 1.8, 5.7)).toBe("occupied");

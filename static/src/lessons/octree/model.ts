@@ -70,10 +70,16 @@ export interface Tree {
   readonly slice: readonly Leaf[];
 }
 
-/** The octree with finest cells of `resolution`, and its leaves at a height. */
-export function octree(resolution: number, height: number): Tree {
-  let [leaves, inner] = [0, 0];
-  const slice: Leaf[] = [];
+/** An octree: the leaves with their lower faces, and the number of inner nodes. */
+export interface Grown {
+  readonly leaves: readonly (Leaf & { readonly z: number })[];
+  readonly inner: number;
+}
+
+/** The octree with finest cells of `resolution`. */
+export function grown(resolution: number): Grown {
+  let inner = 0;
+  const leaves: (Leaf & { readonly z: number })[] = [];
   /** Count a node; its state if it is a leaf, null for no node at all, "mixed" for an inner one. */
   const visit = (x: number, y: number, z: number, side: number, near: readonly Box[]): State | null | "mixed" => {
     const here = cube(x, y, z, side);
@@ -93,12 +99,18 @@ export function octree(resolution: number, height: number): Tree {
     return "mixed";
   };
   const leaf = ([x, y, z]: readonly [number, number, number], side: number, state: State): void => {
-    leaves++;
-    if (z <= height && height < z + side) slice.push({ x, y, side, state });
+    leaves.push({ x, y, z, side, state });
   };
   visit(0, 0, 0, ROOT, SOLIDS);
-  return { leaves, inner, slice };
+  return { leaves, inner };
 }
+
+/** An octree cut at a height. */
+export const cut = ({ leaves, inner }: Grown, height: number): Tree => ({
+  leaves: leaves.length,
+  inner,
+  slice: leaves.filter(({ z, side }) => z <= height && height < z + side),
+});
 
 /** Cells of a dense grid over the building. */
 export const denseCells = (resolution: number): number =>

@@ -2,8 +2,9 @@
 
 import { computed } from "@preact/signals";
 import { onPath } from "../stage/path";
-import { octree } from "./model";
+import { cut, grown } from "./model";
 
 export const resolution = onPath(0.1);
 export const height = onPath(0.45);
-export const tree = computed(() => octree(resolution.value, height.value));
+const whole = computed(() => grown(resolution.value));
+export const tree = computed(() => cut(whole.value, height.value));

@@ -20,6 +20,8 @@ export type LaterId =
 export interface Later {
   readonly scene: () => Scene;
   readonly figure: ComponentType;
+  /** A figure in the text after it. */
+  readonly more?: ComponentType;
 }
 
 export const later = signal<Readonly<Record<LaterId, Later>> | null>(null);

@@ -5,3 +5,9 @@ export function LaterFigure({ id }: { readonly id: LaterId }) {
   const Figure = later.value?.[id].figure;
   return Figure ? <Figure /> : <figure class="figure-later" aria-busy="true" />;
 }
+
+/** The figure in the text after the figure of such a section; its height is kept until then. */
+export function LaterMore({ id }: { readonly id: LaterId }) {
+  const More = later.value?.[id].more;
+  return <div class="lesson-more">{More && <More />}</div>;
+}

@@ -1,4 +1,4 @@
-import { LaterFigure } from "./LaterFigure";
+import { LaterFigure, LaterMore } from "./LaterFigure";
 import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
@@ -10,7 +10,10 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
       title={title}
       figure={<LaterFigure id="particles" />}
       sources={[
-        ["probabilistic-robotics", "tables 8.1 and 8.2 for the two beliefs, table 4.4 for the low-variance sampler"],
+        [
+          "probabilistic-robotics",
+          "tables 8.1 and 8.2 for the two beliefs, table 4.4 for the low-variance sampler, table 8.4 for KLD sampling",
+        ],
         ["dellaert", ""],
       ]}
       after={
@@ -26,6 +29,13 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
             <b>N_eff</b> = 1 / Σ w² says how many particles the weights amount to. Drawing anew makes the weights equal
             again and the set poorer; where N_eff is large, it can be left out.
           </p>
+          <p>
+            How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
+            particles for k bins, the Kullback-Leibler distance between the particles and the belief is below ε, with
+            the probability that belongs to the quantile z. Nothing known: many bins, and many particles. Found: few of
+            both. Go on with the steps above and watch k; drag ε and z on the curve.
+          </p>
+          <LaterMore id="particles" />
         </>
       }
     >

@@ -6,6 +6,21 @@ import { place, presenting, shownOf, stage } from "./present/state";
 import { useFittedWidth } from "./present/useFittedWidth";
 import { SOURCES, type SourceName } from "./sources";
 
+/** Sections about what goes wrong with a map: there are puzzles on each. */
+const WITH_PUZZLES: ReadonlySet<string> = new Set([
+  "endpoint",
+  "forgetting",
+  "low-table",
+  "mount",
+  "no-return",
+  "odometry",
+  "people",
+  "polished",
+  "resolution",
+  "sonar",
+  "window",
+]);
+
 /** What the list of sections gives to each. */
 export interface SectionHead {
   readonly id: string;
@@ -64,6 +79,11 @@ export function Section({ id, number, title, figure, children, after, sources }:
               );
             })}
           </ul>
+          {WITH_PUZZLES.has(id) && (
+            <p>
+              Exercise: find this fault, and others, in the <a href="/puzzles.html">puzzles</a>.
+            </p>
+          )}
         </footer>
       )}
     </section>

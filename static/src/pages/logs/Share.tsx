@@ -1,6 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { SharedView } from "../../render/view";
+import { MakePuzzle } from "../../tools/puzzle/MakePuzzle";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Panel } from "../../ui/Panel";
@@ -88,6 +89,7 @@ export function Share({ session, sharedView }: ShareProps) {
             Copy the address of this session
           </Button>
         </div>
+        <MakePuzzle session={session} />
         <p role="status" class="quiet">
           {said.value}
         </p>

@@ -9,7 +9,7 @@ import { toPixel } from "./scale";
 import "./costCurve.css";
 
 const HEIGHT = 190;
-const [LEFT, RIGHT, TOP, BOTTOM] = [34, 12, 30, HEIGHT - 34];
+const [LEFT, RIGHT, TOP, BOTTOM] = [34, 12, 30, HEIGHT - 38];
 const COSTS = [0, 100, 200, 254];
 
 interface CostCurveProps {
@@ -67,7 +67,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
               {tick}
             </text>
           ))}
-        <text class="tick-x" x={width - RIGHT} y={HEIGHT - 2} text-anchor="end">
+        <text class="tick-x" x={width - RIGHT} y={HEIGHT - 6} text-anchor="end">
           distance from an obstacle, m
         </text>
         <rect class="inscribed" x={x(0)} y={TOP} width={x(Math.min(inscribed, reach)) - x(0)} height={BOTTOM - TOP} />

@@ -54,6 +54,11 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
           )}
         </p>
         <div class="actions">
+          {state?.puzzle && !isPuzzlePage && (
+            <Button kind="primary" href={`/class/${room.code}/puzzles.html`}>
+              Solve the puzzle
+            </Button>
+          )}
           {isOwn ? (
             <Button
               kind="primary"
@@ -84,8 +89,11 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
   );
 }
 
+const isPuzzlePage = location.pathname.endsWith("/puzzles.html");
+
 function described(room: Classroom, isOwn: boolean): string {
   if (!room.isConnected.value) return "Connecting to the class …";
+  if (isPuzzlePage) return "The puzzle of the class.";
   if (isOwn) return "Your own world.";
   if (room.drives.value) return "You drive the robot: click into a map, drag the robot, or use the arrow keys.";
   return "Following the lecturer.";

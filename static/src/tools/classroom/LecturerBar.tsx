@@ -7,6 +7,7 @@ import { CodeDialog } from "./CodeDialog";
 import { Histogram } from "./Histogram";
 import { codeIsShown } from "./opening";
 import { PollForm } from "./PollForm";
+import { PuzzleBoard } from "./PuzzleBoard";
 
 /** The lecturer's controls of the class, on every page. */
 export function LecturerBar({ room }: { readonly room: Classroom }) {
@@ -30,6 +31,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
   };
   return (
     <aside class="class-bar-box no-print" aria-label="Class">
+      {state?.puzzle && <PuzzleBoard room={room} puzzle={state.puzzle} />}
       {question && <Result room={room} question={question} />}
       <div class="class-line">
         <p role="status">

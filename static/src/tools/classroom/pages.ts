@@ -8,8 +8,8 @@ type Page = ClassView["page"];
 
 const OTHER: ClassView = { page: "other", hash: "", blank: false };
 
-/** Keep a follower on the page that the lecturer shows; `page` is this one. */
-export function followPages(page: Page): void {
+/** Keep a follower on the page that the lecturer shows; `page` is this one, null one that no lecturer shows. */
+export function followPages(page: Page | null): void {
   if (followedCode === null) return;
   effect(() => {
     const room = classroom.value;

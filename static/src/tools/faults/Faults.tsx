@@ -51,7 +51,10 @@ export function Faults({ store, comparison }: FaultsProps) {
       </div>
       <div class="faults-note" role="status">
         {active.length === 0 && !beside && (
-          <p>Switch a fault on to see its effect on the map. Switching it off restores the settings.</p>
+          <p>
+            Switch a fault on to see its effect on the map. Switching it off restores the settings. In the{" "}
+            <a href="/puzzles.html">puzzles</a> faults are hidden.
+          </p>
         )}
         {active.map((fault) => (
           <p key={fault.name}>

@@ -1,5 +1,6 @@
 import type { Store } from "../../../store/store";
 import { EditMap } from "../../../tools/mapediting/EditMap";
+import { MakePuzzle } from "../../../tools/puzzle/MakePuzzle";
 import { Button } from "../../../ui/Button";
 import { MapFiles } from "../../../ui/MapFiles";
 import { toast } from "../../../ui/Toast";
@@ -48,6 +49,7 @@ export function Downloads({ id, store }: { readonly id: string; readonly store: 
         Share makes a link to a copy of this world. Live link makes a link to this world itself: others watch it and
         drive the robot.
       </p>
+      <MakePuzzle session={id} />
       <div class="actions">
         <MapFiles session={id} />
         <EditMap session={id} name={store.hello.value?.title ?? "world"} />

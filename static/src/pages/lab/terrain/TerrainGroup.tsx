@@ -56,7 +56,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { values } = terrain.values;
   return (
     <div class="terrain-group">
-      <Numbers message={message} />
+      <Numbers message={message} isFile={isFile} />
       <ParameterRows rows={view} values={values} set={set} />
       <Asked message={message} />
       {!isFile && <CostmapChoice store={store} />}
@@ -91,8 +91,8 @@ function Begin({ store }: { readonly store: Store }) {
   );
 }
 
-function Numbers({ message }: { readonly message: TerrainMessage }) {
-  const { points, ground, kappa, total_error, safe, unsafe, problem } = message;
+function Numbers({ message, isFile }: { readonly message: TerrainMessage; readonly isFile: boolean }) {
+  const { points, ground, kappa, total_error, truth, safe, unsafe, problem } = message;
   if (problem !== null) return <p role="alert">{problem}</p>;
   return (
     <div role="status" class="terrain-numbers">
@@ -103,7 +103,8 @@ function Numbers({ message }: { readonly message: TerrainMessage }) {
         {ground.toLocaleString("en")} of {points.toLocaleString("en")} points are taken for ground.
         {kappa !== null &&
           total_error !== null &&
-          ` Against the true world: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+          ` Against ${truth ?? "the truth"}: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+        {isFile && truth === null && " Compare with a file of the true ground points (tab Compare) for κ."}
       </p>
     </div>
   );

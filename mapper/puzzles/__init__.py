@@ -1,0 +1,21 @@
+"""Puzzles: maps with a hidden fault, whose cause is to be named and repaired."""
+
+from mapper.puzzles.causes import CAUSES, Cause
+from mapper.puzzles.puzzle import Puzzle, puzzle_of, shortened
+from mapper.puzzles.recipes import RECIPES, Recipe
+from mapper.puzzles.scoring import points, repair_share
+from mapper.puzzles.spoiling import Spoiled, spoil
+
+__all__ = [
+    "CAUSES",
+    "RECIPES",
+    "Cause",
+    "Puzzle",
+    "Recipe",
+    "Spoiled",
+    "points",
+    "puzzle_of",
+    "repair_share",
+    "shortened",
+    "spoil",
+]

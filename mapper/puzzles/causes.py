@@ -1,0 +1,218 @@
+"""What may be wrong with a map: the causes that a puzzle asks for, with their explanations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """One cause.
+
+    ``label`` is the answer to choose, ``section`` the section of the lecture about it, ``hints`` are one sentence each,
+    from where to look to what to do, ``explanation`` is shown at the end. ``of_log`` says whether any log can be
+    spoiled so, ``amount`` the least and the greatest size of the fault (``unit``), (0, 0) where it has none.
+    """
+
+    name: str
+    label: str
+    section: str
+    hints: tuple[str, str, str]
+    explanation: str
+    of_log: bool = True
+    amount: tuple[float, float] = (0.0, 0.0)
+    unit: str = ""
+
+
+_ROWS = (
+    Cause(
+        "resolution",
+        "The cells are too large",
+        "resolution",
+        (
+            "Compare the size of a cell with the width of a door.",
+            "Ask Why about one cell: it holds hits of one surface and misses of the free space beside it.",
+            "Look at the parameter Resolution.",
+        ),
+        "A cell has one state. A large cell holds a surface and free space at once, and doors narrower than two cells "
+        "close. Small cells cost memory and time: halving the side takes four times the cells.",
+        amount=(0.3, 0.5),
+        unit="m",
+    ),
+    Cause(
+        "window",
+        "The hit window is too wide",
+        "window",
+        (
+            "Look at the thickness of the walls, and compare it in narrow and in wide places.",
+            "Ask Why about a cell well in front of a wall: it got hits of beams that ended farther away.",
+            "Look at the parameter Hit window.",
+        ),
+        "The window around a reading absorbs noise of the range and the size of a cell. A window wider than that makes "
+        "walls thick and closes narrow passages.",
+        amount=(0.6, 1.0),
+        unit="m",
+    ),
+    Cause(
+        "max_range",
+        "Beams without a return are taken as hits",
+        "no-return",
+        (
+            "There are walls in free space. How far are they from the robot?",
+            "Ask Why about such a wall: all its hits have the same range.",
+            "Compare that range with the parameter Max range.",
+        ),
+        "Some drivers report the max range where nothing came back. Taken as a reading, each such beam draws an "
+        "obstacle there: arcs in free space. A reading at or beyond the max range is no hit.",
+    ),
+    Cause(
+        "mount_yaw",
+        "The sensor is mounted at another angle than stated",
+        "mount",
+        (
+            "Watch what a turn of the robot does, and what a straight drive does.",
+            "Play the log slowly: a straight wall is drawn turned against the direction of the drive.",
+            "Look at the parameter Mount yaw, both signs.",
+        ),
+        "A wrong mount yaw turns each scan about the robot. While the robot drives straight on, walls ahead slide "
+        "sideways from scan to scan, so that they are smeared; a turn on the spot alone does not show it.",
+        amount=(0.08, 0.2),
+        unit="rad",
+    ),
+    Cause(
+        "mount_x",
+        "The sensor is mounted at another place than stated",
+        "mount",
+        (
+            "Compare a wall that was seen from one heading only with one that was seen from many.",
+            "Ask Why about both copies of a doubled wall: the robot's heading differs.",
+            "Look at the parameter Mount forward, both signs.",
+        ),
+        "A wrong place of the sensor shifts each scan along the robot's heading. As long as the heading stays the map "
+        "is only shifted; after a turn the same wall is drawn a second time beside the first.",
+        amount=(0.25, 0.45),
+        unit="m",
+    ),
+    Cause(
+        "beam_order",
+        "The beams are read in the wrong order",
+        "mount",
+        (
+            "Is there anything in the map that looks like one scan of a room?",
+            "Play the first scans, and let the robot turn: what turns the other way?",
+            "A sensor that hangs upside down sweeps clockwise.",
+        ),
+        "With the order of the beams reversed each scan is a mirror image: what is on the left is drawn on the right. "
+        "As the robot turns, the image turns the opposite way, and nothing agrees.",
+    ),
+    Cause(
+        "drift",
+        "The poses come from odometry, which drifts",
+        "odometry",
+        (
+            "Compare what the robot saw at the beginning with what it saw at the end.",
+            "Ask Why about both copies of a wall: the numbers of their scans are far apart.",
+            "The log has more than one trajectory, or its poses can be corrected by SLAM.",
+        ),
+        "Errors of odometry add up. Each scan is right by itself, but a wall that is seen again later is drawn at "
+        "another place. Poses from localization or SLAM repair it; parameters of the sensor model do not.",
+        amount=(1.0, 2.0),
+        unit="× worn wheels",
+    ),
+    Cause(
+        "time_offset",
+        "The clocks of the scans and of the poses differ",
+        "mount",
+        (
+            "Compare walls that were seen while the robot stood or drove straight on with those seen in a turn.",
+            "Step through a turn scan by scan: the scan lags behind the heading, or runs ahead of it.",
+            "Look at the parameter Time offset, both signs.",
+        ),
+        "With a time offset each scan is placed where the robot was a moment before or after. In a turn the error is "
+        "the angular velocity times the offset: walls fan out there, and stay thin on straight drives.",
+        amount=(0.3, 0.6),
+        unit="s",
+    ),
+    Cause(
+        "sweep",
+        "All beams of a scan are placed at one pose",
+        "endpoint",
+        (
+            "Look at single scans that were taken in a turn.",
+            "Where a full turn of the sensor begins and ends, straight walls are torn apart.",
+            "Look at the parameter Deskew.",
+        ),
+        "A scan takes time, and the robot moves meanwhile. Each beam has a pose of its own, which is interpolated "
+        "between the poses of the trajectory. Without that, walls are torn at the seam of the scan while the robot "
+        "turns.",
+        of_log=False,
+    ),
+    Cause(
+        "clamp",
+        "Something was moved, and the cells cannot forget it",
+        "forgetting",
+        (
+            "One obstacle is not there at the end of the log. Play the log to find it.",
+            "Ask Why about it: many hits first, then misses only.",
+            "Look at the parameter Clamp.",
+        ),
+        "Without a clamp a cell that was hit for minutes needs as much evidence again before it becomes free. The "
+        "clamp limits the log-odds, so that a few scans are enough.",
+        of_log=False,
+    ),
+    Cause(
+        "people",
+        "Somebody walked through the scans",
+        "people",
+        (
+            "There are marks in the free space that no furniture makes. Play the log to see how they appear.",
+            "Ask Why about one of them: hits of a few scans in a row, and misses before and after.",
+            "Make misses count more, or let a cell become more certainly free: Miss increment, Lower clamp.",
+        ),
+        "The map assumes that the world does not move. A person leaves a row of occupied cells, which stay where the "
+        "robot does not look again. Evidence of more misses removes some; what moves belongs into another layer.",
+    ),
+    Cause(
+        "polished",
+        "Polished walls reflect the beams away",
+        "polished",
+        (
+            "Some long straight walls are missing in part. From where were they seen?",
+            "Ask Why about a cell where a wall should be: beams at a slant passed, and none came back.",
+            "A beam that was reflected away does not say that its way was free: look at the parameter No return.",
+        ),
+        "A slanting beam that meets a polished wall or glass does not return. If no return is taken for free space up "
+        "to the max range, the wall is erased and free space leaks out of the building.",
+        of_log=False,
+    ),
+    Cause(
+        "sonar",
+        "A cone is taken for a thin beam",
+        "sonar",
+        (
+            "Look at how many readings a scan has, and how they lie.",
+            "Ask Why about a cell in front of a wall: the echo may have come from anywhere in a wide angle.",
+            "Look at the parameter Inverse sensor model.",
+        ),
+        "A sonar tells the distance of the nearest object within its cone, and not its bearing. Drawn as a thin beam, "
+        "the echo stands at one wrong place, and most of the free space stays unknown.",
+        of_log=False,
+    ),
+    Cause(
+        "low_table",
+        "An obstacle is not at the height of the laser",
+        "low-table",
+        (
+            "The walls are right. Compare the path of the robot with the free space.",
+            "The robot drives around a place that is free in the map.",
+            "No parameter of the map repairs this: the laser cannot see it.",
+        ),
+        "A planar laser maps one height. What is lower or higher, a low table or the top of one, is free space in the "
+        "map, and the robot runs into it. A sensor with height, or a layer of its own, is needed.",
+        of_log=False,
+    ),
+)  # fmt: skip
+
+CAUSES: Mapping[str, Cause] = MappingProxyType({row.name: row for row in _ROWS})

@@ -1,0 +1,91 @@
+"""The puzzles that come with the program: each is a simulated drive with one fault."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from mapper.puzzles.drives import LIDAR, SHORT_LIDAR, SONARS, TRUE, drive, polished, swept
+from mapper.puzzles.spoiling import Spoiled, spoil
+from mapper.simulation.edits import Drawn
+
+#: Crates that stand in the room and are taken away.
+CRATES = tuple(Drawn("box", *corners) for corners in ((560, 140, 680, 220), (360, 560, 470, 650), (720, 600, 810, 680)))
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """A puzzle: ``level`` 1 to 3, what the visitor is told (``title``, ``story``), its cause, and how it is made.
+
+    Title and story do not tell the cause.
+    """
+
+    name: str
+    level: int
+    title: str
+    story: str
+    cause: str
+    make: Callable[[], Spoiled]
+
+
+def _spoiled(world: str, seed: int, n_scans: int, cause: str, *, short: bool = False) -> Callable[[], Spoiled]:
+    return lambda: spoil(drive(world, seed, n_scans, SHORT_LIDAR if short else LIDAR), cause, seed, TRUE)
+
+
+def _clamp() -> Spoiled:
+    log = drive("room", 11, 500, LIDAR, CRATES)
+    return Spoiled(log, TRUE, log, TRUE, {"clamp": False})
+
+
+def _polished() -> Spoiled:
+    clean = drive("loop", 6, 300)
+    return Spoiled(polished(clean, "loop"), TRUE, clean, TRUE, {"no_return": "free"}, {"no_return": "ignore"})
+
+
+def _sweep() -> Spoiled:
+    log = swept(drive("room", 7, 250), "room")
+    return Spoiled(log, TRUE, log, TRUE, {"deskew": "off"}, {"deskew": "on"}, {"deskew": "on"})
+
+
+def _sonar() -> Spoiled:
+    log = drive("room", 8, 500, SONARS)
+    return Spoiled(log, TRUE, log, TRUE, {"model": "fixed_increments", "window": 0.0})
+
+
+def _low_table() -> Spoiled:
+    log = drive("levels", 9, 400)
+    return Spoiled(log, TRUE, log, TRUE)
+
+
+_ROWS = (
+    Recipe("doorway", 1, "The closed doors", "A robot in an office. Its planner finds no way through any door.",
+           "resolution", _spoiled("office", 1, 250, "resolution")),
+    Recipe("thick", 1, "The thick walls", "A hall with pillars. The map has less free space than the hall.",
+           "window", _spoiled("hall", 2, 250, "window")),
+    Recipe("arcs", 1, "Walls in the open", "A cheap laser in a hall. There are obstacles where nobody put any.",
+           "max_range", _spoiled("hall", 3, 300, "max_range", short=True)),
+    Recipe("mirror", 1, "A room that turns", "A robot was rebuilt last week. Since then its map is useless.",
+           "beam_order", _spoiled("office", 4, 250, "beam_order")),
+    Recipe("worn", 2, "The second building", "A long drive around a corridor. Each wall seems to be there twice.",
+           "drift", _spoiled("loop", 5, 400, "drift")),
+    Recipe("bumped", 2, "Blurred straight ahead", "The robot hit a door frame yesterday. The map is blurred since.",
+           "mount_yaw", _spoiled("hall", 10, 250, "mount_yaw")),
+    Recipe("ghost", 2, "Detours", "A store room before and after a delivery. The planner avoids empty floor.",
+           "clamp", _clamp),
+    Recipe("visitors", 2, "Open day", "The robot was shown to guests while it mapped the office.",
+           "people", _spoiled("office", 12, 400, "people")),
+    Recipe("leak", 2, "Free space outside", "A corridor with a new floor. The map says one can leave it anywhere.",
+           "polished", _polished),
+    Recipe("offset", 3, "Two of each corner", "The sensor was moved for cleaning, and put back by eye.",
+           "mount_x", _spoiled("room", 13, 250, "mount_x")),
+    Recipe("lag", 3, "Fans in the turns", "The laser got a computer of its own. Straight drives look right.",
+           "time_offset", _spoiled("office", 14, 400, "time_offset")),
+    Recipe("torn", 3, "Torn at one side", "A slow laser on a quick robot.", "sweep", _sweep),
+    Recipe("cones", 3, "Sixteen numbers", "A robot without a laser. Sensors like these do not see as a laser does.",
+           "sonar", _sonar),
+    Recipe("collision", 3, "A perfect map", "The map agrees with the plan of the building. The robot still collides.",
+           "low_table", _low_table),
+)  # fmt: skip
+
+RECIPES: Mapping[str, Recipe] = MappingProxyType({row.name: row for row in _ROWS})

@@ -1,0 +1,207 @@
+"""Logs with a fault: what a puzzle shows, and what repairs it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose
+from mapper.puzzles.causes import CAUSES, Cause
+from mapper.sensors.motion import Motion, seconds
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.timed_poses import TimedPoses
+from mapper.simulation.odometry import WORN_ALPHAS, WORN_TURN_BIAS, drifting_odometry
+
+PERSON_RADIUS = 0.22  #: metres
+FOLLOWING_M = (1.3, 2.4)  #: metres of the robot's path by which people walk behind it
+SWAY_M = 0.35  #: metres to either side of that path
+BEFORE_RANGE_MAX = 0.1  #: metres by which the max range is to be lowered, so that readings at it are no hits
+SEEN_BEYOND, BEYOND = 0.05, 0.15  #: least share of readings without a return; the share of them otherwise
+MISS_OF_TRAILS, LOWER_CLAMP_OF_TRAILS = -0.1, -0.5  #: with which trails of people stay in the map
+
+
+@dataclass(frozen=True, slots=True)
+class Spoiled:
+    """A log with a fault.
+
+    ``log`` is what is shown, mapped along ``trajectory`` with the parameters ``start``; ``repair`` are the parameters
+    and ``repair_trajectory`` the trajectory that repair it. ``reference`` is the log without the fault, mapped with
+    ``reference_values`` along ``reference_trajectory``. All values differ from those of the log's first parameters.
+    """
+
+    log: ScanLog
+    trajectory: str
+    reference: ScanLog
+    reference_trajectory: str
+    start: Mapping[str, Any] = field(default_factory=dict)
+    repair: Mapping[str, Any] = field(default_factory=dict)
+    reference_values: Mapping[str, Any] = field(default_factory=dict)
+    repair_trajectory: str = ""
+
+    @property
+    def repaired_along(self) -> str:
+        """The trajectory of the repaired map."""
+        return self.repair_trajectory or self.trajectory
+
+
+def spoil(log: ScanLog, cause: str, seed: int, trajectory: str | None = None) -> Spoiled:
+    """Return ``log`` with a fault that any log can have, its size drawn with ``seed``.
+
+    Raises :class:`ConfigError` for another cause, and for a log without poses along which a drift or an offset shows.
+    """
+    if cause not in _SPOILERS:
+        raise ConfigError("puzzle.cause", f"A log cannot be spoiled by {cause!r:.80}; {', '.join(_SPOILERS)} can.")
+    if log.n_scans < 2:
+        raise ConfigError("puzzle.short", "A puzzle needs a log of at least two scans.")
+    name = trajectory or log.default_trajectory
+    if log.trajectory(name).is_placeholder:
+        raise ConfigError("puzzle.poses", "This log has no poses: its map says nothing about a fault.")
+    return _SPOILERS[cause](log, name, np.random.default_rng(seed))
+
+
+def _size(cause: Cause, rng: np.random.Generator, *, signed: bool = True) -> float:
+    value = round(float(rng.uniform(*cause.amount)), 2)
+    return value if not signed or rng.random() < 0.5 else -value
+
+
+def _with_values(log: ScanLog, name: str, start: dict[str, Any]) -> Spoiled:
+    return Spoiled(log, name, log, name, start)
+
+
+def _resolution(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    return _with_values(log, name, {"resolution": _size(CAUSES["resolution"], rng, signed=False)})
+
+
+def _window(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    if log.beam_width > 0.0:
+        raise ConfigError("puzzle.cause", "The window of a sonar's cone is no fault of its map.")
+    return _with_values(log, name, {"window": _size(CAUSES["window"], rng, signed=False)})
+
+
+def _max_range(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:  # noqa: ARG001 - as all of them
+    beyond = log.ranges >= log.range_max  # +inf too
+    top = min(round(log.range_max, 1), 100.0)
+    if beyond.mean() < SEEN_BEYOND:
+        # As a sensor of shorter range would have measured it.
+        finite = log.ranges[np.isfinite(log.ranges)]
+        top = max(1.0, round(float(np.quantile(finite, 1.0 - BEYOND)), 1)) if len(finite) else 1.0
+        beyond = log.ranges > top
+    top = max(top, log.range_min + 2.0 * BEFORE_RANGE_MAX)
+    short = {"range_max": float(np.clip(top, 0.5, 100.0))}
+    repaired = {"range_max": round(short["range_max"] - BEFORE_RANGE_MAX, 2)}
+    ranges = np.where(beyond, np.float32(short["range_max"]), log.ranges)
+    shown = replace(log, ranges=np.minimum(ranges, np.float32(short["range_max"])), range_max=short["range_max"] + 0.01)
+    clean = replace(log, ranges=np.where(beyond, np.float32(np.inf), log.ranges))
+    return Spoiled(shown, name, clean, name, short, repaired, repaired)
+
+
+def _mounted(log: ScanLog, off: tuple[float, float, float]) -> ScanLog:
+    """Return the log with a stated mount that is off: composed with ``off``."""
+    x, y, yaw = (float(v) for v in compose(np.array(log.mount), np.array(off)))
+    mounts = None if log.mounts is None else compose(log.mounts, np.array(off))
+    return replace(log, mount=(x, y, yaw), mounts=mounts)
+
+
+def _mount_yaw(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    yaw = _size(CAUSES["mount_yaw"], rng)
+    return Spoiled(_mounted(log, (0.0, 0.0, -yaw)), name, log, name, {}, {"mount_yaw": yaw})
+
+
+def _mount_x(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    x = _size(CAUSES["mount_x"], rng)
+    return Spoiled(_mounted(log, (-x, 0.0, 0.0)), name, log, name, {}, {"mount_x": x})
+
+
+def _beam_order(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:  # noqa: ARG001 - as all of them
+    shown = replace(log, upside_down=not log.upside_down)
+    return Spoiled(shown, name, log, name, {}, {"mount_upside_down": True})
+
+
+def _drift(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    times = _size(CAUSES["drift"], rng, signed=False)
+    true = log.trajectory(name)
+    a1, a2, a3, a4 = (times * value for value in WORN_ALPHAS)
+    poses = drifting_odometry(true.poses, rng, (a1, a2, a3, a4), times * WORN_TURN_BIAS)
+    odometry = Trajectory(poses, "What the wheels report.", "odom")
+    # The name may be one that the log has: its own odometry is then replaced.
+    others = {key: value for key, value in log.trajectories.items() if key not in ("odometry", name)}
+    other_name = name if name != "odometry" else "corrected"
+    shown = replace(log, trajectories={"odometry": odometry, other_name: true, **others})
+    return Spoiled(shown, "odometry", log, name, repair_trajectory=other_name)
+
+
+def _time_offset(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    late = _size(CAUSES["time_offset"], rng)
+    if not (np.diff(log.stamps_ns) > 0).any():
+        raise ConfigError("puzzle.stamps", "All stamps of this log are equal: a time offset changes nothing.")
+    motions = {key: Motion.of(log, key) for key in log.trajectories}
+    stamps = log.stamps_ns + round(late * 1e9)
+    shown = replace(
+        log,
+        stamps_ns=stamps,
+        trajectories={
+            key: replace(
+                one,
+                poses=motions[key].at(seconds(log) + late),
+                timed=TimedPoses(np.rint(motions[key].times * 1e9).astype(np.int64), motions[key].poses),
+            )
+            for key, one in log.trajectories.items()
+        },
+    )
+    return Spoiled(shown, name, log, name, {}, {"time_offset": -late})
+
+
+def _people(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    ranges = log.ranges.copy()
+    poses, sensor = log.trajectory(name).poses, log.sensor_poses(name)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))])
+    for behind in FOLLOWING_M:
+        phase = rng.uniform(0.0, 2.0 * math.pi)
+        at = np.searchsorted(along, along - behind, side="right") - 1
+        walking = along >= behind
+        side = poses[at, 2] + 0.5 * math.pi
+        sway = SWAY_M * np.sin(along + phase)
+        places = poses[at, :2] + sway[:, np.newaxis] * np.column_stack([np.cos(side), np.sin(side)])
+        seen = disc_ranges(sensor, log.angles, places, PERSON_RADIUS)
+        ranges = np.where(walking[:, np.newaxis] & (seen < ranges) & (seen > log.range_min), seen, ranges)
+    start = {"log_odds_miss": MISS_OF_TRAILS, "log_odds_min": LOWER_CLAMP_OF_TRAILS}
+    repair = {"log_odds_miss": -0.4, "log_odds_min": -6.0}
+    return Spoiled(replace(log, ranges=ranges.astype(np.float32)), name, log, name, start, repair)
+
+
+def disc_ranges(
+    sensor_poses: NDArray[np.float64], angles: NDArray[np.float64], centres: NDArray[np.float64], radius: float
+) -> NDArray[np.float64]:
+    """Return the ranges (n, b), metres, at which beams meet a disc, +inf where they miss it.
+
+    ``sensor_poses`` (n, 3) are ``T_map_laser``, ``angles`` (b,) radians in the laser frame, ``centres`` (n, 2) metres.
+    A beam at the angle δ off the centre, which is at the distance d, meets it at d cos δ − √(r² − d² sin² δ).
+    """
+    dx, dy = (centres - sensor_poses[:, :2]).T
+    distance = np.hypot(dx, dy)[:, np.newaxis]
+    off = np.arctan2(dy, dx)[:, np.newaxis] - sensor_poses[:, 2:] - angles[np.newaxis, :]
+    root = radius**2 - (distance * np.sin(off)) ** 2
+    met = (root > 0.0) & (np.cos(off) > 0.0) & (distance > radius)
+    return np.where(met, distance * np.cos(off) - np.sqrt(np.maximum(root, 0.0)), np.inf)
+
+
+_SPOILERS: Mapping[str, Callable[[ScanLog, str, np.random.Generator], Spoiled]] = MappingProxyType(
+    {
+        "resolution": _resolution,
+        "window": _window,
+        "max_range": _max_range,
+        "mount_yaw": _mount_yaw,
+        "mount_x": _mount_x,
+        "beam_order": _beam_order,
+        "drift": _drift,
+        "time_offset": _time_offset,
+        "people": _people,
+    }
+)

@@ -1,0 +1,30 @@
+"""The puzzle that a class solves: how far each follower is, by number."""
+
+from __future__ import annotations
+
+from server.stream.class_messages import ClassPuzzle, ClassSolver
+
+BINS = 10  #: parts of the points, 0 to 100, in the results
+
+
+class RoomPuzzle:
+    """A puzzle that is given to a class. ``key`` says which it is; followers do not learn it."""
+
+    def __init__(self, key: str, title: str) -> None:
+        self.key = key
+        self.title = title
+        self.solvers: dict[int, ClassSolver] = {}
+
+    def message(self, *, lecturer: bool) -> ClassPuzzle:
+        """Return the puzzle as the lecturer or a follower sees it."""
+        solvers = sorted(self.solvers.values(), key=lambda one: one.number)
+        solved = sum(one.is_solved for one in solvers)
+        return ClassPuzzle(self.title, len(solvers), solved, solvers if lecturer else [])
+
+    @property
+    def counts(self) -> list[int]:
+        """The number of followers in each of :data:`BINS` equal parts of the points, the last one with 100."""
+        counts = [0] * BINS
+        for one in self.solvers.values():
+            counts[min(BINS - 1, one.points * BINS // 100)] += 1
+        return counts

@@ -1,0 +1,92 @@
+"""``/api/classes/{code}/puzzle``: a puzzle that a whole class solves, each in a session of one's own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.core.errors import MapperError
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.classes import joined_class, places_of, puzzle_link_of
+from server.http.routes.puzzles import Name, begin_puzzle, created
+from server.http.services import AllPuzzles, CodeBrake, Logs, OpenClasses, ServiceSettings, Sessions, Visitor
+from server.stream.class_messages import ClassSolver
+
+if TYPE_CHECKING:
+    from server.puzzles import Game
+
+router = APIRouter(prefix="/api/classes", tags=["classes"])
+
+
+class Given(BaseModel):
+    """A puzzle for a class."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    puzzle: str = Field(max_length=100, description="Name of a puzzle of the program, or token of one that was made.")
+
+
+@router.put("/{code}/puzzle", status_code=204)
+async def give(
+    classes: OpenClasses, library: Logs, puzzles: AllPuzzles, visitor: Visitor, code: str, given: Given
+) -> None:
+    """Have the class solve a puzzle."""
+    room = classes.owned(code, visitor)
+    known = {one["name"]: one["title"] for one in puzzles.described()["puzzles"]}
+    room.give_puzzle(given.puzzle, known.get(given.puzzle) or library.puzzles.get(given.puzzle).title)
+
+
+@router.delete("/{code}/puzzle", status_code=204)
+async def close(classes: OpenClasses, visitor: Visitor, code: str) -> None:
+    """End the puzzle of a class; its results are kept until the class ends."""
+    classes.owned(code, visitor).close_puzzle()
+
+
+@router.post("/{code}/puzzle/sessions", status_code=201)
+@guests_may(GuestRight.ALWAYS)
+async def begin(
+    request: Request,
+    classes: OpenClasses,
+    brake: CodeBrake,
+    sessions: Sessions,
+    library: Logs,
+    puzzles: AllPuzzles,
+    settings: ServiceSettings,
+    visitor: Visitor,
+    code: str,
+    name: Name = None,
+) -> Response:
+    """Begin an attempt at the puzzle of the class; an attempt that is under way goes on."""
+    room = joined_class(brake, classes, code, request, visitor)
+    puzzle, number = room.puzzle, room.number_of(visitor)
+    if puzzle is None:
+        raise MapperError("class.no_puzzle", "The class solves no puzzle now.")
+    link = puzzle_link_of(room, len(room.puzzles))
+    for one in sessions.all():
+        if one.link == link and one.owner == visitor:
+            return created(one)
+    session = await begin_puzzle(
+        request,
+        sessions,
+        library,
+        puzzles,
+        visitor,
+        puzzle.key,
+        link=link,
+        places=places_of(settings),
+        place=room.place,
+        name=name,
+    )
+    game: Game = puzzles.game(session.id)
+
+    def changed() -> None:
+        room.solver_moved(puzzle, ClassSolver(number, game.is_named, game.best, game.is_solved, game.points))
+
+    if number:  # the lecturer may try it too
+        game.changed = changed
+        if number not in puzzle.solvers:  # an earlier attempt, whose session has ended, stays until this one moves
+            changed()
+    return created(session)

@@ -1,0 +1,281 @@
+"""``/api/puzzles``: begin, solve, make and remove puzzles; ``/puzzle/TOKEN``: the page of one that a visitor made.
+
+An attempt belongs to a session of the puzzle. What the page gets never tells the cause before it is named.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import JSONResponse, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from mapper.core.errors import MapperError
+from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import chosen_place, client_address, while_connected
+from server.http.routes.pages import page_file
+from server.http.routes.sessions import public
+from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
+from server.http.session_access import writable_session
+from server.library import Library
+from server.library.puzzles import MadePuzzle, PuzzleGoneError
+from server.sessions import SessionHost, SessionRegistry
+
+router = APIRouter(tags=["puzzles"])
+
+Name = Annotated[
+    str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
+]
+
+
+class NewPuzzle(BaseModel):
+    """A puzzle of what a session shows now."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    session: str = Field(max_length=100, description="Id of a session of the lab or of a log.")
+    fault: str = Field("as-it-is", max_length=40, description="Fault to add, as in GET; as-it-is: that of the session.")
+    title: str = Field("", max_length=80, description="Title; by default that of the world or log.")
+
+
+class Answer(BaseModel):
+    """An answer."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    cause: str = Field(max_length=40, description="Name of the cause.")
+
+
+def _public(made: MadePuzzle) -> dict[str, Any]:
+    return {
+        "token": made.token,
+        "address": f"/puzzle/{made.token}",
+        "title": made.title,
+        "created_s": made.created_s,
+        "fault": made.spec["cause"],
+    }
+
+
+# -- which there are, and those that a visitor makes ---------------------------------------------------------------
+
+
+@router.get("/api/puzzles")
+async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> dict[str, Any]:
+    """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
+    return puzzles.described() | {"mine": [_public(one) for one in library.puzzles.of(visitor)]}
+
+
+@router.post("/api/puzzles", status_code=201)
+async def make(sessions: Sessions, library: Logs, visitor: Visitor, wanted: NewPuzzle) -> dict[str, Any]:
+    """Make a puzzle of what a session shows now, with a fault; who knows its address may solve it."""
+    from server.puzzles import spec_of_log, spec_of_story  # noqa: PLC0415 - imported with the first puzzle
+    from server.puzzles.spec import changed  # noqa: PLC0415
+
+    session, seed = sessions.get(wanted.session), secrets.randbelow(2**31)
+    story = session.model.story
+    if story is not None:
+        if session.owner != visitor:
+            raise MapperError("session.not_yours", "A puzzle is made by the visitor who began the session.")
+        told = await story.current()
+        cone = told["sensor"].get("kind") == "sonar_ring"
+        spec, record = spec_of_story(told, wanted.fault, seed, cone=cone), None
+    else:
+        of_log = writable_session(sessions, wanted.session)
+        record = library.get(of_log.owner, of_log.log_id)
+        recording, seen = of_log.recording, of_log.recording.view()
+        values = changed(recording.first_config().with_values(seen.values or {}), recording.first_config())
+        view = {"topic": seen.topic, "trajectory": seen.trajectory, "cut": seen.cut}
+        spec = spec_of_log(view, values, wanted.fault, seed, cone=recording.log.beam_width > 0.0)
+    title = wanted.title.strip() or session.model.title
+    return _public(await library.puzzles.make(session.owner, record, title, spec))
+
+
+@router.delete("/api/puzzles/{token}", status_code=204)
+async def remove(sessions: Sessions, library: Logs, puzzles: AllPuzzles, visitor: Visitor, token: str) -> None:
+    """Remove a puzzle that this visitor made; the attempts at it end."""
+    await library.puzzles.remove(visitor, token)
+    puzzles.forget(token)
+    await sessions.end_linked(link_of(token))
+
+
+# -- beginning one -------------------------------------------------------------------------------------------------
+
+
+def link_of(token: str) -> str:
+    """Return what marks the sessions of a puzzle that a visitor made."""
+    return f"puzzle {token}"
+
+
+async def begin_puzzle(
+    request: Request,
+    sessions: SessionRegistry,
+    library: Library,
+    puzzles: Any,  # noqa: ANN401 - see AllPuzzles
+    visitor: str,
+    key: str,
+    *,
+    link: str | None,
+    places: int | None = None,
+    place: str | None = None,
+    name: str | None = None,
+) -> SessionHost:
+    """Begin a session of a puzzle: one that comes with the program, or the token of one that a visitor made.
+
+    ``place`` is what a reverse proxy finds this service by; None: as the request says.
+    """
+    from mapper.puzzles import RECIPES  # noqa: PLC0415 - imported with the first puzzle
+    from server.puzzles import LogSource, StorySource  # noqa: PLC0415
+
+    if key in RECIPES:
+        recipe = RECIPES[key]
+        source, title, story, level = puzzles.recipe(key), recipe.title, recipe.story, recipe.level
+    else:
+        made = library.puzzles.get(key)
+        title, story, level, spec = made.title, "", 0, made.spec
+        if spec["kind"] == "story":
+            source = StorySource(spec)
+        else:
+            from server.sessions.view import LogView  # noqa: PLC0415
+
+            if made.log_id is None:
+                raise PuzzleGoneError("puzzle.gone", "The log of this puzzle no longer exists.")
+            view = LogView(**spec["view"])
+            source = LogSource(spec, await library.load(made.owner, made.log_id, view.topic, view.planar_cut))
+    plan = puzzles.plan(key, source, title, name)
+
+    async def begun() -> SessionHost:
+        chosen = chosen_place(request) if place is None else place
+        return await sessions.begin(
+            plan, visitor, link=link, address=client_address(request), places=places, place=chosen
+        )
+
+    session = await while_connected(request, begun())
+    puzzles.begin(session, key, title, story, level)
+    return session
+
+
+def created(session: SessionHost) -> Response:
+    """Return the answer to the beginning of a session."""
+    return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
+
+
+@router.post("/api/puzzles/{puzzle}/sessions", status_code=201)
+async def begin(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    puzzles: AllPuzzles,
+    visitor: Visitor,
+    puzzle: str,
+    name: Name = None,
+) -> Response:
+    """Begin an attempt at a puzzle that comes with the program."""
+    puzzles.recipe(puzzle)  # raises for any other
+    return created(await begin_puzzle(request, sessions, library, puzzles, visitor, puzzle, link=None, name=name))
+
+
+@router.get("/api/shared-puzzles/{token}")
+@guests_may(GuestRight.ALWAYS)
+async def shared(library: Logs, token: str) -> dict[str, Any]:
+    """Return the title of a puzzle that a visitor made."""
+    return {"title": library.puzzles.get(token).title}
+
+
+@router.post("/api/shared-puzzles/{token}/sessions", status_code=201)
+@guests_may(GuestRight.ALWAYS)
+async def begin_shared(
+    request: Request,
+    sessions: Sessions,
+    library: Logs,
+    puzzles: AllPuzzles,
+    visitor: Visitor,
+    token: str,
+    name: Name = None,
+) -> Response:
+    """Begin an attempt at a puzzle that a visitor made."""
+    library.puzzles.get(token)
+    session = await begin_puzzle(request, sessions, library, puzzles, visitor, token, link=link_of(token), name=name)
+    return created(session)
+
+
+@router.api_route("/puzzle/{token}", methods=["GET", "HEAD"], include_in_schema=False)
+@guests_may(GuestRight.ALWAYS)
+async def page(request: Request, library: Logs, token: str) -> Response:
+    """Return the page of a puzzle that a visitor made, with status 404 if there is none."""
+    response = page_file(request, "puzzles.html")
+    response.headers["X-Robots-Tag"] = "noindex"
+    try:
+        library.puzzles.get(token)
+    except PuzzleGoneError:
+        if response.status_code == 200:
+            response.status_code = 404
+    return response
+
+
+# -- an attempt ----------------------------------------------------------------------------------------------------
+
+
+@router.get("/api/sessions/{session_id}/puzzle")
+@guests_may(GuestRight.LINKED_SESSION)
+async def attempt(puzzles: AllPuzzles, session_id: str) -> dict[str, Any]:
+    """Return how far the attempt of a session is: the causes, hints, measures, points, and at the end the answer."""
+    return dict(puzzles.game(session_id).public())
+
+
+@router.post("/api/sessions/{session_id}/puzzle/answer")
+@guests_may(GuestRight.LINKED_SESSION)
+async def answer(puzzles: AllPuzzles, session_id: str, given: Answer) -> dict[str, Any]:
+    """Name the cause; answer as GET does."""
+    game = puzzles.game(session_id)
+    game.answer(given.cause)
+    return dict(game.public())
+
+
+@router.post("/api/sessions/{session_id}/puzzle/hint")
+@guests_may(GuestRight.LINKED_SESSION)
+async def hint(puzzles: AllPuzzles, session_id: str) -> dict[str, Any]:
+    """Show one more hint, which costs points; answer as GET does."""
+    game = puzzles.game(session_id)
+    game.hint()
+    return dict(game.public())
+
+
+@router.post("/api/sessions/{session_id}/puzzle/solution")
+@guests_may(GuestRight.LINKED_SESSION)
+async def solution(puzzles: AllPuzzles, session_id: str) -> dict[str, Any]:
+    """Show the answer, which ends the attempt without points; answer as GET does."""
+    game = puzzles.game(session_id)
+    game.give_up()
+    return dict(game.public())
+
+
+@router.post("/api/sessions/{session_id}/puzzle/check")
+@guests_may(GuestRight.LINKED_SESSION)
+async def check(
+    request: Request, sessions: Sessions, puzzles: AllPuzzles, work: RequestWork, visitor: Visitor, session_id: str
+) -> dict[str, Any]:
+    """Measure the map of all scans with the session's present parameters and poses; answer as GET does."""
+    game, session = puzzles.game(session_id), sessions.get(session_id)
+    recording = session.model.recording
+    if recording is None:
+        raise MapperError("session.not_a_log", "This session has no log.")
+    goes_on = True
+
+    async def measured() -> None:
+        nonlocal goes_on
+        try:
+            async with work.of(visitor):
+                seen = recording.view()
+                values, trajectory = seen.values or {}, seen.trajectory or recording.trajectory
+                now = await asyncio.to_thread(
+                    game.puzzle.measured, values, trajectory, session.limits(), lambda: goes_on
+                )
+        finally:
+            goes_on = False
+        game.check(now)
+
+    await while_connected(request, measured())
+    return dict(game.public())

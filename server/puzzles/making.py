@@ -1,0 +1,103 @@
+"""How the spoiled log of a puzzle comes about: from a recipe, a story of the lab, or a log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+from mapper.core.errors import ConfigError
+from mapper.core.limits import Limits
+from mapper.puzzles import RECIPES, Puzzle, Spoiled, puzzle_of, shortened, spoil
+from mapper.puzzles.drives import ODOMETRY, TRUE
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.scan import ScanLog
+from mapper.simulation import Faults
+from server.puzzles.spec import AS_IT_IS
+from server.sessions.models.log_recording import first_config
+from server.sessions.models.story import replayed
+
+Wanted = Callable[[], bool]
+
+
+class PuzzleSource(Protocol):
+    """Makes a puzzle on a worker thread."""
+
+    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+        """Return the puzzle. Raises as the mapper does, and ``WorkCancelledError`` once ``wanted`` returns False."""
+
+
+def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+    return puzzle_of(spoiled, cause, first_config(spoiled.reference), limits(), wanted)
+
+
+@dataclass(frozen=True, slots=True)
+class RecipeSource:
+    """A puzzle that comes with the program."""
+
+    name: str
+
+    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+        """Return the puzzle."""
+        recipe = RECIPES[self.name]
+        return _ready(recipe.make(), recipe.cause, limits, wanted)
+
+
+@dataclass(frozen=True, slots=True)
+class StorySource:
+    """A puzzle of a world of the lab."""
+
+    spec: dict[str, Any]
+
+    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+        """Return the puzzle of the recording with most scans."""
+        spec = self.spec
+        story = spec["story"] | {"faults": {}, "parameters": {}}
+        mapper = replayed(story, limits=limits, wanted=wanted)
+        clean = _renamed(max(mapper.logs(Faults()), key=lambda log: log.n_scans))
+        if spec["fault"] != AS_IT_IS:
+            return _ready(spoil(clean, spec["cause"], spec["seed"], TRUE), spec["cause"], limits, wanted)
+        faults = Faults().with_values(spec["story"]["faults"])
+        shown = _renamed(max(mapper.logs(replace(faults, slam=False)), key=lambda log: log.n_scans))
+        drifts = faults.drift and not faults.slam
+        spoiled = Spoiled(
+            shown,
+            ODOMETRY if drifts else TRUE,
+            clean,
+            TRUE,
+            spec["story"]["parameters"],
+            repair_trajectory=TRUE if drifts else "",
+        )
+        return _ready(spoiled, spec["cause"], limits, wanted)
+
+
+@dataclass(frozen=True, slots=True)
+class LogSource:
+    """A puzzle of a log."""
+
+    spec: dict[str, Any]
+    log: ScanLog
+
+    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+        """Return the puzzle of the log's first scans."""
+        if isinstance(self.log, JointLog):
+            raise ConfigError("puzzle.sensors", "A puzzle is made of one sensor: choose one of those of the log.")
+        spec, log = self.spec, shortened(self.log)
+        name = spec["view"]["trajectory"] or log.default_trajectory
+        if spec["fault"] != AS_IT_IS:
+            return _ready(spoil(log, spec["cause"], spec["seed"], name), spec["cause"], limits, wanted)
+        return _ready(Spoiled(log, name, log, name, spec["values"]), spec["cause"], limits, wanted)
+
+
+def _renamed(log: ScanLog) -> ScanLog:
+    """Return the log of a simulation with the names and descriptions of trajectories that all puzzles have."""
+    true, odometry = log.trajectory("true"), log.trajectory("odometry")
+    if log.n_scans < 2:
+        raise ConfigError("puzzle.short", "The robot has hardly moved yet: let it drive first.")
+    return replace(
+        log,
+        trajectories={
+            TRUE: replace(true, description="Measured by cameras on the ceiling."),
+            ODOMETRY: replace(odometry, description="What the wheels report."),
+        },
+    )

@@ -1,0 +1,110 @@
+"""The puzzles of one server: those that are ready to be solved, and the attempts at them by session."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from mapper.core.errors import ConfigError
+from mapper.core.limits import Limits
+from mapper.puzzles import CAUSES, RECIPES, Puzzle
+from server.puzzles.game import Game
+from server.puzzles.making import PuzzleSource, RecipeSource
+from server.sessions import Plan
+from server.sessions.view import LogView
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
+    from server.sessions.hosting import ModelHost
+    from server.sessions.making import Making
+    from server.sessions.model import SessionModel
+
+KEPT = 16  #: puzzles that are kept ready; each has at most :data:`mapper.puzzles.puzzle.MAX_READINGS` readings
+
+
+class Puzzles:
+    """Puzzles that are ready, made once for all who solve them, and attempts. A puzzle is made on a worker thread."""
+
+    def __init__(self) -> None:
+        self._ready: OrderedDict[str, Puzzle] = OrderedDict()
+        self._lock = threading.Lock()  #: of the puzzles that are ready
+        self._making = threading.Lock()  #: held while one is made
+        self._games: dict[str, Game] = {}  #: by session
+
+    @staticmethod
+    def described() -> dict[str, Any]:
+        """Return the puzzles that come with the program, and the causes: nothing that tells which is whose."""
+        return {
+            "puzzles": [
+                {"name": one.name, "level": one.level, "title": one.title, "story": one.story}
+                for one in RECIPES.values()
+            ],
+            "faults": [{"name": one.name, "label": one.label} for one in CAUSES.values() if one.of_log],
+        }
+
+    @staticmethod
+    def recipe(name: str) -> PuzzleSource:
+        """Return the source of a puzzle that comes with the program. Raises :class:`ConfigError` for an unknown one."""
+        if name not in RECIPES:
+            raise ConfigError("puzzle.unknown", f"There is no puzzle {name!r:.80}.")
+        return RecipeSource(name)
+
+    def _puzzle(
+        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], wanted: Callable[[], bool]
+    ) -> Puzzle:
+        with self._lock:
+            known = self._ready.get(key)
+            if known is not None:
+                self._ready.move_to_end(key)
+                return known
+        with self._making:
+            with self._lock:
+                known = self._ready.get(key)
+            made = known or source.make(limits, wanted)
+        with self._lock:
+            self._ready[key] = made
+            while len(self._ready) > KEPT:
+                self._ready.popitem(last=False)
+        return made
+
+    def plan(self, key: str, source: PuzzleSource, title: str, name: str | None) -> Plan:
+        """Return the plan of a session that shows a puzzle: the whole map, paused."""
+
+        def make(host: ModelHost, making: Making) -> SessionModel:
+            from server.sessions.models.log import LogModel  # noqa: PLC0415 - imported with the first session
+            from server.sessions.models.log_recording import first_replay  # noqa: PLC0415
+
+            making.watched = lambda: ("Preparing the puzzle", None)
+            puzzle = self._puzzle(key, source, host.limits, making.may_continue)
+            log = puzzle.shown
+            view = LogView(None, puzzle.trajectory, asdict(puzzle.start), log.n_scans)
+            replay = first_replay(log, view, host.limits(), making.may_continue)
+            return LogModel(host, replay, view, title=title, first=puzzle.start)
+
+        return Plan(make, name=name, interactive=False)
+
+    def begin(self, session: SessionHost, key: str, title: str, story: str, level: int) -> Game:
+        """Return the attempt of a session that was begun by :meth:`plan` with the same key."""
+        with self._lock:
+            puzzle = self._ready[key]
+        game = self._games[session.id] = Game(title, story, level, puzzle)
+        session.on_close.append(lambda: self._end(session.id))
+        return game
+
+    def _end(self, session_id: str) -> None:
+        self._games.pop(session_id, None)
+
+    def game(self, session_id: str) -> Game:
+        """Return the attempt of a session. Raises :class:`ConfigError` for a session that is no puzzle."""
+        game = self._games.get(session_id)
+        if game is None:
+            raise ConfigError("puzzle.no_game", "This session is no puzzle.")
+        return game
+
+    def forget(self, key: str) -> None:
+        """Forget a puzzle that was removed; attempts at it go on."""
+        with self._lock:
+            self._ready.pop(key, None)

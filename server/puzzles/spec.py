@@ -1,0 +1,75 @@
+"""What a puzzle of a visitor is made of, as it is stored: a story of the lab or a log, and the fault."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from mapper.core.errors import ConfigError
+from mapper.mapping.parameters import CONES, MappingConfig
+from mapper.puzzles import CAUSES
+
+AS_IT_IS = "as-it-is"  #: the fault that the session's parameters, or the robot, have now
+COARSE, WIDE = 0.1, 0.4  #: metres: cells and windows above this are a fault
+
+
+def cause_of(values: Mapping[str, Any], faults: Mapping[str, Any], *, cone: bool = False) -> str:
+    """Return the cause of what is wrong with a map made with these ``values`` that differ from the first ones.
+
+    ``faults`` are those of a simulated robot. Raises :class:`ConfigError` where nothing is wrong.
+    """
+    found = {
+        "drift": faults.get("drift") and not faults.get("slam"),
+        "polished": faults.get("specular"),
+        "beam_order": values.get("mount_upside_down"),
+        "mount_yaw": values.get("mount_yaw"),
+        "mount_x": values.get("mount_x") or values.get("mount_y"),
+        "time_offset": values.get("time_offset"),
+        "max_range": values.get("no_return") == "hit",
+        "resolution": values.get("resolution", 0.0) > COARSE,
+        "window": values.get("window", 0.0) > WIDE,
+        "sonar": cone and values.get("model", CONES[0]) not in CONES,
+        "sweep": values.get("deskew") == "off",
+        "clamp": values.get("clamp") is False,
+    }
+    for name, is_there in found.items():
+        if is_there:
+            return name
+    raise ConfigError(
+        "puzzle.nothing_wrong", "Nothing that a puzzle could ask for is wrong with this map: choose a fault."
+    )
+
+
+def _checked(cause: str) -> str:
+    if cause == AS_IT_IS or (cause in CAUSES and CAUSES[cause].of_log):
+        return cause
+    raise ConfigError("puzzle.cause", f"No log or world can be given the fault {cause!r:.80}.")
+
+
+def changed(config: MappingConfig, first: MappingConfig) -> dict[str, Any]:
+    """Return the values in which ``config`` differs from ``first``."""
+    before = asdict(first)
+    return {name: value for name, value in asdict(config).items() if value != before[name]}
+
+
+def spec_of_story(story: dict[str, Any], cause: str, seed: int, *, cone: bool) -> dict[str, Any]:
+    """Return the spec of a puzzle of a simulated world. Raises as :func:`cause_of`, and for a fault it cannot have.
+
+    A world of which only the pose is known, and not the drive, is refused.
+    """
+    wanted = _checked(cause)
+    if story.get("journal") is None:
+        raise ConfigError("puzzle.story", "The history of this world is too long to be repeated: press Reset first.")
+    named = cause_of(story["parameters"], story["faults"], cone=cone) if wanted == AS_IT_IS else wanted
+    return {"kind": "story", "story": story, "fault": wanted, "cause": named, "seed": seed}
+
+
+def spec_of_log(
+    view: Mapping[str, Any], values: dict[str, Any], cause: str, seed: int, *, cone: bool
+) -> dict[str, Any]:
+    """Return the spec of a puzzle of a log: ``view`` names its sensor and poses, ``values`` are those that differ."""
+    wanted = _checked(cause)
+    named = cause_of(values, {}, cone=cone) if wanted == AS_IT_IS else wanted
+    kept = {key: view[key] for key in ("topic", "trajectory", "cut")}
+    return {"kind": "log", "view": kept, "values": values, "fault": wanted, "cause": named, "seed": seed}

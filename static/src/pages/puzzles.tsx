@@ -1,0 +1,142 @@
+import "../style/index.css";
+import "./logs/viewer.css";
+import "./puzzles/puzzles.css";
+import { signal } from "@preact/signals";
+import { render } from "preact";
+import { classroom, followedCode } from "../store/classroom";
+import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
+import { followPages, showOther } from "../tools/classroom/pages";
+import { Button } from "../ui/Button";
+import { ConfirmDialog } from "../ui/Dialog";
+import { SiteHeader } from "../ui/SiteHeader";
+import { Toasts } from "../ui/Toast";
+import { progressText } from "../ui/Working";
+import { PuzzleList } from "./puzzles/PuzzleList";
+import { PuzzleViewer } from "./puzzles/PuzzleViewer";
+import { beginAttempt, preparing, rememberSolved } from "./puzzles/puzzles";
+
+/** The token of a puzzle that somebody made and shared; null on the other addresses. */
+const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
+const hasList = token === null && followedCode === null;
+
+/** The puzzle of the address: the name of one of the list; "" of a shared one or that of the class. */
+const chosen = signal<string | null>(hasList ? new URLSearchParams(location.search).get("puzzle") : "");
+const session = signal<string | null>(null);
+const failure = signal<string | null>(null);
+let ending: AbortController | null = null;
+
+const beginning = (name: string): string => {
+  if (followedCode !== null) return `/api/classes/${followedCode}/puzzle/sessions`;
+  if (token !== null) return `/api/shared-puzzles/${token}/sessions`;
+  return `/api/puzzles/${encodeURIComponent(name)}/sessions`;
+};
+
+async function begin(name: string): Promise<void> {
+  ending?.abort();
+  const own = new AbortController();
+  ending = own;
+  session.value = null;
+  failure.value = null;
+  try {
+    const id = await beginAttempt(beginning(name), own.signal);
+    if (own.signal.aborted) return;
+    session.value = id;
+    const room = classroom.peek();
+    if (room?.isFollowed) room.own.value = id;
+  } catch (error) {
+    failure.value = own.signal.aborted ? "Opening it was cancelled." : (error as Error).message;
+  }
+}
+
+function open(name: string): void {
+  history.pushState(null, "", `/puzzles.html?puzzle=${encodeURIComponent(name)}`);
+  chosen.value = name;
+  void begin(name);
+}
+
+function close(): void {
+  ending?.abort();
+  history.pushState(null, "", "/puzzles.html");
+  document.title = "Puzzles · Gridbloom";
+  chosen.value = null;
+  session.value = null;
+}
+
+addEventListener("popstate", () => {
+  if (!hasList) return;
+  ending?.abort();
+  session.value = null;
+  chosen.value = new URLSearchParams(location.search).get("puzzle");
+  if (chosen.value !== null) void begin(chosen.value);
+});
+
+function Page() {
+  const name = chosen.value;
+  if (name === null) return <PuzzleList onOpen={open} />;
+  if (failure.value !== null) {
+    return (
+      <div class="viewer-message" role="alert">
+        <h1>This puzzle was not opened</h1>
+        <p class="prose">{failure.value}</p>
+        <div class="actions">
+          <Button kind="primary" icon="restart" onClick={() => void begin(name)}>
+            Try again
+          </Button>
+          {hasList && <Button onClick={close}>All puzzles</Button>}
+        </div>
+      </div>
+    );
+  }
+  if (session.value === null) {
+    const now = preparing.value;
+    return (
+      <div class="viewer-message" role="status">
+        <p class="prose">
+          {now?.what ?? "Preparing the puzzle"} …{" "}
+          {now && (
+            <span class="number" aria-hidden="true">
+              {progressText(now)}
+            </span>
+          )}
+        </p>
+        <div class="progress waiting wide" aria-hidden="true">
+          <span />
+        </div>
+        {now && <Button onClick={() => ending?.abort()}>Cancel</Button>}
+      </div>
+    );
+  }
+  return (
+    <PuzzleViewer
+      key={session.value}
+      session={session.value}
+      onClose={hasList ? close : undefined}
+      onGone={() => void begin(name)}
+      onSolved={(points) => {
+        if (name) rememberSolved(name, points);
+      }}
+    />
+  );
+}
+
+// A follower who solves a puzzle does not follow meanwhile; "Back to the class" ends that.
+const room = followedCode === null ? null : classroom.peek();
+if (room) {
+  room.own.value = "puzzle";
+  followPages(null);
+} else showOther();
+if (chosen.peek() !== null) void begin(chosen.peek() ?? "");
+render(
+  <>
+    <SiteHeader current="puzzles" links={hasList}>
+      {hasList && <ClassButton />}
+    </SiteHeader>
+    <main id="main" tabIndex={-1}>
+      <Page />
+    </main>
+    <ConfirmDialog />
+    <ClassHost />
+    <Toasts />
+  </>,
+  document.getElementById("app") as HTMLElement,
+);

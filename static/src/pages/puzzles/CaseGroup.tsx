@@ -1,0 +1,256 @@
+/** The task: which cause it is, how far the repair is, hints, and at the end the explanation. */
+
+import { type Signal, useSignal } from "@preact/signals";
+import type { Store } from "../../store/store";
+import { readable } from "../../tools/parameters/parameters";
+import { Button } from "../../ui/Button";
+import { confirm } from "../../ui/Dialog";
+import { Icon } from "../../ui/Icon";
+import { written } from "../../ui/numbers";
+import { Panel } from "../../ui/Panel";
+import { type Attempt, ask, type Measure, nameCause } from "./puzzles";
+
+interface CaseProps {
+  readonly session: string;
+  readonly store: Store;
+  readonly attempt: Signal<Attempt | null>;
+  readonly openGroup: Signal<string>;
+  readonly onCheck: () => void;
+  readonly isChecking: boolean;
+  readonly onClose: (() => void) | undefined;
+}
+
+export function CaseGroup({ session, store, attempt, openGroup, onCheck, isChecking, onClose }: CaseProps) {
+  const failure = useSignal<string | null>(null);
+  const now = attempt.value;
+  if (!now) return null;
+  const step = async (work: Promise<Attempt>): Promise<void> => {
+    failure.value = null;
+    try {
+      attempt.value = await work;
+    } catch (error) {
+      failure.value = (error as Error).message;
+    }
+  };
+  const tool = (id: string, label: string) => (
+    <Button
+      onClick={() => {
+        openGroup.value = id;
+      }}
+    >
+      {label}
+    </Button>
+  );
+  return (
+    <div class="case">
+      {now.answer && <Answer store={store} attempt={now} onClose={onClose} />}
+      {!now.answer && (
+        <>
+          {now.story && <p class="case-story">{now.story}</p>}
+          <div class="actions case-tools">
+            <span class="quiet">Look for evidence:</span>
+            {tool("why", "Why")}
+            {tool("compare", "Compare")}
+            {tool("doctor", "Doctor")}
+          </div>
+        </>
+      )}
+      {failure.value && <p role="alert">{failure.value}</p>}
+      {!now.answer && (
+        <Causes attempt={now} onAnswer={(cause) => void step(nameCause(session, cause))} key={now.wrong.join()} />
+      )}
+      {now.can_repair !== false && (
+        <Repair attempt={now} onCheck={onCheck} isChecking={isChecking} openGroup={openGroup} />
+      )}
+      {!now.answer && (
+        <Panel title="Help">
+          {now.hints.length > 0 && (
+            <ol class="case-hints">
+              {now.hints.map((hint) => (
+                <li key={hint}>{hint}</li>
+              ))}
+            </ol>
+          )}
+          <div class="actions">
+            <Button disabled={now.hints_left === 0} onClick={() => void step(ask(session, "hint"))}>
+              {now.hints_left > 0 ? `Show a hint (−${now.costs.hint} points)` : "No more hints"}
+            </Button>
+            <Button
+              kind="quiet"
+              onClick={async () => {
+                const text = "The attempt ends with 0 points.";
+                if (await confirm("Show the answer?", text, "Show the answer")) await step(ask(session, "solution"));
+              }}
+            >
+              Show the answer
+            </Button>
+          </div>
+        </Panel>
+      )}
+    </div>
+  );
+}
+
+interface CausesProps {
+  readonly attempt: Attempt;
+  readonly onAnswer: (cause: string) => void;
+}
+
+function Causes({ attempt, onAnswer }: CausesProps) {
+  const chosen = useSignal<string | null>(null);
+  if (attempt.is_named) {
+    return (
+      <p class="case-right" role="status">
+        <Icon name="check" /> That is the cause. Now repair the map.
+      </p>
+    );
+  }
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (chosen.value) onAnswer(chosen.value);
+      }}
+    >
+      <Panel title="1. What is the cause?">
+        <div class="case-causes" role="radiogroup" aria-label="Causes">
+          {attempt.causes.map(({ name, label }) => {
+            const isWrong = attempt.wrong.includes(name);
+            return (
+              <label key={name} class={isWrong ? "is-wrong" : ""}>
+                <input
+                  type="radio"
+                  name="cause"
+                  value={name}
+                  disabled={isWrong}
+                  checked={chosen.value === name}
+                  onChange={() => {
+                    chosen.value = name;
+                  }}
+                />
+                <span>
+                  {label}
+                  {isWrong && <em> – no</em>}
+                </span>
+              </label>
+            );
+          })}
+        </div>
+        <div class="actions">
+          <Button kind="primary" submits disabled={chosen.value === null}>
+            This is the cause
+          </Button>
+          <span class="quiet" role="status">
+            {attempt.wrong.length > 0
+              ? `Not the cause: −${attempt.wrong.length * attempt.costs.wrong} points so far.`
+              : `A wrong answer costs ${attempt.costs.wrong} points.`}
+          </span>
+        </div>
+      </Panel>
+    </form>
+  );
+}
+
+const MEASURES: readonly (readonly [Measure, string, string])[] = [
+  ["agreement", "Agreement of the walls", "Share of walls within 10 cm of where they should be (F-score)"],
+  ["sharpness", "Sharpness of the walls", "Mean difference of p across the edges of walls"],
+  ["entropy", "Entropy", "Mean entropy of the observed cells, bits"],
+];
+
+interface RepairProps {
+  readonly attempt: Attempt;
+  readonly onCheck: () => void;
+  readonly isChecking: boolean;
+  readonly openGroup: Signal<string>;
+}
+
+function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
+  const { first, now, goal, shares } = attempt;
+  return (
+    <Panel title="2. Repair the map" note={`done from ${percent(attempt.enough)}`}>
+      <table class="case-measures">
+        <thead>
+          <tr>
+            <th scope="col">
+              <span class="visually-hidden">Measure</span>
+            </th>
+            <th scope="col">at first</th>
+            <th scope="col">now</th>
+            <th scope="col">goal</th>
+          </tr>
+        </thead>
+        <tbody>
+          {MEASURES.map(([name, label, title]) => (
+            <tr key={name} class={shares && !(name in shares) ? "is-idle" : ""}>
+              <th scope="row" title={title}>
+                {label}
+              </th>
+              <td class="number">{written(first[name], 2)}</td>
+              <td class="number">{now ? written(now[name], 2) : "–"}</td>
+              <td class="number">{written(goal[name], 2)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <p role="status" class="case-repair">
+        {attempt.repair === null
+          ? "Not checked yet."
+          : `Repaired: ${percent(attempt.repair)}. Best: ${percent(attempt.best)}.`}
+      </p>
+      <div class="actions">
+        <Button kind="primary" disabled={isChecking} onClick={onCheck}>
+          {isChecking ? "Checking …" : "Check the map"}
+        </Button>
+        <Button
+          onClick={() => {
+            openGroup.value = "settings";
+          }}
+        >
+          Settings
+        </Button>
+        <Button
+          onClick={() => {
+            openGroup.value = "poses";
+          }}
+        >
+          Poses
+        </Button>
+      </div>
+    </Panel>
+  );
+}
+
+const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)} %`;
+
+interface AnswerProps {
+  readonly store: Store;
+  readonly attempt: Attempt;
+  readonly onClose: (() => void) | undefined;
+}
+
+function Answer({ store, attempt, onClose }: AnswerProps) {
+  const { answer } = attempt;
+  if (!answer) return null;
+  const rows = store.hello.value?.parameters.table ?? [];
+  const said = Object.entries(answer.repair).map(([name, value]) => {
+    const row = rows.find((one) => one.name === name);
+    const text = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
+    return `${row?.label ?? name} ${text}${row?.unit ? ` ${row.unit}` : ""}`;
+  });
+  if (answer.trajectory) said.push(`poses from ${answer.trajectory}`);
+  return (
+    <Panel title={attempt.is_solved ? `Solved: ${attempt.points} points` : "The answer"}>
+      <p class="case-right" role="status">
+        <Icon name={attempt.is_solved ? "check" : "info"} /> {answer.label}.
+      </p>
+      <p>{answer.explanation}</p>
+      {said.length > 0 && <p class="quiet">Repaired with: {said.join(", ")}.</p>}
+      <div class="actions">
+        <Button kind="primary" href={`/lecture.html#${answer.section}`} target="_blank">
+          Its section of the lecture
+        </Button>
+        {onClose && <Button onClick={onClose}>All puzzles</Button>}
+      </div>
+    </Panel>
+  );
+}

@@ -1,0 +1,156 @@
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { lecturersClass } from "../../store/classroom";
+import { Button } from "../../ui/Button";
+import { confirm } from "../../ui/Dialog";
+import { Icon } from "../../ui/Icon";
+import { toast } from "../../ui/Toast";
+import {
+  type AllPuzzles,
+  allPuzzles,
+  giveToClass,
+  type Made,
+  type Offered,
+  removePuzzle,
+  solvedPoints,
+} from "./puzzles";
+
+const LEVELS: Readonly<Record<number, string>> = { 1: "Level 1", 2: "Level 2", 3: "Level 3" };
+
+async function give(puzzle: string): Promise<void> {
+  const room = lecturersClass.peek();
+  if (!room) return;
+  try {
+    await giveToClass(room.code, puzzle);
+    toast("The class can begin. The board is at the bottom of the page.");
+  } catch (error) {
+    toast((error as Error).message, "error");
+  }
+}
+
+/** All puzzles by level, and those that the visitor made. */
+export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void }) {
+  const all = useSignal<AllPuzzles | null>(null);
+  const failure = useSignal<string | null>(null);
+  const load = async (): Promise<void> => {
+    try {
+      all.value = await allPuzzles();
+      failure.value = null;
+    } catch (error) {
+      failure.value = (error as Error).message;
+    }
+  };
+  useEffect(() => void load(), []);
+  const points = solvedPoints();
+  const puzzles = all.value?.puzzles ?? [];
+  const solved = puzzles.filter((one) => one.name in points).length;
+  return (
+    <div class="puzzles">
+      <header class="puzzles-head">
+        <h1>Puzzles</h1>
+        <p>
+          Each of these maps has one fault. Find its cause, then repair the map. Why, Compare and the doctor help; hints
+          cost points.
+        </p>
+        {puzzles.length > 0 && (
+          <p class="quiet">
+            Solved in this browser: {solved} of {puzzles.length}.
+          </p>
+        )}
+      </header>
+      {failure.value && (
+        <p role="alert">
+          {failure.value}{" "}
+          <Button icon="restart" onClick={() => void load()}>
+            Try again
+          </Button>
+        </p>
+      )}
+      {Object.entries(LEVELS).map(([level, title]) => (
+        <section key={level} class="puzzles-level" aria-label={title}>
+          <h2>{title}</h2>
+          <ul class="puzzles-cards">
+            {puzzles
+              .filter((one) => one.level === Number(level))
+              .map((one) => (
+                <Card key={one.name} puzzle={one} points={points[one.name]} onOpen={onOpen} />
+              ))}
+          </ul>
+        </section>
+      ))}
+      <section class="puzzles-level" aria-label="Your puzzles">
+        <h2>Your puzzles</h2>
+        {(all.value?.mine.length ?? 0) === 0 ? (
+          <p class="quiet">
+            None yet. In the lab, or on the page of a log, the group <b>Share</b> makes a puzzle of what you see.
+          </p>
+        ) : (
+          <ul class="puzzles-mine">
+            {all.value?.mine.map((one) => (
+              <Mine key={one.token} made={one} onGone={() => void load()} />
+            ))}
+          </ul>
+        )}
+      </section>
+    </div>
+  );
+}
+
+interface CardProps {
+  readonly puzzle: Offered;
+  readonly points: number | undefined;
+  readonly onOpen: (name: string) => void;
+}
+
+function Card({ puzzle, points, onOpen }: CardProps) {
+  return (
+    <li class="puzzles-card">
+      <h3>{puzzle.title}</h3>
+      <p>{puzzle.story}</p>
+      <div class="actions">
+        <Button kind="primary" label={`Open ${puzzle.title}`} onClick={() => onOpen(puzzle.name)}>
+          Open
+        </Button>
+        {lecturersClass.value && <Button onClick={() => void give(puzzle.name)}>Give to the class</Button>}
+        {points !== undefined && (
+          <span class="puzzles-done">
+            <Icon name="check" /> {points} points
+          </span>
+        )}
+      </div>
+    </li>
+  );
+}
+
+function Mine({ made, onGone }: { readonly made: Made; readonly onGone: () => void }) {
+  const address = new URL(made.address, location.href).href;
+  const remove = async (): Promise<void> => {
+    if (!(await confirm("Remove this puzzle?", "Its link stops working, and all attempts at it end.", "Remove")))
+      return;
+    try {
+      await removePuzzle(made.token);
+    } catch (error) {
+      toast((error as Error).message, "error");
+    }
+    onGone();
+  };
+  return (
+    <li>
+      <strong>{made.title}</strong>
+      <input
+        class="field-text"
+        readOnly
+        aria-label={`Address of ${made.title}`}
+        value={address}
+        onFocus={(event) => event.currentTarget.select()}
+      />
+      <div class="actions">
+        <Button href={made.address}>Open</Button>
+        {lecturersClass.value && <Button onClick={() => void give(made.token)}>Give to the class</Button>}
+        <Button kind="danger" onClick={() => void remove()}>
+          Remove
+        </Button>
+      </div>
+    </li>
+  );
+}

@@ -1,0 +1,170 @@
+import { useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { Picture } from "../../render/picture/Picture";
+import { connect } from "../../store/connect";
+import { CompareReadout } from "../../tools/compare/Readout";
+import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
+import { Readout } from "../../tools/readout/Readout";
+import { useOpenGroup } from "../../tools/why/useOpenGroup";
+import { WhyGroup } from "../../tools/why/Why";
+import { Button } from "../../ui/Button";
+import { Dock, type DockGroup } from "../../ui/Dock";
+import { toast } from "../../ui/Toast";
+import { exposeHook } from "../debugHook";
+import { Compare } from "../logs/compare/Compare";
+import { BothMaps, useComparison } from "../logs/compare/useComparison";
+import { Doctor, findingsBadge, useDoctor } from "../logs/Doctor";
+import { Settings } from "../logs/Settings";
+import { Transport } from "../logs/Transport";
+import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
+import { CaseGroup } from "./CaseGroup";
+import { type Attempt, ask } from "./puzzles";
+
+interface PuzzleViewerProps {
+  readonly session: string;
+  /** Back to the list; null where there is none. */
+  readonly onClose: (() => void) | undefined;
+  /** The session has ended on the server. */
+  readonly onGone: () => void;
+  readonly onSolved: (points: number) => void;
+}
+
+/** The view of one puzzle: its map, the task, and the tools of the log page that find and repair its fault. */
+export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewerProps) {
+  const connection = useMemo(() => connect(session), [session]);
+  const picture = useRef<Picture | null>(null);
+  useEffect(() => {
+    exposeHook(connection, () => picture.current);
+    connection.start();
+    return () => connection.stop();
+  }, [connection]);
+  const { store, status, trouble } = connection;
+  const comparison = useComparison(session, store);
+  const doctor = useDoctor(store, session, true);
+  const openGroup = useOpenGroup(store, "case");
+  const attempt = useSignal<Attempt | null>(null);
+  const isChecking = useSignal(false);
+  const load = async (): Promise<void> => {
+    try {
+      attempt.value = await ask(session);
+    } catch (error) {
+      toast((error as Error).message, "error");
+    }
+  };
+  useEffect(() => void load(), [session]);
+  const isSolved = attempt.value?.is_solved ?? false;
+  useEffect(() => {
+    if (isSolved) onSolved(attempt.peek()?.points ?? 0);
+  }, [isSolved]);
+  useSignalEffect(() => {
+    const notice = store.notice.value;
+    if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
+  });
+  useEffect(() => {
+    document.title = `${attempt.value?.title ?? "Puzzle"} · Gridbloom`;
+  }, [attempt.value?.title]);
+  const check = async (): Promise<void> => {
+    isChecking.value = true;
+    try {
+      attempt.value = await ask(session, "check");
+    } catch (error) {
+      toast((error as Error).message, "error");
+    }
+    isChecking.value = false;
+  };
+  if (status.value === "gone") {
+    return (
+      <div class="viewer-message" role="alert">
+        <h1>This attempt has ended</h1>
+        <p class="prose">The server ends sessions that are idle. The puzzle can be begun again.</p>
+        <div class="actions">
+          <Button kind="primary" icon="restart" onClick={onGone}>
+            Begin again
+          </Button>
+          {onClose && <Button onClick={onClose}>All puzzles</Button>}
+        </div>
+      </div>
+    );
+  }
+  const now = attempt.value;
+  const groups: readonly DockGroup[] = [
+    {
+      id: "case",
+      title: "Case",
+      keeps: true,
+      content: () => (
+        <CaseGroup
+          session={session}
+          store={store}
+          attempt={attempt}
+          openGroup={openGroup}
+          onCheck={() => void check()}
+          isChecking={isChecking.value}
+          onClose={onClose}
+        />
+      ),
+    },
+    { id: "settings", title: "Settings", keeps: true, content: () => <Settings store={store} sensor={null} /> },
+    { id: "poses", title: "Poses", content: () => <TrajectoryChoice store={store} /> },
+    { id: "why", title: "Why", content: () => <WhyGroup store={store} /> },
+    {
+      id: "compare",
+      title: "Compare",
+      badge: comparison.isOn.value ? "on" : null,
+      content: () => <Compare store={store} session={session} comparison={comparison} isGuest />,
+    },
+    {
+      id: "doctor",
+      title: "Doctor",
+      badge: findingsBadge(doctor),
+      content: () => <Doctor store={store} doctor={doctor} />,
+    },
+  ];
+  return (
+    <div class="viewer">
+      <header class="viewer-head">
+        {onClose && <Button kind="quiet" icon="back" label="All puzzles" onClick={onClose} />}
+        <h1>{now?.title ?? "…"}</h1>
+        {now && (
+          <output class="case-score">
+            <b class="number">{now.points}</b> points
+          </output>
+        )}
+        {now && !now.answer && (
+          <Button disabled={isChecking.value} onClick={() => void check()}>
+            {isChecking.value ? "Checking …" : "Check the map"}
+          </Button>
+        )}
+        {now && now.repair !== null && <output class="viewer-badge">repaired {Math.floor(100 * now.repair)} %</output>}
+      </header>
+      <div class="viewer-stage">
+        <div class="viewer-map">
+          <BeliefView
+            store={store}
+            comparison={comparison}
+            onPicture={(made) => {
+              picture.current = made;
+            }}
+          />
+          <BothMaps store={store} comparison={comparison} />
+          {trouble.value && (
+            <p class="viewer-over" role="status">
+              {trouble.value}
+            </p>
+          )}
+          <ComputingMap store={store} />
+        </div>
+        <Transport store={store} />
+        <div class="viewer-readout">
+          {comparison.isOn.value ? (
+            <CompareReadout store={store} summedOver={comparison.summedOver.value} />
+          ) : (
+            <Readout store={store} />
+          )}
+        </div>
+      </div>
+      <Dock label="About this puzzle" groups={groups} open={openGroup} />
+    </div>
+  );
+}

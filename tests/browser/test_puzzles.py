@@ -1,0 +1,73 @@
+"""Puzzles in Chromium: one solved from start to end, one made in two clicks and shared, one solved by a class."""
+
+from __future__ import annotations
+
+from playwright.sync_api import BrowserContext, Page, expect
+
+from tests.browser.conftest import standing_world
+from tests.browser.looking import await_map, open_group
+
+
+def test_a_puzzle_is_solved_from_start_to_end(page: Page, server: str) -> None:
+    page.goto(f"{server}/puzzles.html")
+    page.get_by_role("button", name="Open The closed doors").click()
+    await_map(page)
+    case = page.get_by_role("tabpanel", name="Case")
+    score = page.locator(".case-score")
+    expect(score).to_have_text("0 points")
+
+    case.get_by_role("radio", name="The hit window is too wide").check()
+    case.get_by_role("button", name="This is the cause").click()
+    expect(case.get_by_role("radio", name="The hit window is too wide – no")).to_be_disabled()
+    case.get_by_role("button", name="Show a hint (−10 points)").click()
+    expect(case.get_by_role("listitem")).to_have_count(1)
+    case.get_by_role("radio", name="The cells are too large").focus()
+    page.keyboard.press("Space")
+    page.keyboard.press("Enter")  # by keyboard alone
+    expect(score).to_have_text("20 points")
+
+    page.get_by_role("button", name="Check the map").first.click()
+    expect(case.get_by_text("Repaired: 0 %. Best: 0 %.")).to_be_visible()
+    page.evaluate("() => gridbloom.connection.store.setParameter('resolution', 0.05)")
+    page.wait_for_function("() => gridbloom.connection.store.map.peek()?.geometry.resolution === 0.05")
+    page.get_by_role("button", name="Check the map").first.click()
+    expect(case.get_by_role("heading", name="Solved: 80 points")).to_be_visible()
+    link = case.get_by_role("link", name="Its section of the lecture")
+    expect(link).to_have_attribute("href", "/lecture.html#resolution")
+    page.get_by_role("button", name="All puzzles").first.click()
+    expect(page.get_by_text("Solved in this browser: 1 of")).to_be_visible()
+
+
+def test_a_puzzle_is_made_in_the_lab_and_given_to_a_class(
+    page: Page, context: BrowserContext, visitor: BrowserContext, server: str
+) -> None:
+    page.goto(f"{server}/lab.html?session={standing_world(context, server)}")
+    await_map(page)
+    open_group(page, "Share")
+    page.get_by_role("button", name="Make a puzzle").click()
+    page.get_by_label("Fault to find").select_option("beam_order")
+    page.get_by_role("button", name="Create the link").click()
+    address = page.get_by_label("Address of the puzzle").input_value()
+    solver = visitor.new_page()
+    solver.goto(address)
+    await_map(solver)
+    expect(solver.get_by_role("radio", name="The beams are read in the wrong order")).to_be_visible()
+
+    page.goto(f"{server}/puzzles.html")
+    page.get_by_role("button", name="Class", exact=True).click()
+    code = page.locator(".class-code-small").text_content() or ""
+    page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    page.get_by_role("region", name="Your puzzles").get_by_role("button", name="Give to the class").first.click()
+    solver.goto(f"{server}/class/{code}")
+    solver.get_by_role("link", name="Solve the puzzle").click()
+    await_map(solver)
+    solver.get_by_role("radio", name="The beams are read in the wrong order").check()
+    solver.get_by_role("button", name="This is the cause").click()
+    board = page.get_by_role("region", name="Puzzle of the class")
+    expect(board.get_by_role("listitem")).to_contain_text("cause named, repaired 0 %")
+    solver.get_by_role("button", name="Back to the class").click()
+    expect(solver.get_by_role("heading", name="You are in the class")).to_be_visible()
+    board.get_by_role("button", name="End the puzzle").click()
+    expect(board).to_have_count(0)
+    page.get_by_role("button", name="End …").click()
+    page.get_by_role("button", name="End and forget").click()

@@ -1,0 +1,69 @@
+"""The service on a file system that is really full: it says so, keeps what it has, and goes on when there is room."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.hostile.test_crash import opens, put, served, settled, uploads
+from tests.programs import in_ci
+from tests.server.library.small_logs import carmen
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="it mounts a tmpfs of Linux"),
+]
+SIZE = "4m"
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 4 MB."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={SIZE}", "none", str(folder)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if mounted.returncode != 0:
+        reason = f"a file system cannot be mounted here: {mounted.stderr.strip()}"
+        (pytest.fail if in_ci() else pytest.skip)(reason)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_full_file_system_refuses_uploads_and_loses_none(small_disk: Path) -> None:
+    logs = {f"log {n}": carmen(6000, start=n) for n in range(40)}  # 400 kB each
+    with served(small_disk) as (_, client):
+        assert put(client, "first", carmen(50)).status_code == 202
+        assert settled(client, "first")["state"] == "ready"
+        stored = []
+        for name, data in logs.items():
+            answer = put(client, name, data)
+            if answer.status_code != 202:
+                assert (answer.status_code, answer.json()["code"]) == (507, "log.storage")
+                break
+            stored.append(name)
+        assert 1 <= len(stored) < len(logs)
+        room = os.statvfs(small_disk)
+        assert room.f_bavail * room.f_frsize < len(logs["log 0"]), "the disk is full, not a quota"
+        assert set(uploads(client)) == {"first", *stored}
+        assert opens(client, "first")
+        assert client.get("/livez").status_code == 200
+        for name in stored:  # a log whose arrays found no room may have failed; its bytes are there
+            settled(client, name)
+            assert client.delete(f"/api/logs/{uploads(client)[name]['id']}").status_code == 204
+        assert put(client, "last", logs["log 0"]).status_code == 202
+        assert settled(client, "last")["state"] == "ready"
+    with served(small_disk) as (_, client):
+        assert {name: settled(client, name)["state"] for name in uploads(client)} == {"first": "ready", "last": "ready"}
+        assert opens(client, "last")

@@ -1,0 +1,118 @@
+"""Puzzles: their score against closed forms, what spoils a log, and that each can be solved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ConfigError
+from mapper.core.se2 import compose
+from mapper.grid.wall_agreement import wall_agreement
+from mapper.mapping.parameters import MappingConfig
+from mapper.puzzles import CAUSES, RECIPES, points, puzzle_of, repair_share, spoil
+from mapper.puzzles.drives import LIDAR, TRUE, drive, swept
+from mapper.puzzles.scoring import Measures, repair_shares
+from mapper.puzzles.spoiling import disc_ranges
+from mapper.sensors.scan import ScanLog
+
+PARAMETERS = MappingConfig(range_max=8.0)
+
+
+@pytest.fixture(scope="module")
+def log() -> ScanLog:
+    return drive("room", 13, 120)
+
+
+def test_the_agreement_of_a_line_that_is_partly_there() -> None:
+    line = np.column_stack([np.arange(100) * 0.05, np.zeros(100)])
+    assert wall_agreement(line, line) == 1.0
+    assert wall_agreement(line[:60], line, 0.01) == pytest.approx(2 * 1.0 * 0.6 / 1.6)  # all of it right, 60 % found
+    shifted = line + np.array([0.0, 0.1])
+    assert wall_agreement(shifted, line, 0.1) == 1.0
+    assert wall_agreement(shifted, line, 0.099) == 0.0
+    assert wall_agreement(line[:0], line) == 0.0
+    with pytest.raises(ConfigError, match="above 0 m"):
+        wall_agreement(line, line, 0.0)
+
+
+def test_the_score_by_hand() -> None:
+    spoiled, repaired = Measures(0.2, 0.4, 0.6), Measures(1.0, 0.8, 0.6)
+    now = Measures(0.6, 0.7, 0.1)
+    shares = repair_shares(spoiled, repaired, now)
+    assert shares == pytest.approx({"agreement": 0.5, "sharpness": 0.75})  # the entropy is not improved by the repair
+    assert repair_share(shares) == pytest.approx((0.6 * 0.5 + 0.2 * 0.75) / 0.8)
+    assert repair_share(repair_shares(spoiled, repaired, Measures(0.0, 0.0, 1.0))) == 0.0
+    assert points(is_named=True, repair=0.5, wrong=1, hints=2, can_repair=True) == 40 + 30 - 30
+    assert points(is_named=True, repair=0.0, wrong=0, hints=0, can_repair=False) == 100
+    assert points(is_named=False, repair=0.1, wrong=3, hints=3, can_repair=True) == 0
+
+
+def test_a_beam_meets_a_disc_where_geometry_says() -> None:
+    laser = np.array([[1.0, 2.0, math.pi / 2]])
+    angles = np.array([0.0, math.asin(0.1 / 2.0), math.asin(0.201 / 2.0), math.pi])
+    found = disc_ranges(laser, angles, np.array([[1.0, 4.0]]), 0.2)[0]
+    along = 2.0 * math.cos(angles[1]) - math.sqrt(0.2**2 - 0.1**2)
+    assert found == pytest.approx([1.8, along, math.inf, math.inf])
+
+
+def test_a_wrong_mount_is_repaired_by_its_parameters(log: ScanLog) -> None:
+    for cause in ("mount_yaw", "mount_x"):
+        found = spoil(log, cause, 3)
+        config = PARAMETERS.with_values(found.repair)
+        assert compose(np.array(found.log.mount), np.array(config.mount)) == pytest.approx(log.mount, abs=1e-12)
+        assert found.log.mount != log.mount
+
+
+def test_a_time_offset_moves_stamps_and_leaves_the_motion(log: ScanLog) -> None:
+    found = spoil(log, "time_offset", 3)
+    late = -found.repair["time_offset"]
+    assert np.all(found.log.stamps_ns - log.stamps_ns == round(late * 1e9))
+    timed = found.log.trajectory(TRUE).timed
+    assert timed is not None
+    assert timed.at(log.stamps_ns)[5:-5] == pytest.approx(log.trajectory(TRUE).poses[5:-5], abs=1e-6)
+
+
+def test_people_only_shorten_readings_and_beams_at_max_range_are_no_longer_infinite(log: ScanLog) -> None:
+    people = spoil(log, "people", 3).log.ranges
+    assert np.all(people <= log.ranges)
+    assert 0.001 < np.mean(people < log.ranges) < 0.2
+    short = spoil(log, "max_range", 3)
+    assert np.isfinite(short.log.ranges).all()
+    assert np.isinf(short.reference.ranges).any()
+
+
+@pytest.mark.parametrize("cause", [name for name, one in CAUSES.items() if one.of_log])
+def test_what_any_log_can_have_is_repaired_as_the_puzzle_says(log: ScanLog, cause: str) -> None:
+    made = puzzle_of(spoil(log, cause, 3), cause, PARAMETERS)
+    assert made.can_repair
+    assert made.share(made.spoiled) == 0.0
+    values = {name: getattr(made.start, name) for name in made.start.__slots__} | dict(made.repair)
+    assert made.share(made.measured(values, made.repair_trajectory or made.trajectory)) == 1.0
+    assert made.repaired.agreement > 0.95
+
+
+def test_a_sweep_is_measured_from_the_poses_of_its_beams(log: ScanLog) -> None:
+    moving = swept(log.take(slice(0, 40)), "room")
+    assert moving.time_increment == pytest.approx(1.0 / (LIDAR.scan_rate * LIDAR.n_beams))
+    off = np.abs(np.minimum(moving.ranges, 8.0) - np.minimum(log.ranges[:40], 8.0))
+    assert np.median(off[:, 0]) < 0.05  # the first beam is measured at the stamp
+    assert off[:, -1].max() > 0.1
+
+
+def test_what_cannot_be_spoiled_is_refused(log: ScanLog) -> None:
+    for bad, cause, said in (
+        (log, "sweep", "cannot be spoiled"),
+        (log.take(slice(0, 1)), "drift", "at least two scans"),
+        (replace(log, stamps_ns=np.zeros_like(log.stamps_ns)), "time_offset", "stamps of this log are equal"),
+    ):
+        with pytest.raises(ConfigError, match=said):
+            spoil(bad, cause, 3)
+
+
+def test_every_cause_has_a_puzzle_and_titles_do_not_tell_it() -> None:
+    assert {one.cause for one in RECIPES.values()} == set(CAUSES)
+    for one in RECIPES.values():
+        assert CAUSES[one.cause].label.lower() not in f"{one.title} {one.story}".lower()

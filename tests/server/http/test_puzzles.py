@@ -1,0 +1,164 @@
+"""Puzzles over HTTP: solved from start to end, made of a world and of a log, and by a class."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import io
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from mapper.puzzles import CAUSES
+from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for
+
+TOKEN = "long enough"
+
+
+def person(service: Service, *, knows_token: bool) -> httpx.Client:
+    headers = {"Authorization": f"Bearer {TOKEN}"} if knows_token else {}
+    return httpx.Client(base_url=service.http.base_url, timeout=PATIENCE_S, headers=headers)
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with running(settings_for(tmp_path_factory.mktemp("puzzles"), token=TOKEN)) as service:
+        yield service
+
+
+@pytest.fixture(scope="module")
+def owner(service: Service) -> Iterator[httpx.Client]:
+    with person(service, knows_token=True) as client:
+        yield client
+
+
+@pytest.fixture
+def guest(service: Service) -> Iterator[httpx.Client]:
+    with person(service, knows_token=False) as client:
+        client.get("/join")  # the service gives a cookie
+        yield client
+
+
+def begun(client: httpx.Client, path: str) -> str:
+    answer = client.post(path)
+    assert answer.status_code == 201, answer.text
+    return str(answer.json()["id"])
+
+
+def state(client: httpx.Client, session: str, step: str = "", **body: Any) -> dict[str, Any]:
+    path = f"/api/sessions/{session}/puzzle{step}"
+    answer = client.post(path, json=body or None) if step else client.get(path)
+    assert answer.status_code == 200, answer.text
+    return dict(answer.json())
+
+
+@pytest.fixture(scope="module")
+def of_log(owner: httpx.Client) -> str:
+    """The token of a puzzle of the sample, with beams at the max range taken as hits."""
+    session = owner.post("/api/sessions", json={"kind": "log", "log": "sample-office", "playing": False}).json()["id"]
+    made = owner.post("/api/puzzles", json={"session": session, "fault": "beam_order", "title": "Sample"})
+    owner.delete(f"/api/sessions/{session}")
+    assert made.status_code == 201, made.text
+    return str(made.json()["token"])
+
+
+def test_a_guest_solves_a_puzzle_and_the_answer_comes_last(guest: httpx.Client, of_log: str) -> None:
+    assert guest.get(f"/api/shared-puzzles/{of_log}").json() == {"title": "Sample"}
+    session = begun(guest, f"/api/shared-puzzles/{of_log}/sessions")
+    first = state(guest, session)
+    assert first["answer"] is None
+    assert first["points"] == 0
+    texts = [hint for cause in CAUSES.values() for hint in (*cause.hints, cause.explanation)]
+    assert not any(text in json.dumps(first, ensure_ascii=False) for text in texts)
+    assert {one["name"] for one in first["causes"]} == set(CAUSES)
+
+    assert state(guest, session, "/answer", cause="drift")["wrong"] == ["drift"]
+    assert state(guest, session, "/answer", cause="drift")["wrong"] == ["drift"]  # costs once
+    assert state(guest, session, "/hint")["hints"] == [CAUSES["beam_order"].hints[0]]
+    assert state(guest, session, "/check")["repair"] == 0.0  # the map as it was given
+    named = state(guest, session, "/answer", cause="beam_order")
+    assert named["is_named"]
+    assert not named["is_solved"]
+    assert named["points"] == 40 - 10 - 10
+    assert named["answer"] is None
+
+
+def test_a_repaired_map_solves_it(owner: httpx.Client, service: Service) -> None:
+    session = begun(owner, "/api/puzzles/doorway/sessions")
+    state(owner, session, "/answer", cause="resolution")
+    assert state(owner, session, "/check")["best"] == 0.0
+
+    async def repair() -> None:
+        async with service.connect(session, additional_headers={"Authorization": f"Bearer {TOKEN}"}) as socket:
+            watcher = Watcher(socket)
+            await watcher.send("parameters", values={"resolution": 0.05})
+            await watcher.until(lambda: watcher.geometry.get("resolution") == 0.05)
+
+    asyncio.run(repair())
+    found = state(owner, session, "/check")
+    assert found["is_solved"]
+    assert found["points"] == 100
+    assert found["answer"]["section"] == "resolution"
+    refused = owner.post(f"/api/sessions/{session}/puzzle/hint")
+    assert refused.status_code == 422
+    assert refused.json()["code"] == "puzzle.over"
+    gave_up = begun(owner, "/api/puzzles/doorway/sessions")
+    assert state(owner, gave_up, "/solution")["points"] == 0
+
+
+def test_a_world_with_a_fault_becomes_a_puzzle(owner: httpx.Client, guest: httpx.Client) -> None:
+    story = {"steps": 1500, "journal": [], "parameters": {"mount_yaw": 0.15}}
+    wanted = {"kind": "simulation", "world": "room", "seed": 2, "playing": False, "story": story}
+    world = owner.post("/api/sessions", json=wanted).json()["id"]
+    made = owner.post("/api/puzzles", json={"session": world}).json()
+    assert made["fault"] == "mount_yaw"
+    session = begun(guest, f"/api/shared-puzzles/{made['token']}/sessions")
+    assert state(guest, session, "/answer", cause="mount_yaw")["is_named"]
+    assert state(guest, session)["first"]["agreement"] < 0.8
+    assert owner.get("/api/puzzles").json()["mine"][0]["token"] == made["token"]
+    assert owner.delete(f"/api/puzzles/{made['token']}").status_code == 204
+    assert guest.get(f"/api/shared-puzzles/{made['token']}").status_code == 404
+    assert guest.get(f"/api/sessions/{session}").status_code in (401, 404)  # the attempts have ended
+
+
+def test_a_world_without_a_fault_and_unknown_names_are_refused(owner: httpx.Client) -> None:
+    world = owner.post("/api/sessions", json={"kind": "simulation", "playing": False}).json()["id"]
+    for body, code in (
+        ({"session": world}, "puzzle.nothing_wrong"),
+        ({"session": world, "fault": "sweep"}, "puzzle.cause"),
+        ({"session": "nobody"}, "session.unknown"),
+    ):
+        assert owner.post("/api/puzzles", json=body).json()["code"] == code
+    assert owner.post("/api/puzzles/nothing/sessions").json()["code"] == "puzzle.unknown"
+    assert owner.get(f"/api/sessions/{world}/puzzle").json()["code"] == "puzzle.no_game"
+    owner.delete(f"/api/sessions/{world}")
+
+
+def test_a_guest_without_a_link_gets_no_puzzle(guest: httpx.Client) -> None:
+    assert guest.get("/api/puzzles").status_code == 401
+    assert guest.post("/api/puzzles/doorway/sessions").status_code == 401
+    assert guest.post("/api/shared-puzzles/nothing/sessions").status_code == 404
+
+
+def test_a_class_solves_a_puzzle_and_its_results_have_no_names(
+    owner: httpx.Client, guest: httpx.Client, of_log: str
+) -> None:
+    code = owner.post("/api/classes").json()["code"]
+    path = f"/api/classes/{code}/puzzle"
+    assert guest.post(f"{path}/sessions").json()["code"] == "class.no_puzzle"
+    assert guest.put(path, json={"puzzle": of_log}).status_code == 401
+    assert owner.put(path, json={"puzzle": of_log}).status_code == 204
+    session = begun(guest, f"{path}/sessions")
+    assert begun(guest, f"{path}/sessions") == session  # the attempt goes on
+    state(guest, session, "/answer", cause="beam_order")
+    rows = list(csv.DictReader(io.StringIO(owner.get(f"/api/classes/{code}/results.csv").text)))
+    assert {row["option"]: row["answers"] for row in rows if row["option"]} == {
+        "begun": "1", "cause named": "1", "solved": "0"
+    }  # fmt: skip
+    assert [int(row["answers"]) for row in rows if row["unit"] == "points"] == [0, 0, 0, 0, 1, 0, 0, 0, 0, 0]
+    assert owner.delete(path).status_code == 204
+    assert owner.delete(f"/api/classes/{code}").status_code == 204
+    assert guest.get(f"/api/sessions/{session}").status_code in (401, 404)
