@@ -58,15 +58,13 @@ def _name(result: Result) -> str:
 def _card(result: Result) -> str:
     facts = result.facts or {}
     findings = len(facts["findings"])
-    picture = (
-        f'<img src="maps/{result.key}.png" loading="lazy" alt="Map of {escape(_name(result))}">'
-        if facts["picture"]
-        else ""
-    )
+    file = f"maps/{result.key}.png"
+    image = f'<a href="{file}"><img src="{file}" loading="lazy" alt="Map of {escape(_name(result))}"></a>'
+    picture = image if facts["picture"] else ""
     said = "".join(f"<li>{escape(one['sentence'])}</li>" for one in facts["findings"])
     title = f"{findings} finding{'' if findings == 1 else 's'}"
     examined = f"<details><summary>{title}</summary><ul>{said}</ul></details>" if findings else f"<p>{title}</p>"
     return (
-        f'<li><a href="maps/{result.key}.png">{picture}</a><div class="text"><p><b>{escape(_name(result))}</b></p>'
+        f'<li>{picture}<div class="text"><p><b>{escape(_name(result))}</b></p>'
         f"<p>{facts['scans']} scans</p>{examined}</div></li>"
     )

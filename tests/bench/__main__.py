@@ -26,6 +26,7 @@ from mapper.tools.bench import bench_map
 from tests.bench.costmap import costmap
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
+from tests.bench.fleet import fleet
 from tests.bench.inspecting import inspecting
 from tests.bench.localization import localization
 from tests.bench.matching import matching
@@ -223,6 +224,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),
     "feel": feel,
+    "fleet": fleet,
 }
 
 
