@@ -198,10 +198,11 @@ def _of_depth_folder(path: Path, limits: Limits, progress: Progress | None, most
     def scans() -> Iterator[PlacedScan]:
         for frame in folder.frames:
             depth = frame.read()
-            if np.isfinite(depth).any():
+            cloud = PointCloud(folder.camera.points(depth), frame.stamp_ns, frame.name, depth.shape)
+            scan = placed_scan(PosedCloud(cloud, frame.pose))
+            if len(scan.points):
                 kept.add(depth, frame.pose)
-                cloud = PointCloud(folder.camera.points(depth), frame.stamp_ns, frame.name, depth.shape)
-                yield placed_scan(PosedCloud(cloud, frame.pose))
+                yield scan
 
     source = ScanSource("depth images", scans(), len(folder), list(folder.notes))
     sequence = _of_source(source, most, progress)

@@ -87,7 +87,7 @@ def file_head(path: Path, limits: Limits) -> bytes:
 
 
 def placed_scan(posed: PosedCloud) -> PlacedScan:
-    """Return the finite points of a cloud at its pose that are near enough to the origin to be in a map."""
+    """Return the finite points of a cloud at its pose that are not too far from the origin."""
     points = posed.points_in_map()[posed.cloud.finite]
     # A message may state any number: what is read of a cloud's file is checked by its reader.
     near = (np.abs(points) <= DEFAULT_LIMITS.max_coordinate).all(axis=1)

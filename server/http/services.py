@@ -39,6 +39,8 @@ class Services:
     request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
     #: Wrong codes of classes. All of a lecture hall have one address, and some of them mistype.
     code_brake: Brake = field(default_factory=lambda: Brake(burst=60, per_minute=60.0))
+    #: Copies of a lecturer's world by one follower: each replays its whole history.
+    copy_brake: Brake = field(default_factory=lambda: Brake(burst=6, per_minute=6.0))
 
 
 def install(app: Starlette, services: Services) -> None:
@@ -95,6 +97,11 @@ async def get_code_brake(connection: HTTPConnection) -> Brake:
     return services_of(connection.app).code_brake
 
 
+async def get_copy_brake(connection: HTTPConnection) -> Brake:
+    """Return the brake on copies of lecturers' worlds, by visitor."""
+    return services_of(connection.app).copy_brake
+
+
 async def get_puzzles(connection: HTTPConnection) -> Any:  # noqa: ANN401 - FastAPI reads annotations at run time
     """Return the puzzles."""
     state = connection.app.state
@@ -124,6 +131,7 @@ Logs = Annotated[Library, Depends(get_library)]
 FileDownloads = Annotated[Downloads, Depends(get_downloads)]
 OpenClasses = Annotated[Classes, Depends(get_classes)]
 CodeBrake = Annotated[Brake, Depends(get_code_brake)]
+CopyBrake = Annotated[Brake, Depends(get_copy_brake)]
 OpenScenes = Annotated[Scenes, Depends(get_scenes)]
 RequestWork = Annotated[FairLock, Depends(get_request_work)]
 if TYPE_CHECKING:

@@ -137,7 +137,7 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
         def answered() -> bool:
             if choice.get_attribute("aria-pressed") == "false":  # it is a guess of one's own until the question comes
                 choice.click()
-            return "1 answers" in counted.inner_text()
+            return "1 answers" in (counted.text_content() or "")
 
         until("the answer to be counted", answered)
         proxy.cut()

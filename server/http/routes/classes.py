@@ -22,7 +22,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
-from server.http.services import CodeBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
+from server.http.services import CodeBrake, CopyBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
 from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
@@ -185,6 +185,7 @@ async def fork(
     request: Request,
     classes: OpenClasses,
     brake: CodeBrake,
+    copies: CopyBrake,
     sessions: Sessions,
     settings: ServiceSettings,
     visitor: Visitor,
@@ -194,6 +195,9 @@ async def fork(
     room = _guessed(brake, classes, code, request)
     session = _shown(classes, room, sessions, visitor)
 
+    if copies.wait_s(visitor) > 0.0:
+        raise SessionBudgetError("class.copies", "You copied this world many times just now: wait a few seconds.")
+    copies.count(visitor)
     link = link_of(room)
 
     async def begun() -> SessionHost:

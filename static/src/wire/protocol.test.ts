@@ -84,7 +84,7 @@ describe("each message of the server", () => {
     for (const key of Object.keys(JSON.parse(text)).filter((name) => name !== "type")) {
       const broken = { ...JSON.parse(text), [key]: { no: "such value" } };
       if (
-        ["parameters", "localization", "costmap", "map3d", "terrain"].includes(type) &&
+        ["parameters", "localization", "costmap", "map3d", "terrain", "surface"].includes(type) &&
         ["values", "sensor", "faults"].includes(key)
       )
         broken[key] = [1];

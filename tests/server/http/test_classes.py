@@ -266,3 +266,28 @@ def test_guesses_of_codes_are_braked(guest: Person) -> None:
         answers.append(guest.http.get("/api/classes/BBBBBB").status_code)
     assert answers == [404] * (len(answers) - 1) + [429]
     assert len(answers) > 50  # of 60; the tests above gave some wrong codes
+
+
+def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
+    service: Service, lecturer: Person, guest: Person
+) -> None:
+    world = lecturer.http.post("/api/sessions", json={"kind": "simulation", "playing": False}).json()["id"]
+    code = lecturer.http.post("/api/classes").json()["code"]
+    guest.http.get("/join")  # the service gives a cookie
+
+    async def shows() -> None:
+        async with lecturer.stream(f"/api/classes/{code}/stream") as socket:
+            seat = Seat(socket)
+            await seat.send("show", view={"page": "lab"}, session=world)
+            await seat.send("lock", value=False)
+            await seat.until("class")
+            for _ in range(7):
+                answer = await asyncio.to_thread(guest.http.post, f"/api/classes/{code}/sessions")
+                codes.append(answer.status_code)
+            copies.extend(one for one in service.state.sessions.all() if one.link == f"class {code}")
+
+    codes: list[int] = []
+    copies: list[Any] = []
+    asyncio.run(shows())
+    assert codes == [201] * 6 + [429]
+    assert len(copies) == 1

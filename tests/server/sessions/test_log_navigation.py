@@ -71,6 +71,18 @@ async def test_costs_are_those_of_the_whole_map_at_each_scan(log: Log) -> None:
         assert around.min() >= min(near, 253)
 
 
+async def test_a_painted_speed_limit_is_told_where_the_robot_is(log: Log) -> None:
+    log.do(type="seek", index=120)
+    x, y, _ = log.model._navigation._recording.robot_state().pose
+    zone = {"width": 3.0, "erases": False, "points": [[x, y]], "speed": 40}
+    log.do(type="costmap", keepout=[zone])
+    limits = []
+    for command in ({"type": "seek", "index": 121}, {"type": "costmap", "values": {"speed_limits": "absolute"}}):
+        log.do(**command)
+        limits += [one["speed_limit"] for one in log.model.messages() if one["type"] == "path"]
+    assert limits == ["40 %", "0.4 m/s"]
+
+
 async def test_the_newest_scan_marks_and_a_scan_before_it_forgets(log: Log) -> None:
     log.do(type="seek", index=150)
     log.do(type="costmap", values={"static_layer": False, "dynamic_layer": False, "track_unknown_space": False})
