@@ -97,7 +97,7 @@ def healed(page: Page, server: str) -> None:
     page.wait_for_function("() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     panel = open_group(page, "Heal").get_by_role("region", name="Heal its poses")
     panel.get_by_role("button", name="Heal its poses").click()
-    panel.get_by_role("button", name="Compare with before").click(timeout=120_000)
+    panel.get_by_role("button", name="Compare with before").click(timeout=900_000)
     expect(page.get_by_role("slider", name=re.compile("divider", re.IGNORECASE))).to_be_visible()
     settled_digest(page)
     page.wait_for_timeout(1500)
