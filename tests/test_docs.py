@@ -76,7 +76,7 @@ TABLES = {
 
 
 def with_tables(page: Path) -> str:
-    """A page's text with each of its tables written anew."""
+    """A page's text with each of its tables rewritten."""
     text = page.read_text()
     for name, table in TABLES[page].items():
         pattern = rf"(?s)<!-- {name} -->.*?<!-- /{name} -->"
@@ -87,7 +87,7 @@ def with_tables(page: Path) -> str:
 
 @pytest.mark.parametrize("page", TABLES, ids=lambda page: page.name)
 def test_the_tables_are_those_of_the_code(page: Path) -> None:
-    assert with_tables(page) == page.read_text(), "write them anew: python tests/test_docs.py --write"
+    assert with_tables(page) == page.read_text(), "rewrite them: python tests/test_docs.py --write"
 
 
 def _routes(router: Any, prefix: str = "") -> Iterator[tuple[str, str]]:

@@ -37,7 +37,7 @@ class MonteCarloLocalizer:
     """A particle filter on one map.
 
     ``particles`` (n, 3) are ``T_map_base`` and ``weights`` (n,) sum to 1; :meth:`set_particles` replaces them.
-    ``weighed`` are those that the estimate is of: after the newest scan, before particles were drawn anew. The same
+    ``weighed`` are those that the estimate is of: after the newest scan, before particles were resampled. The same
     seed and calls give the same particles, whatever the number of threads.
     """
 
@@ -149,7 +149,7 @@ class MonteCarloLocalizer:
         move(self.particles, motion_between(before, after, self.config), self._key(_MOVE))
 
     def correct(self, scan: ScanBeams) -> None:
-        """Weigh the particles by a scan, set the estimate, and draw the particles anew where it is time."""
+        """Weigh the particles by a scan, set the estimate, and resample the particles where it is time."""
         self._steps += 1
         self.n_updates += 1
         fit, random_share = 0.0, 0.0
@@ -188,7 +188,7 @@ class MonteCarloLocalizer:
         """Weigh the particles by a scan, in stages where its likelihood is scaled down.
 
         Return the sums of the scores at the particles, and the log-likelihoods at those from before. Each stage takes
-        as much of the likelihood as :func:`tempering` allows; between two, particles are drawn anew and spread as their
+        as much of the likelihood as :func:`tempering` allows; between two, particles are resampled and spread as their
         heaviest cluster is, times the bandwidth of a kernel density estimate. Sources: Del Moral, Doucet and Jasra
         2012 (stages), Musso, Oudjane and Le Gland 2001 (the regularised particle filter).
         """
@@ -212,7 +212,7 @@ class MonteCarloLocalizer:
         return sums, first
 
     def _spread(self, stage: int) -> None:
-        """Draw as many particles anew, and move each a little."""
+        """Resample as many particles, and move each a little."""
         n = len(self.particles)
         clusters = find_clusters(self.particles, self.weights)
         covariance = bandwidth(n) ** 2 * clusters.covariance[int(np.argmax(clusters.weight))]

@@ -103,12 +103,12 @@ PARAMETERS: tuple[Parameter, ...] = (
         "", 0.0, 6.0, 0.01,
     ),
     Parameter(
-        "resample_interval", "Updates per resampling", "filter", "number", 1, "Particles are drawn anew each n-th.",
+        "resample_interval", "Updates per resampling", "filter", "number", 1, "Particles are resampled each n-th.",
         "", 1, 100, 1,
     ),
     Parameter(
         "selective_resampling", "Selective resampling", "filter", "flag", False,
-        "Particles are drawn anew only where the effective number N_eff is below half of theirs.",
+        "Particles are resampled only where the effective number N_eff is below half of theirs.",
     ),
     Parameter(
         "annealing_stages", "Stages of a scan", "filter", "number", 4,

@@ -60,7 +60,7 @@ class Recovery:
     def random_share(self, log_likelihoods: Float64Array, n_beams: int) -> float:
         """Return the share of random particles that augmented MCL adds after a scan, 0 where it is off.
 
-        The averages begin anew where it is above 0, as in AMCL. They are of the n-th root of the product of n beams: a
+        The averages begin again where it is above 0, as in AMCL. They are of the n-th root of the product of n beams: a
         product changes by orders of magnitude from scan to scan.
         """
         config = self._config

@@ -1,4 +1,4 @@
-"""Particles drawn anew by their weights, as many as their spread needs."""
+"""Particles resampled by their weights, as many as their spread needs."""
 
 from __future__ import annotations
 

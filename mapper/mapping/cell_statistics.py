@@ -66,7 +66,7 @@ def forget(grid: OccupancyGrid, strategy: ModelStrategy, part: tuple[slice, slic
 
 def _mixed(strategy: ModelStrategy) -> ConfigError:
     return ConfigError(
-        "grid.model", f"The grid was made with another kind of model than {strategy.name}; make it anew."
+        "grid.model", f"The grid was made with another kind of model than {strategy.name}; make it again."
     )
 
 

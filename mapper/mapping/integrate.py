@@ -43,7 +43,7 @@ class Change:
     """The effect of an update: the cells it touched are in ``box`` (None: it touched none).
 
     ``geometry_changed`` says that rows and columns are counted from another origin than before or that the
-    resolution is another: every cell must be read anew. ``cells_updated`` counts the additions made.
+    resolution is another: every cell must be read again. ``cells_updated`` counts the additions made.
     """
 
     box: CellBox | None

@@ -61,7 +61,7 @@ class GoalPlanner:
     """Plans paths from one start to goals that move, on costs that stay the same.
 
     The cost to come from the start holds for every goal: of a goal that it has, the path is only traced back. A goal
-    beyond what was searched has all cells searched once. A* searches anew for each goal.
+    beyond what was searched has all cells searched once. A* searches again for each goal.
     """
 
     def __init__(

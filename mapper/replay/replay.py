@@ -94,7 +94,7 @@ class Replay:
         return None if under_way is None else min(1.0, under_way[0].index / max(1, under_way[1]))
 
     def reconfigure(self, config: MappingConfig) -> Change:
-        """Make the whole map anew with other parameters, at the same index."""
+        """Make the whole map again with other parameters, at the same index."""
         replay = self._new_replay(self.log, config)
         if all(getattr(config, name) == getattr(self.config, name) for name in COSTLY):
             replay.expect_as(self._replay)

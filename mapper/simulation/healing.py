@@ -77,7 +77,7 @@ class _Part:
 class Healing:
     """The corrected poses of a world's recordings, which are added in the order in which they were taken.
 
-    A robot that was put elsewhere is where its odometry, which then begins anew, says. Poses of a sensor without a
+    A robot that was put elsewhere is where its odometry, which then begins again, says. Poses of a sensor without a
     corrector follow the odometry.
     """
 

@@ -37,7 +37,7 @@ MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
 class LiveMap:
     """A simulation and the map that it makes. Not for several threads at once.
 
-    Everything the sensor saw is kept, so the whole map can be made anew with other parameters, with or without the
+    Everything the sensor saw is kept, so the whole map can be made again with other parameters, with or without the
     faults of the robot. A sensor with other beams begins a recording of its own; the map is made from all of them.
     """
 
@@ -78,7 +78,7 @@ class LiveMap:
         return MappingConfig().with_values(sensor_defaults(sensor.cone, first))
 
     def begin(self, world: World, sensor: SensorConfig, edits: Edits | None = None) -> None:
-        """Start anew in ``world``, altered by ``edits``, after the robot has driven for :data:`WARM_UP_S`.
+        """Start again in ``world``, altered by ``edits``, after the robot has driven for :data:`WARM_UP_S`.
 
         Raises as :func:`mapper.simulation.edited` does; nothing has changed then.
         """
@@ -155,11 +155,11 @@ class LiveMap:
         return grid
 
     def remake(self, config: MappingConfig) -> None:
-        """Make the map anew from the recordings. Raises as :func:`geometry_for` does; the old map stays then."""
+        """Make the map again from the recordings. Raises as :func:`geometry_for` does; the old map stays then."""
         self.set_up(config, self.faults)
 
     def set_up(self, config: MappingConfig, faults: Faults) -> None:
-        """Make the map anew with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
+        """Make the map again with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
         config = _live(config)
         if faults.heals:
             self._heal(faults)
@@ -318,9 +318,9 @@ class LiveMap:
         return self.look(), landed.message if landed.moved else None
 
     def set_sensor(self, sensor: SensorConfig) -> bool:
-        """Exchange the sensor; return whether the map had to be made anew, because a recording was given up.
+        """Exchange the sensor; return whether the map had to be made again, because a recording was given up.
 
-        Thin beams and cones need different models: with a sensor of another kind the map begins anew, with the default
+        Thin beams and cones need different models: with a sensor of another kind the map begins again, with the default
         model of that sensor. Raises :class:`WorkCancelledError` where the new map is not wanted any more; sensor, map
         and recordings are then as they were.
         """

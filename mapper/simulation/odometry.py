@@ -60,7 +60,7 @@ class Odometer:
         self.place(pose)
 
     def place(self, pose: PoseTuple) -> None:
-        """Set the estimate to the true ``pose``: drift begins anew."""
+        """Set the estimate to the true ``pose``: drift begins again."""
         self.pose = self._true = pose
 
     def carry(self, pose: PoseTuple) -> None:

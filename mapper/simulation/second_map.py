@@ -29,7 +29,7 @@ class SecondMap:
         return config.with_values(self.values)
 
     def begin(self, config: MappingConfig, grid: OccupancyGrid) -> None:
-        """Go on with a map that was made anew."""
+        """Go on with a map that was made again."""
         self.config, self.grid, self.is_new = config, grid, True
 
     def add(self, change: Change) -> None:

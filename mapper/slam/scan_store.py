@@ -102,7 +102,7 @@ class ScanStore:
         self._n -= 1
 
     def deskew(self, velocities: Float64Array) -> None:
-        """Write the points and normals of all scans anew for these velocities (n, 3) of the base, see :meth:`append`.
+        """Write the points and normals of all scans again for these velocities (n, 3) of the base, see :meth:`append`.
 
         Nothing is done where no sensor states the times of its beams.
         """

@@ -1,4 +1,4 @@
-"""The map of the first scans of a sequence: it goes forward scan by scan, and back by beginning anew."""
+"""The map of the first scans of a sequence: it goes forward scan by scan, and back by beginning again."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class ReplayedVolume:
         """Make the map of the first ``index`` scans, or a part of the way once ``is_over``; return whether it is there.
 
         At least one scan is inserted. Raises :class:`WorkCancelledError` between two scans unless ``may_continue``, and
-        as :meth:`OccupancyVolume.insert_scan`; the map may then hold a part of a scan, and is begun anew the next time.
+        as :meth:`OccupancyVolume.insert_scan`; the map may then hold a part of a scan, and is then begun again.
         """
         if index < self.index:
             self._begin()

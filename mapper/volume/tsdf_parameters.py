@@ -21,7 +21,7 @@ TSDF_PARAMETERS: tuple[Parameter, ...] = (
     Parameter("truncation", "Truncation", "tsdf", "number", 0.0,
               "Distance from the surface, before and behind it, within which voxels are updated; 0 is four voxels.",
               "m", 0.0, 50.0, 0.01),
-    Parameter("max_weight", "Greatest weight", "tsdf", "number", 64.0,
+    Parameter("max_weight", "Maximum weight", "tsdf", "number", 64.0,
               "Weight at which a voxel's mean goes on as a moving one, so that the surface can still change.", "",
               1.0, 10000.0, 1.0),
     Parameter("weighting", "Weight", "tsdf", "choice", "constant",

@@ -60,7 +60,7 @@ class PriorMap:
                 f"To find the robot in the map, run 'gridbloom localize LOG --map {self.path} --out poses.tum'."
             )
         if frame.startswith("odom"):
-            note = f"The frame {frame!r} starts anew with each run; the prior map must come from the run of this log."
+            note = f"The frame {frame!r} starts again with each run; the prior map must come from the run of this log."
             return (*self.notes, note)
         return self.notes
 

@@ -22,7 +22,7 @@ class Metrics:
         self.traffic = Traffic()
         self.remake_seconds = Histogram(
             "gridbloom_remake_seconds",
-            "Time to make a whole map anew with other parameters.",
+            "Time to make a whole map again with other parameters.",
             buckets=(0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0),
             registry=self._registry,
         )

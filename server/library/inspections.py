@@ -95,7 +95,7 @@ class Inspections:
         return self._worker.progress if self._inspected == record.id else 0.0
 
     def cancel(self, log_id: str, visitor: str) -> None:
-        """End the inspection of a log that ``visitor`` began, if it is under way; the next request begins it anew.
+        """End the inspection of a log that ``visitor`` began, if it is under way; the next request begins it again.
 
         Another visitor's goes on: it ends when nobody asks any more.
         """

@@ -139,7 +139,7 @@ class UploadReceiver:
         if known is not None and known.busy:
             raise UploadOffsetError("upload.busy", "This upload is coming in already, over another connection.")
         if known is not None and (part.start == 0 or known.total != part.total):
-            self._forget(name)  # the sender begins anew
+            self._forget(name)  # the sender begins again
             known = None
         have = 0 if known is None else known.size
         if part.start != have:

@@ -235,7 +235,7 @@ class Map3dMessage(Struct, tag_field="type", tag="map3d"):
     is_on: Annotated[bool, Meta(description="whether there is one")]
     values: Annotated[Values, Meta(description="parameters of the 3D sensor and the map")]
     scans: Annotated[int, Meta(description="scans in the map")]
-    taken: Annotated[int, Meta(description="scans that are recorded; more than `scans` while the map is made anew")]
+    taken: Annotated[int, Meta(description="scans that are recorded; more than `scans` while the map is made again")]
     only_in_3d: Annotated[int, Meta(description="cells of its projection that are occupied, and are not in the 2D map")]
     problem: Annotated[str | None, Meta(description="why it does not grow any more; null: it does")]
     known: Annotated[int, Meta(description="free and occupied voxels")]

@@ -14,7 +14,7 @@ CHECKOUT = Path(__file__).parents[2]
 @pytest.mark.parametrize(
     ("mode", "examples"),
     [
-        pytest.param({"NUMBA_BOUNDSCHECK": "1"}, 60, id="bounds", marks=pytest.mark.long),  # compiles all kernels anew
+        pytest.param({"NUMBA_BOUNDSCHECK": "1"}, 60, id="bounds", marks=pytest.mark.long),  # compiles all kernels again
         pytest.param({"NUMBA_DISABLE_JIT": "1"}, 25, id="plain", marks=pytest.mark.long),
         pytest.param({"NUMBA_DISABLE_JIT": "1"}, 2, id="plain, few"),
     ],

@@ -190,7 +190,7 @@ def goal_on_log(browser: Browser, server: str) -> Laps:
 
 
 def retuned(browser: Browser, server: str) -> tuple[Laps, Laps]:
-    """Return the laps from a slider's move to the whole map of the real log, made anew and repainted.
+    """Return the laps from a slider's move to the whole map of the real log, made again and repainted.
 
     First those of the map alone, then those of its difference from the map of before, which stands beside it.
     """

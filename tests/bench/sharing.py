@@ -40,7 +40,7 @@ CASES = {
 
 
 def long_story() -> dict[str, Any]:
-    """Return a story of many edits, after each of which the robot plans its way anew."""
+    """Return a story of many edits, after each of which the robot plans its way again."""
     journal = [
         [i * STEPS // EDITS, {"type": "edit", "added": [["box", 300 + i, 300, 340 + i, 340]], "erased": []}]
         for i in range(EDITS)

@@ -211,7 +211,7 @@ class Turns:
             self.used.add(name)
             try:
                 screen.use(controls.nth(first).element_handle())
-            except Error as error:  # the page may have drawn it anew meanwhile: it is looked for once more
+            except Error as error:  # the page may have drawn it again meanwhile: it is looked for once more
                 if "not attached" not in error.message or name in self.gone:
                     raise
                 self.gone.add(name)

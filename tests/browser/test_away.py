@@ -53,7 +53,7 @@ def test_pages_show_a_lost_connection_and_reconnect(context: BrowserContext, ser
         for page in (home, viewer, logs):
             assert page.evaluate("() => window.notReloaded") is True
 
-        # A server that begins anew knows no views: the log opens again by itself, and the page says so.
+        # A server that begins again knows no views: the log opens again by itself, and the page says so.
         logs.bring_to_front()
         end_session(logs)
         says(logs, ".toast", "The log was opened again")

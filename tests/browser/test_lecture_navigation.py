@@ -33,7 +33,7 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     # KLD sampling counts the bins of these particles: fewer after the draw, and so are the particles that are wanted.
     number = section.get_by_role("figure", name="Number of particles by the number of occupied bins")
     expect(number.locator("figcaption")).to_contain_text("24 of 24 bins: n = 296 for ε = 0.05")
-    section.get_by_role("button", name="Draw anew").click()
+    section.get_by_role("button", name="Resample").click()
     expect(number.locator("figcaption")).not_to_contain_text("24 of 24 bins")
     few = first_number(number.locator("figcaption"), "n =")
     drag(page, number.get_by_role("slider", name="ε"), 0, -60)
@@ -41,9 +41,9 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     number.get_by_role("slider", name="z", exact=True).press("ArrowUp")
     expect(number.locator("figcaption")).to_contain_text("z = 1.09")
     expect(figcaption).to_contain_text("all particles count alike")
-    expect(section.get_by_text("drawn anew: 24 of 24 are left")).to_be_visible()
+    expect(section.get_by_text("resampled: 24 of 24 are left")).to_be_visible()
     section.get_by_text("independent", exact=True).click()
-    expect(section.get_by_text("drawn anew: 24 of 24 are left")).to_have_count(0)
+    expect(section.get_by_text("resampled: 24 of 24 are left")).to_have_count(0)
 
     section = open_section(page, server, "sensor-models")
     figcaption = section.locator("figcaption")

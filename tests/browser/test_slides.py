@@ -28,7 +28,7 @@ def at(page: Page, end: str) -> None:
 
 
 def present(page: Page, server: str, fragment: str = "") -> None:
-    """Open the presentation anew."""
+    """Open the presentation again."""
     page.goto("about:blank")
     page.goto(f"{server}/lecture.html?present{fragment}")
     expect(page.locator(".presenter-number")).to_be_visible()
@@ -276,7 +276,7 @@ def test_every_slide_is_large_enough_complete_and_accessible(page: Page, server:
     problems = {}
     for i, name in enumerate(slide_ids(page, server)):
         page.set_viewport_size({"width": 1920, "height": 1080})
-        page.goto(f"{server}/lecture.html?present#{name}/99")  # within the page, which is not loaded anew
+        page.goto(f"{server}/lecture.html?present#{name}/99")  # within the page, which is not loaded again
         settle(page)
         small = small_texts(page, LABEL_PX)
         page.set_viewport_size({"width": 1280, "height": 720})

@@ -112,7 +112,7 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
         assert files(tmp_path) == {"blobs": 1, "packs": 1, "incoming": 0}
         assert set(uploads(client)) == {"old"}
         assert opens(client, "old")
-        assert client.get(f"/api/logs/uploads/{KEY}").json() == {"offset": 0}, "it is sent anew"
+        assert client.get(f"/api/logs/uploads/{KEY}").json() == {"offset": 0}, "it is sent again"
         # In the middle of a reading, with more logs queued behind it.
         assert put(client, "long", LONG).status_code == 202
         for name, data in QUEUED.items():

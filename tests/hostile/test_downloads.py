@@ -59,7 +59,7 @@ class Process:
         return httpx.Client(base_url=self.address, headers=headers, timeout=PATIENCE_S)
 
     def forget_peak(self) -> None:
-        """Let :attr:`most_bytes` begin anew with what the process holds now."""
+        """Let :attr:`most_bytes` begin again with what the process holds now."""
         Path(f"/proc/{self.popen.pid}/clear_refs").write_text("5")
 
     @property

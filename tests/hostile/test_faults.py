@@ -107,7 +107,7 @@ class Faults:
             resource.prlimit(pid, resource.RLIMIT_FSIZE, unlimited)
 
     def run(self, rounds: int) -> None:
-        """Do one thing in each round, the service being started anew after each kill."""
+        """Do one thing in each round, the service being started again after each kill."""
         left = rounds
         while left > 0:
             with served(self.folder) as (process, client):

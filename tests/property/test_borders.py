@@ -52,7 +52,7 @@ def test_a_ray_that_leaves_the_grid_does_not_change_the_opposite_edge(
 @settings(max_examples=10)
 def test_growth_does_not_move_cells(model: str, update: str, yaw: float, seed: int) -> None:
     config = MappingConfig(model=model, update=update, log_odds_prior=0.25, opening=0.3)
-    # Numbers that no cell's border coincides with: an origin computed anew by growth differs in its last bits.
+    # Numbers that no cell's border coincides with: an origin computed again by growth differs in its last bits.
     random = np.random.default_rng(seed)
     grid = OccupancyGrid(GridGeometry(0.1, 30, 50, (-1.0, -2.0, yaw)), config.log_odds_prior)
     corner = grid.geometry.cell_to_world((-384.5, -384.5))

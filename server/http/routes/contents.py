@@ -123,7 +123,7 @@ async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_
 @router.delete("/{session_id}/contents", status_code=204)
 @guests_may(GuestRight.LINKED_SESSION)
 async def stop(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> None:
-    """Stop finding out what the recording holds, if this visitor began it; the next request for it begins anew."""
+    """Stop finding out what the recording holds, if this visitor began it; the next request for it begins again."""
     recording = _recording(sessions, session_id)
     library.stop_inspecting(_owner(sessions, library, session_id), recording.log_id, visitor)
 

@@ -64,7 +64,7 @@ class LabCostmap:
         self.begin(grid)
 
     def begin(self, grid: OccupancyGrid) -> None:
-        """Make all layers anew over the present map; what was painted stays."""
+        """Make all layers again over the present map; what was painted stays."""
         map_ = grid if self._plan is None else self._plan.grid
         self.geometry = map_.geometry
         parameters, general = self.parameters, self.parameters.general

@@ -126,7 +126,7 @@ class LabNavigation(Navigation):
         return self._path.drives if drives is None else bool(drives)
 
     def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
-        """Follow what changed in the map, ``box`` or the ``whole`` of it, look at a new scan, and plan anew."""
+        """Follow what changed in the map, ``box`` or the ``whole`` of it, look at a new scan, and plan again."""
         costmap = self._costmap
         if costmap is None:
             return

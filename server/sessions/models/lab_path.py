@@ -1,4 +1,4 @@
-"""The path of the lab's robot to a goal on its costmap, planned anew whenever one of them changes, and its follower."""
+"""The path of the lab's robot to a goal on its costmap, replanned whenever one of them changes, and its follower."""
 
 from __future__ import annotations
 

@@ -19,14 +19,14 @@ from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParamete
 
 MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds
 MOST_READINGS = 4_000_000  #: of all recorded scans: 16 MB
-AT_ONCE = 4  #: recorded scans that are put into a map that is made anew, in one tick
+AT_ONCE = 4  #: recorded scans that are put into a map that is made again, in one tick
 BYTES_OF_NODE = 5  #: log-odds and the bits of its children, as in the file .ot
 
 
 class LabVolume:
     """Scans of a 3D sensor and the map of them. Not for several threads at once.
 
-    With other voxels the map is made anew of what was recorded, a few scans with each :meth:`catch_up`. Of a recording
+    With other voxels the map is computed again from them, a few scans with each :meth:`catch_up`. Of a recording
     that becomes too long every second scan is given up.
     """
 
@@ -46,7 +46,7 @@ class LabVolume:
         self.problem = None
 
     def change(self, parameters: VolumeParameters) -> bool:
-        """Use other parameters; return whether the map is made anew."""
+        """Use other parameters; return whether the map is made again."""
         before, self.parameters = self.parameters, parameters
         if parameters.sensor != before.sensor:
             self._due = -np.inf

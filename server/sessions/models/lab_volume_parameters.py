@@ -18,7 +18,7 @@ TABLE: tuple[Parameter, ...] = (
     *SENSOR_3D_PARAMETERS,
     Parameter(
         "voxel", "Voxel", "map_3d", "number", 0.1,
-        "Side of a voxel. The map is made anew of the recorded scans.",
+        "Side of a voxel. The map is computed again from the recorded scans.",
         unit="m", low=0.05, high=0.5, step=0.05,
     ),
     Parameter(

@@ -366,7 +366,7 @@ class LogModel(SessionModel):
         result.changed = True
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:
-        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
         if is_new:
             self._left_at = 0
             result.new_grid = True
@@ -375,7 +375,7 @@ class LogModel(SessionModel):
         result.slot(self._trajectory_message())
 
     def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
-        """Begin the map anew of another sensor of the log, or of scans that are cut otherwise, up to the same time."""
+        """Begin the map again of another sensor of the log, or of scans that are cut otherwise, up to the same time."""
         recording = self.recording
         stamps, index = recording.log.stamps_ns, recording.replay.index
         reached = None if index == recording.log.n_scans else stamps[:index].max(initial=stamps.min() - 1)

@@ -143,5 +143,5 @@ class LogGraph:
         self._host.enqueue({"type": "show_graph", "solved": solved})
 
     def forget(self) -> None:
-        """Read the graph anew when it is asked for next: its trajectory was replaced."""
+        """Read the graph again when it is asked for next: its trajectory was replaced."""
         self._newest = None

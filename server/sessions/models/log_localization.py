@@ -159,7 +159,7 @@ class LogLocalization:
             return await self._host.on_thread(partial(series_of, course, self._recording.recorded))
 
     def forget(self) -> None:
-        """Read the course anew when it is asked for next: its trajectory was replaced."""
+        """Read the course again when it is asked for next: its trajectory was replaced."""
         self._newest = None
 
 

@@ -69,7 +69,7 @@ class LogNavigation(Navigation):
         return StaticMap(grid_of_values(given.geometry, given.values), given.keepout)
 
     def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
-        """Follow what changed in the map, look at a new scan, and plan anew."""
+        """Follow what changed in the map, look at a new scan, and plan again."""
         costmap, replay = self._costmap, self._recording.replay
         if costmap is None:
             return

@@ -118,7 +118,7 @@ class LogRecording:
         return {"table": rows, "values": {row["name"]: values[row["name"]] for row in rows}} if rows else None
 
     def use(self, log: ScanLog, view: LogView) -> None:
-        """Begin anew with another sensor of the log, or with scans that are cut otherwise (worker thread).
+        """Begin again with another sensor of the log, or with scans that are cut otherwise (worker thread).
 
         The parameters stay, but for those that the sensor sets. Raises as :meth:`choose`, without changes.
         """
@@ -133,7 +133,7 @@ class LogRecording:
         self._examinations.clear()
 
     def choose(self, trajectory: str) -> None:
-        """Begin the map anew with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
+        """Begin the map again with another trajectory (worker thread). Raises as :class:`Replay`, without changes."""
         self._replay_with(self.log, trajectory)
 
     def update(self, log: ScanLog) -> bool:
@@ -167,7 +167,7 @@ class LogRecording:
         return True
 
     def _replay_with(self, log: ScanLog, trajectory: str) -> None:
-        """Begin the map of ``log`` anew with one of its trajectories."""
+        """Begin the map of ``log`` again with one of its trajectories."""
         old = self.replay
         replay = Replay(log, old.config, trajectory, self._host.limits())
         replay.wanted = old.wanted
@@ -204,7 +204,7 @@ class LogRecording:
         """Return the diagnosis of the log with the present trajectory.
 
         Requests during an examination wait for its result; it ends when the last of them was cancelled, and with the
-        session. One that failed or ended early begins anew at the next request. Raises as
+        session. One that failed or ended early begins again at the next request. Raises as
         :func:`mapper.diagnosis.examine`.
         """
         name = self.trajectory

@@ -37,10 +37,10 @@ class Updated(Protocol):
         """Have the map brought to a number of scans."""
 
     def use_sensor(self, log: ScanLog, view: LogView, result: TickResult) -> None:
-        """Begin the map anew of another sensor of the log, or of scans that are cut otherwise."""
+        """Begin the map again of another sensor of the log, or of scans that are cut otherwise."""
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:
-        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun anew."""
+        """Go on after the log got other trajectories; ``is_new`` says whether the map was begun again."""
 
 
 class LogUpdates:

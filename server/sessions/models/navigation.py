@@ -30,7 +30,7 @@ class Navigation(ABC):
         self._costmap: LabCostmap | None = None
         self._path = LabPath()
         self._is_new = False  #: whether the costs have to be brought up to date before the next scan
-        self._is_stale = False  #: whether the path has to be planned anew
+        self._is_stale = False  #: whether the path has to be planned again
 
     @abstractmethod
     def _check(self, wanted: Mapping[str, Any]) -> None:

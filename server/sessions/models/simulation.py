@@ -131,7 +131,7 @@ class SimulationModel(SessionModel):
 
     @property
     def is_catching_up(self) -> bool:
-        """Whether the 3D map is made anew."""
+        """Whether the 3D map is made again."""
         return self._volume.is_behind
 
     @property

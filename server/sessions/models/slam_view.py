@@ -7,7 +7,7 @@ import numpy as np
 from mapper.simulation.live_map import LiveMap
 from server.stream.layers import GraphLayer, TableLayer
 
-EVERY = 5  #: scans after which the true path is written anew
+EVERY = 5  #: scans after which the true path is rewritten
 MOST_PLACES = 3000  #: of the true path
 
 

@@ -1,5 +1,5 @@
 /**
- * Drawing the particles of Monte Carlo localization anew, as Probabilistic Robotics prints it: the functions of
+ * Resampling of the particles of Monte Carlo localization, as Probabilistic Robotics prints it: the functions of
  * mapper/localization/textbook.py, and tested with vectors from there. Random numbers are arguments.
  */
 

@@ -106,7 +106,7 @@ test("a layer without subscribers is cleared, and its late frames are dropped", 
   layers.take(table(3, [2]));
   expect([layers.grid("costs").map.value, layers.content("particles").value]).toEqual([null, null]);
   expect(layers.opening("e")).toEqual([]);
-  // Wanted again, it begins anew under the same epoch.
+  // Wanted again, it begins again under the same epoch.
   layers.subscribe("costs");
   layers.begin(geometry(2, 7));
   layers.take(tiles(2, 7, 3));
@@ -117,7 +117,7 @@ test("points of a removed layer are not shown", () => {
   layers.setLayers([grid(1, MAP), points(3, "particles")]);
   layers.subscribe("particles");
   layers.take(table(3, [1]));
-  layers.setLayers([grid(1, MAP), points(4, "particles")]); // made anew
+  layers.setLayers([grid(1, MAP), points(4, "particles")]); // made again
   expect(layers.contents.value).toEqual([]);
   layers.take(table(3, [2])); // of the older one
   expect(layers.contents.value).toEqual([]);

@@ -63,7 +63,7 @@ describe("values that are set locally", () => {
 
   test("are kept at a new connection until it confirms them", () => {
     for (const value of [7, 8, 9]) values.set("hit", value);
-    values.reconnected({ hit: 0.85, miss: -1 }); // the server began anew
+    values.reconnected({ hit: 0.85, miss: -1 }); // the server began again
     vi.advanceTimersByTime(60_000);
     expect(values.values.value.hit).toBe(9);
     expect(values.pending()).toEqual({ hit: 9 });

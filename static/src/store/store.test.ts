@@ -154,7 +154,7 @@ describe("the store", () => {
     clock.mockRestore();
   });
 
-  test("a session made anew voids what there is, though its epochs count alike", () => {
+  test("a session made again voids what there is, though its epochs count alike", () => {
     store.receive(hello("a"));
     store.receive(LAYERS);
     store.receive(geometry(1));

@@ -221,7 +221,7 @@ test("a hidden page has no socket; a page that is seen again has one at once", (
   expect(browser.socket.sent).toEqual([{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }]);
 });
 
-test("a frame that cannot be read starts everything anew", async () => {
+test("a frame that cannot be read starts everything again", async () => {
   browser.socket.open();
   browser.socket.receive(hello);
   received.kept = [{ type: "resume", epoch_id: "e", layer: "map", epoch: 1, revision: 5 }];

@@ -643,7 +643,7 @@ export interface Map3dMessage {
   readonly values: Values;
   /** scans in the map */
   readonly scans: number;
-  /** scans that are recorded; more than `scans` while the map is made anew */
+  /** scans that are recorded; more than `scans` while the map is made again */
   readonly taken: number;
   /** cells of its projection that are occupied, and are not in the 2D map */
   readonly only_in_3d: number;

@@ -1,6 +1,6 @@
 """Vectors that compare the page's curve of costs with the library's: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_cost_vectors.py --write`` writes them anew after a change of the formula.
+``python tests/mapper/vectors/test_cost_vectors.py --write`` rewrites them after a change of the formula.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Vectors of the particle filter and its models by the textbook: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_filter_vectors.py --write`` writes them anew after a change of the textbook.
+``python tests/mapper/vectors/test_filter_vectors.py --write`` rewrites them after a change of the textbook.
 """
 
 from __future__ import annotations

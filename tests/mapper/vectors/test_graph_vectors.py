@@ -1,6 +1,6 @@
 """Vectors that compare the lecture's pose graph with the library's: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_graph_vectors.py --write`` writes them anew after a change of the optimiser.
+``python tests/mapper/vectors/test_graph_vectors.py --write`` rewrites them after a change of the optimiser.
 """
 
 from __future__ import annotations

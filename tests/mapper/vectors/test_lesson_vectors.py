@@ -1,6 +1,6 @@
 """Vectors that compare the lecture's figures with the textbook: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_lesson_vectors.py --write`` writes them anew after a change of the algorithms.
+``python tests/mapper/vectors/test_lesson_vectors.py --write`` rewrites them after a change of the algorithms.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Vectors that compare the lecture's scan matching with the textbook: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_matching_vectors.py --write`` writes them anew after a change of the methods.
+``python tests/mapper/vectors/test_matching_vectors.py --write`` rewrites them after a change of the methods.
 """
 
 from __future__ import annotations

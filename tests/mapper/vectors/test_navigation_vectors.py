@@ -1,6 +1,6 @@
 """Vectors that compare the lecture's costmaps and paths with the textbook; the tests of the pages read them.
 
-``python tests/mapper/vectors/test_navigation_vectors.py --write`` writes them anew after a change of the textbook.
+``python tests/mapper/vectors/test_navigation_vectors.py --write`` rewrites them after a change of the textbook.
 """
 
 from __future__ import annotations

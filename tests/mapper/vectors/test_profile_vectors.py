@@ -1,6 +1,6 @@
 """Vectors that compare the pages' profile with the mapper: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_profile_vectors.py --write`` writes them anew after a change of the models.
+``python tests/mapper/vectors/test_profile_vectors.py --write`` rewrites them after a change of the models.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The lines of textbook Python that a scan executes: the lecture must highlight the same lines.
 
-``python tests/mapper/vectors/test_program_vectors.py --write`` writes the vectors anew after a change of the textbook.
+``python tests/mapper/vectors/test_program_vectors.py --write`` rewrites the vectors after a change of the textbook.
 """
 
 from __future__ import annotations

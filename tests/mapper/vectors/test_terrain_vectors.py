@@ -1,6 +1,6 @@
 """Vectors that compare the page's planes of patches with the textbook's: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_terrain_vectors.py --write`` writes them anew after a change.
+``python tests/mapper/vectors/test_terrain_vectors.py --write`` rewrites them after a change.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Vectors that compare the lecture's map file with the mapper: written here, read by the tests of the pages.
 
-``python tests/mapper/vectors/test_threshold_vectors.py --write`` writes them anew after a change of the file's text.
+``python tests/mapper/vectors/test_threshold_vectors.py --write`` rewrites them after a change of the file's text.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Vectors that compare the lecture's beam with the textbooks of both volumes: written here, read by the pages' tests.
 
-``python tests/mapper/vectors/test_tsdf_vectors.py --write`` writes them anew after a change.
+``python tests/mapper/vectors/test_tsdf_vectors.py --write`` rewrites them after a change.
 """
 
 from __future__ import annotations

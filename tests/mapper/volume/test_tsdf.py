@@ -168,7 +168,7 @@ def test_bad_input_is_refused_and_the_map_stays() -> None:
 
 
 def test_another_program_reads_the_files(tmp_path: Path) -> None:
-    """The normals, which trimesh makes anew, are read by our reader of clouds and by glTF's description."""
+    """The normals, which trimesh makes again, are read by our reader of clouds and by glTF's description."""
     mesh = surface_mesh(sphere())
     for ending in (".ply", ".glb"):
         write_mesh(mesh, tmp_path / f"ball{ending}")

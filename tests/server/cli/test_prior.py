@@ -65,7 +65,7 @@ def test_an_odometry_frame_is_of_one_run_only(run, recording, tmp_path):
     assert run("map", recording, *options, "--out", tmp_path / "known").status == 0
     facts = json.loads(run("map", recording, *options, "--prior", tmp_path / "known.yaml", "--json").out)
     assert facts["notes"] == [
-        "The frame 'odom' starts anew with each run; the prior map must come from the run of this log."
+        "The frame 'odom' starts again with each run; the prior map must come from the run of this log."
     ]
 
 

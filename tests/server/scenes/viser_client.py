@@ -77,7 +77,7 @@ class Client:
                         return message
 
     def forget(self) -> None:
-        """Begin to count anew."""
+        """Begin to count again."""
         self.seen, self.received = [], 0
 
     def of_type(self, kind: str) -> list[dict[str, Any]]:

@@ -115,7 +115,7 @@ async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() 
     now += 2.0 * preparing.QUIET_S
     other.closed = True
     await eventually(lambda: one.steps.taken > taken)
-    assert one.begun == 2  # begun anew, from what is kept
+    assert one.begun == 2  # begun again, from what is kept
     task.cancel()
     await asyncio.gather(task, return_exceptions=True)
 

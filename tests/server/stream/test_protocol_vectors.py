@@ -1,6 +1,6 @@
 """Vectors that compare the pages' side of the protocol with the server: written here, read by the pages' tests.
 
-``python tests/server/stream/test_protocol_vectors.py --write`` writes them anew after a change of the protocol.
+``python tests/server/stream/test_protocol_vectors.py --write`` rewrites them after a change of the protocol.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ const STEMS = { top: 174, bottom: 236 };
 const DRAWN = { top: 264, bottom: 306 };
 
 const NEXT: Readonly<Record<Phase, string>> = {
-  weighed: "Draw anew",
+  weighed: "Resample",
   drawn: `Drive ${DRIVEN} m`,
   moved: "Take a reading",
 };
@@ -46,7 +46,7 @@ const DRAWS = [
   { value: "independent", label: "independent" },
 ];
 
-/** A belief as a curve and as particles: weighed by a reading, drawn anew by their weights, moved. */
+/** A belief as a curve and as particles: weighed by a reading, resampled by their weights, moved. */
 export function Particles() {
   const filter = corridor;
   const draw = useSignal<Draw>("comb");
@@ -94,7 +94,7 @@ export function Particles() {
                 <Belief x={x} values={belief(now)} />
                 <Row top={STEMS.top} text={`${count} particles, height: weight`} />
                 <Stems x={x} particles={now.particles} weights={w} />
-                <Row top={DRAWN.top} text={`drawn anew: ${kinds} of ${count} are left`} />
+                <Row top={DRAWN.top} text={`resampled: ${kinds} of ${count} are left`} />
                 <Drawn x={x} particles={now.particles} counts={counts} />
               </>
             );

@@ -94,7 +94,7 @@ export function drawnOf(filter: Filter, draw: Draw, share: number): Int32Array {
     : independentSampler(weights(filter), seeded(77 + filter.step), count);
 }
 
-/** The next step: draw anew, drive, weigh. */
+/** The next step: resample, drive, weigh. */
 export function next(filter: Filter, draw: Draw, share: number): Filter {
   const step = filter.step + 1;
   if (filter.phase === "weighed") {

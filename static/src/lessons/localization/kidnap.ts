@@ -31,7 +31,7 @@ export interface Moment {
 
 export interface Walk {
   readonly robot: Pose;
-  /** The particles before they are drawn anew, and their weights, Σ = 1. */
+  /** The particles before they are resampled, and their weights, Σ = 1. */
   readonly particles: readonly Pose[];
   readonly weights: Float64Array;
   /** Which of them were random: the last ones. */

@@ -48,7 +48,7 @@ function ScanningRobot({ transform }: MarkProps) {
         transform={transform}
         at={[pose[0], pose[1]]}
         label="Robot"
-        sentence="Moves the robot; all poses are weighed anew by its scan."
+        sentence="Moves the robot; all poses are weighed again by its scan."
         text={inWords(pose)}
         step={0.25}
         onMove={([x, y]) => {

@@ -61,7 +61,7 @@ export function wallsAt(index: number, conditions: Conditions): readonly Wall[] 
 }
 
 const SCANS_KEPT = 500;
-/** The newest scans by their arguments: a map that is made anew with another model needs the same scans. */
+/** The newest scans by their arguments: a map that is made again with another model needs the same scans. */
 const scans = new Map<string, LaserScan>();
 
 /** Scan number `index`, taken at a true pose. Equal arguments give equal scans. */

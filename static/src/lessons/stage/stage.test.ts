@@ -34,7 +34,7 @@ describe("the map of a scene", () => {
     expect(history.after(6).observed).toEqual(grid.observed);
   });
 
-  it("is kept for earlier scans, and made anew after other ones", () => {
+  it("is kept for earlier scans, and made again after other ones", () => {
     const history = historyOf(plan(6));
     const sixth = history.after(6);
     expect(history.advance(plan(3), () => false)).toBe(true);

@@ -92,7 +92,7 @@ export function Tsdf() {
             }}
           />
           <Slider
-            label="Greatest weight"
+            label="Maximum weight"
             sentence="Weight at which a voxel’s mean goes on as a moving one, so that the surface can still change."
             value={maxWeight.value}
             initial={FIRST.maxWeight}

@@ -39,7 +39,7 @@ test("one reading that is too long leaves an occupied cell behind the wall", () 
   expect(occupiedOf(occupancyOf([1.25, 1.25, 1.32, ...Array.from({ length: 30 }, () => 1.25)]))).toEqual([12, 13]);
 });
 
-test("after the wall was moved, a small greatest weight lets the surface follow and a large one does not", () => {
+test("after the wall was moved, a small maximum weight lets the surface follow and a large one does not", () => {
   const readings = readingsOf(1.23, 60, 0, true);
   const at = (maxWeight: number): number => zeroCrossing(distancesOf(readings, { ...FUSION, maxWeight }))?.at ?? 0;
   expect(at(64)).toBeCloseTo(1.23 + MOVE / 2, 9);

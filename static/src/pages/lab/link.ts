@@ -24,7 +24,7 @@ export interface VisibleState {
   readonly why: { readonly at: Point; readonly touch: number | null } | null;
   /** Parameters of the correct map that differ from the map's; null while it is not shown. */
   readonly right: Values | null;
-  /** The particle filter that localizes the robot; null while there is none. It begins anew, anywhere. */
+  /** The particle filter that localizes the robot; null while there is none. It begins again, anywhere. */
   readonly filter: { readonly values: Values; readonly map: string; readonly field: boolean } | null;
 }
 

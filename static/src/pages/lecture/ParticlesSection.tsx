@@ -26,7 +26,7 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
             press the button a few times.
           </p>
           <p>
-            <b>N_eff</b> = 1 / Σ w² says how many particles the weights amount to. Drawing anew makes the weights equal
+            <b>N_eff</b> = 1 / Σ w² says how many particles the weights amount to. Resampling makes the weights equal
             again and the set poorer; where N_eff is large, it can be left out.
           </p>
           <p>

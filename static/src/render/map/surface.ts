@@ -1,4 +1,4 @@
-/** A picture that is one opaque canvas, painted anew each time. */
+/** A picture that is one opaque canvas, painted again each time. */
 
 import { CanvasOverlay } from "./canvasOverlay";
 import { canvasContext, webglContext } from "./context";

@@ -72,7 +72,7 @@ export function Localization({ store }: { readonly store: Store }) {
       </p>
       <div class="localization-row">
         <Button kind="primary" onClick={() => begin(given.values, given.map)}>
-          {isOn ? "Start anew, anywhere" : "Find the robot"}
+          {isOn ? "Start again, anywhere" : "Find the robot"}
         </Button>
         {isOn && (
           <Button kind="quiet" onClick={() => store.send({ type: "localize", value: false })}>

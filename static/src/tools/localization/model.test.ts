@@ -19,7 +19,7 @@ test("the history has a point for each scan that was used", () => {
   ]);
 });
 
-test("a filter that begins anew, or ends, begins the history anew", () => {
+test("a filter that begins again, or ends, begins the history again", () => {
   const points = grown(grown([], message(7)), message(8));
   expect(grown(points, message(1))).toHaveLength(1);
   expect(grown(points, message(8, null, false))).toEqual([]);

@@ -27,7 +27,7 @@ export const SETTINGS: readonly Setting[] = [
     label: "Two equal rooms",
     values: {},
     world: "twins",
-    look: "two clouds, one in each room: both explain every scan. Drawing anew drops one of them by chance, the right one or the wrong one; an end of the corridor tells.",
+    look: "two clouds, one in each room: both explain every scan. Resampling drops one of them by chance, the right one or the wrong one; an end of the corridor tells.",
   },
   {
     name: "moved",
@@ -72,7 +72,7 @@ export interface Point {
 
 const MOST_POINTS = 400;
 
-/** The history with a message; a filter that began anew begins it anew. */
+/** The history with a message; a filter that began again begins it again. */
 export function grown(points: readonly Point[], message: LocalizationMessage): readonly Point[] {
   if (!message.is_on || message.error_m === null) return [];
   const last = points.at(-1);

@@ -35,7 +35,7 @@ export function Memory({ message }: { readonly message: Map3dMessage }) {
       </dl>
       <p class="map3d-note">
         {scans < taken
-          ? `The map is made anew: ${scans} of ${taken} scans.`
+          ? `The map is being computed again: ${scans} of ${taken} scans.`
           : `${scans} scans. Eight equal voxels are one node: ${leaves.toLocaleString("en")} leaves hold ${known.toLocaleString("en")} voxels.`}{" "}
         Bars are logarithmic.
       </p>

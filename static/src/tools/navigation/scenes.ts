@@ -33,7 +33,7 @@ interface Setting {
   readonly footprint?: readonly Point[];
   /** Solids that stand there before the costmap is made. */
   readonly added?: readonly DrawnSolid[];
-  /** Whether the map begins anew, with this clamp. */
+  /** Whether the map begins again, with this clamp. */
   readonly clamp?: boolean;
 }
 

@@ -2,7 +2,7 @@ import type { MapPicture } from "../../render/map/mapPicture";
 import type { Palette } from "../../render/map/palette";
 import { TILE } from "../../wire/protocol";
 
-/** A grid as an image, a pixel for each cell, row 0 first; painted anew only where its cells have changed. */
+/** A grid as an image, a pixel for each cell, row 0 first; painted again only where its cells have changed. */
 export class Sheet {
   #image: HTMLCanvasElement | null = null;
   #key: readonly unknown[] = [];

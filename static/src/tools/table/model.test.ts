@@ -42,7 +42,7 @@ test("the arithmetic of one cell", () => {
   expect(passesToForget({ ...values, log_odds_min: -1 })).toBeNull();
 });
 
-test("the curve grows by a point for each scan and begins anew with a new count", () => {
+test("the curve grows by a point for each scan and begins again with a new count", () => {
   const forgetting = (scans: number, free: number): Forgetting =>
     ({ type: "forgetting", cells: 9, scans, free_with_clamp: free, free_without_clamp: 0 }) as unknown as Forgetting;
   let points: readonly Point[] = [];

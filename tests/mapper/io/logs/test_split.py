@@ -75,7 +75,7 @@ def test_the_kinds_of_tar(tmp_path, form):
 
 
 def test_streams_of_one_file_are_not_taken_for_those_of_another(tmp_path):
-    """Each file counts its channels anew: in one, the first is of scans, in the other, of poses."""
+    """Each file counts its channels again: in one, the first is of scans, in the other, of poses."""
     folder = tmp_path / "run"
     folder.mkdir()
     (folder / "metadata.yaml").touch()

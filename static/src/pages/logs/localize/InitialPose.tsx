@@ -31,7 +31,7 @@ export function InitialPose({ localizing }: { readonly localizing: Localizing })
             {localizing.turns.value
               ? "Click on the map where it looks."
               : pose
-                ? "Click on the map to place it anew."
+                ? "Click on the map to place it again."
                 : "Click on the map where it starts."}
           </p>
           <div class="localize-pose">
