@@ -55,6 +55,7 @@ def opened(port: int, path: str, host: str, origin: str | None, protocol: str) -
         subprotocols=[Subprotocol(protocol)],
         proxy=None,
         open_timeout=PATIENCE_S,
+        ping_interval=None,  # on a busy machine it takes longer to close than to miss an answer
     )
     connection.close()
     return connection

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
@@ -22,7 +22,9 @@ from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visito
 from server.http.session_access import writable_session
 from server.library import Library
 from server.library.puzzles import MadePuzzle, PuzzleGoneError
-from server.sessions import SessionHost, SessionRegistry
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost, SessionRegistry
 
 router = APIRouter(tags=["puzzles"])
 

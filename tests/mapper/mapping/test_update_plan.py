@@ -29,11 +29,14 @@ def test_a_long_log_builds_its_model_once(office_log: ScanLog, model: str, monke
     monkeypatch.setattr(MappingConfig, "beam_model", counted)
     monkeypatch.setattr(integrate, "CHUNK_READINGS", office_log.n_beams)
     done: list[int] = []
+    plan_update.cache_clear()
     integrate_log(grid, office_log, config, stop=4, progress=lambda n, _: done.append(n))
     assert (built, done) == ([model], [1, 2, 3, 4])
     built.clear()
+    plan_update.cache_clear()
     assert [n for n, _ in integrate_parts(grid, office_log, config, None, 0, 4)][-1] == 4
     assert built == [model]
+    plan_update.cache_clear()  # its models were built by the function above
 
 
 def test_ranges_are_limited_by_the_sensor_and_by_the_parameters() -> None:

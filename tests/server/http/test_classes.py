@@ -259,15 +259,6 @@ async def test_commands_that_are_not_a_followers_are_refused(lecturer: Person, g
     other.http.close()
 
 
-def test_guesses_of_codes_are_braked(guest: Person) -> None:
-    """The last test of this file: the service takes no code from here for a minute."""
-    answers: list[int] = []
-    while 429 not in answers:  # a slow machine allows some more
-        answers.append(guest.http.get("/api/classes/BBBBBB").status_code)
-    assert answers == [404] * (len(answers) - 1) + [429]
-    assert len(answers) > 50  # of 60; the tests above gave some wrong codes
-
-
 def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
     service: Service, lecturer: Person, guest: Person
 ) -> None:
@@ -291,3 +282,12 @@ def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
     asyncio.run(shows())
     assert codes == [201] * 6 + [429]
     assert len(copies) == 1
+
+
+def test_guesses_of_codes_are_braked(guest: Person) -> None:
+    """The last test of this file: the service takes no code from here for a minute."""
+    answers: list[int] = []
+    while 429 not in answers:  # a slow machine allows some more
+        answers.append(guest.http.get("/api/classes/BBBBBB").status_code)
+    assert answers == [404] * (len(answers) - 1) + [429]
+    assert len(answers) > 50  # of 60; the tests above gave some wrong codes

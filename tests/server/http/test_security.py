@@ -82,7 +82,7 @@ async def test_our_own_pages_can(service: Service) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["/", "/api/worlds", "/api/logs", "/readyz", "/metrics", "/api/openapi.json", "/assets/../api/logs"]
+    "path", ["/", "/api/worlds", "/api/logs", "/metrics", "/api/openapi.json", "/assets/../api/logs"]
 )
 def test_without_the_token_requests_are_refused(browser: httpx.Client, path: str) -> None:
     assert is_error(browser.get(path), 401, "security.token")

@@ -78,8 +78,9 @@ async def messages_of_an_edited_map(service: Service) -> set[str]:
 
 
 async def messages_of_a_volume(service: Service) -> set[str]:
-    cloud = b"0 0 0\n0.5 0 0\n0 0.5 1\n"
-    answer = await asyncio.to_thread(service.http.put, "/api/logs", params={"name": "cloud.xyz"}, content=cloud)
+    head = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\nPOINTS 3\n"
+    cloud = f"{head}VIEWPOINT 0 0 2 1 0 0 0\nDATA ascii\n0 0 0\n0.5 0 0\n0 0.5 1\n".encode()
+    answer = await asyncio.to_thread(service.http.put, "/api/logs", params={"name": "cloud.pcd"}, content=cloud)
     return await messages_of_an_upload(service, answer.json()["id"], "volume", kind="volume")
 
 
@@ -91,6 +92,9 @@ async def messages_of_an_upload(service: Service, log: str, awaited: str, kind: 
         if kind == "volume":
             await watcher.send("voxel", x=0.0, y=0.0, z=0.0)
             await watcher.answer("voxel")
+            await watcher.send("volume_look", values={"show": "surface"})
+            await watcher.send("voxel_ray", origin=[0.0, 0.0, 2.0], direction=[0.0, 0.0, -1.0])
+            await watcher.answer("surface_voxel")
         return set(watcher.newest)
 
 

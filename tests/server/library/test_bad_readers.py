@@ -59,7 +59,7 @@ async def test_a_bad_reader_ends_its_own_job_and_nothing_else(
     assert failed.error is not None
     assert failed.error.code == code
     assert failed.error.message.endswith(".")
-    assert not list((settings.data_dir / "library" / "incoming").iterdir())
+    await eventually(lambda: not list((settings.data_dir / "library" / "incoming").iterdir()))  # removed on a thread
     assert not [name for name in os.listdir(tempfile.gettempdir()) if name.startswith(bad_readers.LEFT)]  # noqa: PTH208
     if good is None:  # on a slow machine it takes longer to begin a process
         library._reader._timeout_s = PATIENCE_S

@@ -10,7 +10,7 @@ function described(one: ClassSolver): string {
   return `${one.is_named ? "cause named, " : ""}repaired ${percent(one.repair)}`;
 }
 
-const sign = (one: ClassSolver): string => (one.is_solved ? "✓" : one.is_named ? "◐" : "○");
+const sign = (one: ClassSolver): string => (one.is_solved ? "✓" : one.is_named ? "½" : "·");
 
 /** How far each follower is with the puzzle of the class, for the lecturer: numbers, no names. */
 export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readonly puzzle: ClassPuzzle }) {
@@ -43,7 +43,7 @@ export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readon
             ))}
           </ul>
           <p class="quiet class-board-legend">
-            ○ begun · ◐ cause named · ✓ solved; the bar is the repair. The numbers are those of the followers.
+            “·” begun, “½” cause named, “✓” solved; the bar is the repair. The numbers are those of the followers.
           </p>
         </>
       )}
