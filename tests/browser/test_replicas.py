@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.browser.looking import await_map, await_true, frame, open_group, until
+from tests.browser.looking import await_map, await_true, frame, open_group, settled_digest, until
 from tests.browser.running import free_port
 from tests.haproxy import running_haproxy
 from tests.programs import MissingProgramError
@@ -119,6 +119,7 @@ def test_pages_reopen_on_the_other_service_when_theirs_is_killed(
     until("the story to be in the address", lambda: "#s=" in lab.evaluate("() => location.href"))
     confirmed = "() => Object.keys(gridbloom.connection.store.robot.pending()).length === 0"
     until("the fault to be on", lambda: lab.evaluate(confirmed))
+    settled_digest(lab)  # the last tiles before the pause may still be on their way
     cells = lab.evaluate("() => gridbloom.cells()")
 
     before = session_of(lab), session_of(logs)
