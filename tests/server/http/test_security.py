@@ -95,6 +95,11 @@ def test_without_the_token_requests_are_refused(browser: httpx.Client, path: str
     assert 'name="token"' in page.text
 
 
+def test_without_the_token_a_proxy_learns_only_whether_the_service_is_ready(browser: httpx.Client) -> None:
+    answer = browser.get("/readyz")
+    assert (answer.status_code, answer.json()) == (200, {"status": "ready"})
+
+
 def test_without_the_token_there_is_the_program_of_the_page_that_a_link_opens(browser: httpx.Client) -> None:
     assert is_error(browser.get("/assets/x.js"), 404, "http.not_found")
     assert is_error(browser.get("/api/shared/no-such-link"), 404, "link.gone")
