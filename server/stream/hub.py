@@ -10,7 +10,6 @@ This module does no I/O, and its clock is an argument: the route sends the bytes
 from __future__ import annotations
 
 import asyncio
-import json
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -37,7 +36,8 @@ MAX_BATCH_BYTES = 256 * 1024
 MAX_TEXT_FRAMES = 16  #: text messages of which a hub keeps the encoded frame until the next tick
 MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones are dropped
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
-_SCAN = msgspec.json.Encoder(enc_hook=float)  # of Python's json the slowest part; a scan has no NaN
+#: For what is encoded at each tick: in a tenth of the time of Python's json. Frames and scans have no NaN.
+_JSON = msgspec.json.Encoder(enc_hook=float)
 _NOTHING = Body(0, 0, (), complete=False)
 
 
@@ -125,9 +125,9 @@ class Hub:
             layer.publish()
         if scan is not self._scan:
             self._scan = scan
-            self._scan_rest = _SCAN.encode(scan).decode()[1:-1]
+            self._scan_rest = _JSON.encode(scan).decode()[1:-1]
             self.scan_number += 1
-        self._frame_rest = json.dumps(frame, separators=(",", ":"), allow_nan=False)[1:]
+        self._frame_rest = _JSON.encode(frame).decode()[1:]
         self.focus_xy = focus_xy
         self.frame_number += 1
         self.published_at = self.clock()
