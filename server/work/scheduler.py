@@ -152,7 +152,7 @@ class Scheduler:
         """Begin the tasks of granted turns on threads of their pools."""
         while self._startable:
             with self._lock:
-                turn = self._startable.pop() if self._startable else None
+                turn = self._startable.pop(0) if self._startable else None
             if turn is None or turn.task is None:
                 return
             try:

@@ -45,7 +45,12 @@ def quantise(
         if stands_for > occupied_above:
             least_occupied = min(least_occupied, step)
     # The last step of a free cell, the first and the last of an unknown one, the first of an occupied one.
-    free, first, last, occupied = int32(most_free), int32(most_free + 1), int32(least_occupied - 1), int32(least_occupied)
+    free, first, last, occupied = (
+        int32(most_free),
+        int32(most_free + 1),
+        int32(least_occupied - 1),
+        int32(least_occupied),
+    )
     count = 0
     col_low, col_high = max(col0, 0), min(col1, cols)
     for r in range(max(row0, 0), min(row1, rows)):
@@ -58,14 +63,14 @@ def quantise(
             for c in range(stop - start):
                 value = float(values[c])
                 scaled = (value - low) * scale
-                scaled = 0.0 if scaled < 0.0 else scaled
-                scaled = 254.0 if scaled > 254.0 else scaled
-                q = int32(scaled + 0.5) - int32(127)
+                scaled = max(scaled, 0.0)
+                scaled = min(scaled, 254.0)
+                q: int32 = int32(scaled + 0.5) - int32(127)
                 is_free, is_occupied = value < free_below, value > occupied_above
                 least = int32(-127) if is_free else (occupied if is_occupied else first)
                 most = free if is_free else (int32(127) if is_occupied else last)
-                q = least if q < least else q
-                q = most if q > most else q
+                q = max(q, least)
+                q = min(q, most)
                 q = int32(-127) if q < -127 else q
                 q = int32(127) if q > 127 else q
                 new = int8(q) if seen[c] else int8(NEVER_OBSERVED)

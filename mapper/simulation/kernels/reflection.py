@@ -48,6 +48,4 @@ def reflect(
             along = ox * ux + oy * uy
             # The sine of the angle between beam and normal is the cosine of that between beam and face.
             slants = abs(dx[i] * ux + dy[i] * uy) > most_sine
-            out[i] |= (
-                slants & (abs(ox * uy - oy * ux) <= on_wall) & (along >= -on_wall) & (along <= length + on_wall)
-            )
+            out[i] |= slants & (abs(ox * uy - oy * ux) <= on_wall) & (along >= -on_wall) & (along <= length + on_wall)

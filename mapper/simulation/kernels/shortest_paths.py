@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from mapper.core.jit import jit
 
 MOST_BUCKETS = 1 << 12
+#: For each of the eight steps, in the order of the kernel: the two straight steps beside a diagonal one, else -1.
+_SIDES = np.array([(1, 3), (-1, -1), (1, 4), (-1, -1), (-1, -1), (6, 3), (-1, -1), (6, 4)])
 
 
 @jit
@@ -46,11 +48,13 @@ def shortest_paths(
             costs[(r + 1) * wide + c + 1] = here
             if here < np.inf:
                 least, greatest = min(least, here), max(greatest, here)
-    offsets = (-wide - 1, -wide, -wide + 1, -1, 1, wide - 1, wide, wide + 1)
+    steps = np.array([-wide - 1, -wide, -wide + 1, -1, 1, wide - 1, wide, wide + 1])
     # A step reaches so many buckets ahead: they are used in turn. With few of them they are wider than the least step.
     count = min(MOST_BUCKETS, int(math.sqrt(2.0) * greatest / least) + 3) if greatest > 0.0 else 3
     width = max(least, math.sqrt(2.0) * greatest / (count - 2)) if greatest > 0.0 else 1.0
-    first = np.full(count, -1, dtype=np.int32)  # cell of each bucket; cells of one bucket form a list in both directions
+    first = np.full(
+        count, -1, dtype=np.int32
+    )  # cell of each bucket; cells of one bucket form a list in both directions
     after, before = np.empty(len(best), dtype=np.int32), np.empty(len(best), dtype=np.int32)
     bucket_of, origin = np.full(len(best), -1, dtype=np.int32), np.full(len(best), -1, dtype=np.int32)
     start = (start_row + 1) * wide + start_col + 1
@@ -69,14 +73,14 @@ def shortest_paths(
         waiting -= 1
         key = best[cell]
         for k in range(8):
-            beside = cell + offsets[k]
+            beside = cell + steps[k]
             there = costs[beside]
             if not there < np.inf:
                 continue
-            is_diagonal = k == 0 or k == 2 or k == 5 or k == 7
+            is_diagonal = _SIDES[k, 0] >= 0
             if is_diagonal:
-                up, across = (offsets[1] if k < 3 else offsets[6]), (offsets[3] if k == 0 or k == 5 else offsets[4])
-                if not (costs[cell + up] < np.inf and costs[cell + across] < np.inf):
+                beside_1, beside_2 = cell + steps[_SIDES[k, 0]], cell + steps[_SIDES[k, 1]]
+                if not (costs[beside_1] < np.inf and costs[beside_2] < np.inf):
                     continue
             # The start itself may be impassable: only the cell that is entered counts then.
             here = costs[cell] if costs[cell] < np.inf else there
