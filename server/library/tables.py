@@ -135,6 +135,8 @@ merge_jobs = Table(
     Column("error_code", String(64)),
     Column("error_message", Text),
     Column("result", Text),  # JSON
+    Column("cut", Text),  # JSON
+    Column("other_cut", Text),  # JSON
 )
 
 #: One row for each puzzle that a visitor made. One of a log goes with it.
