@@ -289,6 +289,7 @@ class SessionHost:
             rest = result.rest
             self._tick_failed = False
             self.deliver(result)
+            await asyncio.sleep(0)  # a listener that reads the model has its turn before the next tick
         except Exception:  # noqa: BLE001 - the session stops with an error instead of failing 30 times a second
             _log.exception("a tick failed")
             self._note_catching_up(is_catching_up=False)
