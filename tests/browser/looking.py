@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import base64
 import hashlib
+import json
 import re
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -168,6 +170,15 @@ def open_group(page: Page, title: str) -> Locator:
         section.click()
     tab.click()
     return page.get_by_role("tabpanel", name=name)
+
+
+def told(page: Page) -> dict[str, Any]:
+    """Return what the lab's address tells of its world: JSON, deflated, in letters that an address may hold."""
+    letters = urlsplit(page.evaluate("() => location.href")).fragment.removeprefix("s=")
+    if not letters:
+        return {}
+    told: dict[str, Any] = json.loads(zlib.decompress(base64.urlsafe_b64decode(letters + "=="), wbits=-15))
+    return told
 
 
 def open_groups(page: Page) -> Iterator[str]:

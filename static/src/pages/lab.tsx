@@ -39,8 +39,8 @@ const EMPTY_MAP = 1;
 
 async function connectLab(): Promise<void> {
   try {
-    const { id, notice, shown } = await openSession();
     const before = live.peek();
+    const { id, notice, shown } = await openSession(before?.store.playing.peek() === false);
     before?.stop();
     stopAddress();
     const connection = connect(id);
