@@ -14,6 +14,12 @@ export interface Replay {
 /** The replay in progress; null while there is none. */
 export const replay = signal<Replay | null>(null);
 
+/** How long a request for a new world has been under way; null at first, and while there is none. */
+export const starting = signal<Work | null>(null);
+
+/** A request that takes longer shows its progress. */
+const SHOWN_AFTER_MS = 300;
+
 /** The visitor cancelled the replay. */
 export class CancelledError extends Error {}
 
@@ -33,7 +39,7 @@ export async function createWorld(
   isPaused = false,
 ): Promise<string> {
   const begin = { kind: "simulation", playing: !(isPaused || reducedMotion.peek()) };
-  if (!story) return await post(begin);
+  if (!story) return await timed(() => post(begin));
   const name = newName();
   const ending = new AbortController();
   const stop = followMaking(name, (work) => {
@@ -46,6 +52,20 @@ export async function createWorld(
     throw error;
   } finally {
     stop();
+  }
+}
+
+/** Wait for a request, and show in {@link starting} how long it has taken. */
+async function timed<T>(request: () => Promise<T>): Promise<T> {
+  const began = performance.now();
+  const clock = setInterval(() => {
+    starting.value = { elapsed_s: (performance.now() - began) / 1000, fraction: null };
+  }, SHOWN_AFTER_MS);
+  try {
+    return await request();
+  } finally {
+    clearInterval(clock);
+    starting.value = null;
   }
 }
 
