@@ -232,6 +232,14 @@ def painted(page: Page) -> None:
     page.evaluate(_PAINTED)
 
 
+def frames(page: Page, n: int) -> None:
+    """Let the page draw ``n`` animation frames, at most 60 in a second: what moves by itself moves in them.
+
+    On a busy machine they take longer; a wait of so many milliseconds could end there before the page has done a thing.
+    """
+    page.evaluate("async (n) => { for (let i = 0; i < n; i++) await new Promise(requestAnimationFrame); }", n)
+
+
 def still(locator: Locator) -> tuple[float, float]:
     """Return the middle of an element once it has stopped moving, in CSS pixels of the viewport, scrolled into view."""
     locator.scroll_into_view_if_needed()
