@@ -8,7 +8,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-MAX_LOGS = 1000
+MAX_LOGS = 10_000
 MAX_FILES = 100  #: in a folder that is one log
 
 
