@@ -161,7 +161,7 @@ def end_session(page: Page) -> None:
 def open_group(page: Page, title: str) -> Locator:
     """Open a group of a dock, and before it the section that it is in; return its panel."""
     # A tab may have a number or "on" behind its title; titles may begin and end alike.
-    name = re.compile(rf"^{re.escape(title)}(?! (?!on$)[a-z])")
+    name = re.compile(rf"^{re.escape(title)}(?! ?(?!on$)[a-z])")
     tab = page.get_by_role("tab", name=name)
     # The hint of a section's tab has the titles of its groups.
     section = page.locator(".dock-tabs").get_by_title(re.compile(rf"(^|, ){re.escape(title)}(, |$)"))

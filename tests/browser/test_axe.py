@@ -151,7 +151,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     page.get_by_role("button", name="Forward one cell").click()
     expect(page.locator(".steps-note")).to_be_visible()
     nothing_wrong(page, ".lab")
-    open_group(page, "World")
+    open_group(page, "Draw")
     page.get_by_role("button", name="Draw furniture").click()
     nothing_wrong(page, ".lab")
     open_group(page, "Path")
