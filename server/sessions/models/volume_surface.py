@@ -40,6 +40,12 @@ MOST_TRIANGLES = 4_000_000  #: that are drawn
 FINEST_M = 0.02  #: of the voxels at first
 
 
+def height_colors(key: ChunkKey, mesh: ChunkMesh, size: float, low: float, look: Look) -> NDArray[np.uint8]:
+    """Return the colours (n, 3) of a chunk's vertices by their heights; ``low`` is that of the first colour, metres."""
+    heights = (CHUNK * key[2] - CENTRE + 0.5 + mesh.places[:, 2] / STEPS) * size
+    return ramp_of(heights, low, low + COLOURS * look.band, HEIGHT_RAMP)
+
+
 class VolumeSurface:
     """The surface of a sequence of scans, None for one that has none; nothing is computed until it is asked for."""
 
@@ -129,8 +135,7 @@ class VolumeSurface:
         def colors(key: ChunkKey, mesh: ChunkMesh) -> NDArray[np.uint8]:
             if by_normal:
                 return normal_colors(mesh.normals)
-            heights = (CHUNK * key[2] - CENTRE + 0.5 + mesh.places[:, 2] / STEPS) * size
-            return ramp_of(heights, low, low + COLOURS * look.band, HEIGHT_RAMP)
+            return height_colors(key, mesh, size, low, look)
 
         chunks = {} if self._problem else self._cut(look)
         return Surface(
