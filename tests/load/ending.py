@@ -33,8 +33,7 @@ async def _ended(paths: list[str], pid: int, port: int) -> float:
     viewers = await _watched(paths, port)
     began = time.monotonic()
     os.kill(pid, signal.SIGTERM)
-    while os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
-        await asyncio.sleep(0.01)
+    await asyncio.to_thread(os.waitid, os.P_PID, pid, os.WEXITED | os.WNOWAIT)
     lasted = time.monotonic() - began
     for viewer in viewers:
         viewer.close()
