@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -53,6 +54,8 @@ def fleet() -> None:
 
 def _measured(paths: Sequence[Path], folder: Path, place: str | None, count: int) -> Measured:
     """Return elapsed seconds, and those of CPU in the jobs, of a fleet whose workers have begun before."""
+    where = "processes" if place is None else "Dask workers"
+    print(f"{count} {where} …", end=" ", file=sys.stderr, flush=True)
     with ExitStack() as stack:
         leases = folder / "leases"
         leases.mkdir(exist_ok=True)
@@ -61,6 +64,7 @@ def _measured(paths: Sequence[Path], folder: Path, place: str | None, count: int
         began = time.perf_counter()
         cpu = _run(paths, folder / "out", workers)
         seconds = time.perf_counter() - began
+    print(f"{seconds:.1f} s", file=sys.stderr)
     for name in ("warm", "out"):
         shutil.rmtree(folder / name)
     return seconds, cpu
