@@ -15,7 +15,7 @@ FITS = "() => document.documentElement.scrollWidth <= document.documentElement.c
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
-@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html"])
+@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/puzzles.html"])
 def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)
     page.goto(server + path)
@@ -24,6 +24,7 @@ def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme)
         "/lecture.html": ".lesson-figure",
         "/lab.html": ".picture canvas",
         "/logs.html": ".log-card",
+        "/puzzles.html": ".puzzles-card",
     }[path]
     expect(page.locator(what).first).to_be_visible()
     if path == "/lab.html":

@@ -15,12 +15,13 @@ from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.volume import TsdfConfig, surface_mesh
+from mapper.volume.chunk_mesh import STEPS, ChunkMesh, cut_between
 from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.mesh_files import glb_bytes, ply_bytes
 from mapper.volume.occupancy import centres_of, keys_of
 from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import ScanSequence
-from mapper.volume.surface_chunks import STEPS, ChunkKey, ChunkMesh, SurfaceChunks, cut_between
+from mapper.volume.surface_chunks import ChunkKey, SurfaceChunks
 from mapper.volume.surface_questions import first_surface, why_surface
 from mapper.volume.tsdf import CENTRE
 from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
