@@ -18,7 +18,7 @@ from mapper.simulation import sample_log
 from server.fleet import Fleet, workers_at
 from server.library.workers import Worker
 
-LOGS = 12  #: of the fleet that is timed
+LOGS = 8  #: of the fleet that is timed
 SCANS = 100  #: of each log
 TASKS = 200  #: empty ones, of which the scheduler's cost is measured
 COUNTS = (1, 2, 4)
