@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
-from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.grid import OccupancyGrid
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
-from mapper.volume.blocks import BLOCK
 from mapper.volume.faces import FaceRule
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.replayed_surface import ReplayedSurface
@@ -29,7 +28,14 @@ from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_look import LOOK_PARAMETERS
 from server.sessions.models.volume_messages import log_fields, look_table, volume_message, voxel_message
-from server.sessions.models.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
+from server.sessions.models.volume_start import (
+    bounds_of,
+    check_resolution,
+    first_look,
+    first_resolution,
+    map_limits,
+    times_of,
+)
 from server.sessions.models.volume_surface import VolumeSurface
 from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
@@ -45,7 +51,6 @@ if TYPE_CHECKING:
 SLICE_S = 0.1  #: of inserting scans, after which the map is shown
 PIECE_S = 0.05  #: of drawing voxels
 FILL_S = 20.0  #: in which a sequence plays at first
-MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 LOG_ODDS = 3.5  #: the range of the map from above
 
 
@@ -60,11 +65,12 @@ class VolumeModel(SessionModel):
 
     def __init__(
         self, host: ModelHost, source: VolumeSource, *, log_id: str, title: str, topic: str | None = None,
-        other: tuple[str, VolumeSource] | None = None,
+        other: tuple[str, VolumeSource] | None = None, up: str = "z",
     ) -> None:  # fmt: skip
-        """``other`` is the title and the source of a map to compare with."""
+        """``other`` is the title and the source of a map to compare with, ``up`` the file's axis that is z here."""
         self._host, self._source = host, source
         self._log_id, self._title, self._topic = log_id, title, topic
+        self._up = up
         self._low, self._high = bounds_of(source)
         self._times = times_of(source)
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
@@ -89,9 +95,8 @@ class VolumeModel(SessionModel):
         self._time = 0.0
 
     def _limits(self) -> Limits:
-        """Return the limits of the map: a visitor's cells are voxels here."""
-        blocks = max(64, self._host.limits().max_cells // BLOCK**3)
-        return replace(DEFAULT_LIMITS, max_blocks=min(DEFAULT_LIMITS.max_blocks, blocks), max_scan_box=MOST_SCAN_BOX)
+        """Return the limits of the map."""
+        return map_limits(self._host.limits())
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -200,6 +205,7 @@ class VolumeModel(SessionModel):
         more = {
             "look": look_table(self._first_look, self._look, self._low, self._high),
             "has_free": self._has_free,
+            "up": self._up,
             "nodes": self._nodes,
             "compared": self._comparison.fields(),
         }
