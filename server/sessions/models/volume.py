@@ -26,16 +26,10 @@ from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
+from server.sessions.models.volume_limits import map_limits
 from server.sessions.models.volume_look import LOOK_PARAMETERS
 from server.sessions.models.volume_messages import log_fields, look_table, volume_message, voxel_message
-from server.sessions.models.volume_start import (
-    bounds_of,
-    check_resolution,
-    first_look,
-    first_resolution,
-    map_limits,
-    times_of,
-)
+from server.sessions.models.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
 from server.sessions.models.volume_surface import VolumeSurface
 from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
@@ -298,9 +292,7 @@ class VolumeModel(SessionModel):
             self._clear_voxel(result)
         if (old.band_low, old.band_high) != (self._look.band_low, self._look.band_high):
             self._stale_grid = True
-        drawn = ("show", "colour", "band", "whole", "cut_low", "cut_high")
-        if any(getattr(old, name) != getattr(self._look, name) for name in drawn):
-            self._drawn.note_look(self._map.volume, old, self._look)
+        self._drawn.note_look(self._map.volume, old, self._look)
 
     # -- computing ------------------------------------------------------------------------------------------------
 

@@ -31,6 +31,7 @@ from server.sessions.models.volume_look import (
 MOST_POINTS = 1_000_000  #: that are drawn
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 HIT, PASSED, CHOSEN = (214, 92, 30), (60, 130, 200), (232, 60, 140)
+DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
 #: Whether they ended in a voxel or passed it, the place of the sensor (3,), their ends (n, 3).
 Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]
@@ -74,6 +75,8 @@ class VolumeDrawings:
 
     def note_look(self, volume: OccupancyVolume, old: Look, new: Look) -> None:
         """Note that another look was chosen."""
+        if all(getattr(old, name) == getattr(new, name) for name in DRAWN):
+            return
         self._stale_points = True
         if (old.cut_low, old.cut_high) == (new.cut_low, new.cut_high) or old.show in WITHOUT_VOXELS:
             self.note_change(volume, None)
