@@ -19,7 +19,7 @@ from mapper.volume.faces import FaceRule
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import ScanSequence
-from server.sessions.drawings import Drawing, Point
+from server.sessions.drawings import Drawing
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.cloud_terrain import CloudPoints
@@ -52,6 +52,7 @@ class VolumeModel(SessionModel):
     """A map of occupied and free voxels of the scans of ``source`` so far, or an octree."""
 
     kind: ClassVar[str] = "volume"
+    is_on = True
     replacing: ClassVar[frozenset[str]] = frozenset({"seek", "step", "restart", "parameters", "surface"})
     resent_on_refusal: ClassVar[Mapping[str, str]] = {
         one: {"volume_look": "volume"}.get(one, one) for one in ("parameters", "volume_look", "surface")
@@ -72,7 +73,7 @@ class VolumeModel(SessionModel):
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
         self.volume = self
         self._drawn = VolumeDrawings(source, self._low, self._high)
-        self._questions = VoxelQuestions(host, self._drawn)
+        self._questions = VoxelQuestions(host, self._drawn.chosen)
         scans = source if isinstance(source, ScanSequence) else None
         self._surface = VolumeSurface(scans, self._config.resolution, self._limits)
         self._target = self._map.count if self._map.count == 1 else 0
@@ -110,6 +111,8 @@ class VolumeModel(SessionModel):
         with contextlib.suppress(MapperError):
             return project(self._map.volume, self._look.band_low, self._look.band_high)
         return None
+
+    above = grid
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""
@@ -184,10 +187,6 @@ class VolumeModel(SessionModel):
         (x0, y0, z0), (x1, y1, z1) = self._low.tolist(), self._high.tolist()
         return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=(z0, z1))
 
-    def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
-        """Ask about the voxel that is clicked."""
-        return {"type": "voxel_ray", "origin": list(origin), "direction": list(direction)}
-
     @property
     def _has_free(self) -> bool:
         return not isinstance(self._source, ScanSequence) or self._source.has_origins
@@ -210,7 +209,7 @@ class VolumeModel(SessionModel):
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         if self._is_surface and command["type"] in ("voxel", "voxel_ray"):
-            self._surface.ask(command, self._host, self._drawn, result)
+            self._surface.ask(command, self._host, self._drawn.chosen, result)
             result.changed = True
             return
         if self._questions.obey(command, self._map, self._rule, result):

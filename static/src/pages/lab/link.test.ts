@@ -27,6 +27,7 @@ test("an older link without explained cell and second map still opens", async ()
     why: null,
     right: null,
     filter: null,
+    map3d: { voxel: 0.2, half_life: 30 },
   });
 });
 

@@ -7,6 +7,9 @@ import { SwitchChip } from "../../ui/SwitchChip";
 import type { Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
+import { VoxelWhy } from "../volume/VoxelWhy";
+import "../volume/volume.css";
+import { Files } from "./Files";
 import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
@@ -62,6 +65,9 @@ export function Map3dGroup({ store, session }: GroupProps) {
         <ParameterRows rows={band} values={values} set={set} />
       </div>
       <CostmapChoice store={store} />
+      <VoxelWhy store={store} />
+      <h3>Download</h3>
+      <Files session={session} />
       <Button
         kind="quiet"
         onClick={() => {
