@@ -150,4 +150,4 @@ class Story(Protocol):
     """The recorded history of a session, from which it can be reproduced."""
 
     async def current(self) -> dict[str, Any]:
-        """Return the story, between two ticks."""
+        """Return the story, between two ticks, of all that was asked of the session before."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import base64
 import hashlib
+import json
 import re
 import time
+import zlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -162,6 +164,15 @@ def open_group(page: Page, title: str) -> Locator:
     name = re.compile(rf"^{re.escape(title)}(?! (?!on$)[a-z])")
     page.get_by_role("tab", name=name).click()
     return page.get_by_role("tabpanel", name=name)
+
+
+def told(page: Page) -> dict[str, Any]:
+    """Return what the lab's address tells of its world: JSON, deflated, in letters that an address may hold."""
+    letters = urlsplit(page.evaluate("() => location.href")).fragment.removeprefix("s=")
+    if not letters:
+        return {}
+    told: dict[str, Any] = json.loads(zlib.decompress(base64.urlsafe_b64decode(letters + "=="), wbits=-15))
+    return told
 
 
 def await_map(page: Page) -> None:
