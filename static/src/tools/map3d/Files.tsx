@@ -9,12 +9,7 @@ export function Files({ session }: { readonly session: string }) {
     <>
       <div class="actions">
         {FILES.map((name) => (
-          <Button
-            key={name}
-            icon="download"
-            href={`/api/sessions/${encodeURIComponent(session)}/${name}`}
-            download
-          >
+          <Button key={name} icon="download" href={`/api/sessions/${encodeURIComponent(session)}/${name}`} download>
             {name.split(".")[1]}
           </Button>
         ))}

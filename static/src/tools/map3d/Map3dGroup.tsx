@@ -52,6 +52,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
         <Scene session={session} hasColumns={false} />
       </div>
       <Difference store={store} />
+      <VoxelWhy store={store} />
       <div class="map3d-settings">
         <ParameterRows rows={map} values={values} set={set} />
       </div>
@@ -65,7 +66,6 @@ export function Map3dGroup({ store, session }: GroupProps) {
         <ParameterRows rows={band} values={values} set={set} />
       </div>
       <CostmapChoice store={store} />
-      <VoxelWhy store={store} />
       <h3>Download</h3>
       <Files session={session} />
       <Button
