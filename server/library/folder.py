@@ -8,7 +8,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-MAX_LOGS = 1000
+MAX_LOGS = 10_000
 TEXT_ENDS = frozenset({".xyz", ".pts", ".csv", ".asc"})  #: of clouds as text
 MAX_FILES = 100  #: in a folder that is one log,
 MAX_DEPTH_FILES = 10_000  #: and in one of depth images, with its subfolders

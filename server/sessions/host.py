@@ -121,7 +121,7 @@ class SessionHost:
             self._long_work.close()
             await asyncio.gather(self._task, return_exceptions=True)
         for client in self.hub.clients:
-            client.wake.set()
+            client.notify()
         for callback in (*self.on_close,):
             try:
                 callback()

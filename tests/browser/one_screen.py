@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from playwright.sync_api import ElementHandle, Error, Locator, Page, expect
+from playwright.sync_api import ElementHandle, Error, Locator, Page
 
 from tests.browser.looking import await_true, carried_out
 
@@ -222,10 +222,3 @@ class Turns:
     def _fresh(self, controls: Locator) -> list[tuple[int, str]]:
         names: list[str] = controls.evaluate_all(f"(all) => all.map({_NAME})")
         return [(i, name) for i, name in enumerate(names) if name not in self.used]
-
-
-def open_tab(page: Page, tab: Locator) -> str:
-    """Open a group of a dock; return its title."""
-    tab.click()
-    expect(tab).to_have_attribute("aria-selected", "true")
-    return tab.inner_text().split("\n")[0]

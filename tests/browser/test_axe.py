@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.looking import SECONDS, await_map, await_true, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, await_map, await_true, frame, open_group, open_groups, settled_digest, until
 from tests.marks import also_long
 
 AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
@@ -130,8 +130,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     page.get_by_role("switch", name="Show the correct map").click()
     expect(page.locator(".plate .compare-name").first).to_be_visible()
     settled_digest(page)
-    for tab in page.get_by_role("tab").all():
-        tab.click()
+    for _ in open_groups(page):
         told_sliders(page)
         nothing_wrong(page, ".dock")
     if page.viewport_size and page.viewport_size["width"] < 500:
@@ -205,8 +204,7 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str) -> None:
     doctor = page.get_by_role("region", name="Log doctor")
     doctor.get_by_role("button", name="No problems found").click(timeout=4 * SECONDS * 1000)
     expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)
-    for tab in page.get_by_role("tab").all():
-        tab.click()
+    for _ in open_groups(page):
         page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
         told_sliders(page)
         nothing_wrong(page, ".dock")

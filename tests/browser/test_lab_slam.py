@@ -6,7 +6,7 @@ import re
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, until
+from tests.browser.looking import await_map, open_group, until
 
 ERROR = """() => {
   const { pose, believed_pose } = gridbloom.connection.store.frame.peek();
@@ -18,7 +18,7 @@ NODES = "() => gridbloom.connection.store.layers.content('slam').peek()?.columns
 def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
     await_map(page)
-    page.get_by_role("tab", name="SLAM").click()
+    open_group(page, "SLAM")
     page.get_by_role("switch", name="Drifting wheels").check()
     page.evaluate("gridbloom.connection.store.send({ type: 'speed', value: 8 })")
     until("the wheels to drift", lambda: (page.evaluate(ERROR) or 0) > 0.3)

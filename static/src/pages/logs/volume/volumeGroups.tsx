@@ -27,6 +27,8 @@ export interface VolumeView {
 interface Group {
   readonly id: string;
   readonly title: string;
+  /** The section that it shares with the groups beside it. */
+  readonly section?: string;
   readonly purpose: string;
   readonly content: (view: VolumeView) => ComponentChildren;
 }
@@ -46,12 +48,14 @@ const GROUPS: readonly Group[] = [
   {
     id: "map",
     title: "Map",
+    section: "Mapping",
     purpose: "How the points become voxels. After a change the map is made again from all of its points.",
     content: ({ store }) => <VolumeMapGroup store={store} />,
   },
   {
     id: "surface",
     title: "Surface",
+    section: "Mapping",
     purpose: "Where the surface is, between voxels: each keeps its mean signed distance to it.",
     content: ({ store }) => <SurfaceGroup store={store} />,
   },
@@ -64,12 +68,14 @@ const GROUPS: readonly Group[] = [
   {
     id: "above",
     title: "From above",
+    section: "Ground",
     purpose: "The map of a robot that drives: a cell is occupied where a voxel of its column is, in a band of heights.",
     content: ({ store, session }) => <VolumeAbove store={store} session={session} />,
   },
   {
     id: "terrain",
     title: "Terrain",
+    section: "Ground",
     purpose: "Patches of the points: which are ground, their planes, and where it is safe to drive.",
     content: ({ store }) => <VolumeTerrain store={store} />,
   },
@@ -89,5 +95,5 @@ const GROUPS: readonly Group[] = [
 
 /** The groups for the dock. */
 export function volumeGroups(view: VolumeView): readonly DockGroup[] {
-  return GROUPS.map(({ id, title, purpose, content }) => ({ id, title, purpose, content: () => content(view) }));
+  return GROUPS.map(({ content, ...group }) => ({ ...group, content: () => content(view) }));
 }
