@@ -12,6 +12,7 @@ from mapper.volume import OccupancyVolume, OctreeFile
 from mapper.volume.changes import Changes
 from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.voxel_classes import Painted, voxel_classes
 from server.sessions.drawings import Drawing, Points, Voxels
 from server.sessions.models.chosen_voxel import HIT, ChosenVoxel
 from server.sessions.models.volume_look import (
@@ -28,9 +29,11 @@ from server.sessions.models.volume_look import (
 )
 
 MOST_POINTS = 1_000_000  #: that are drawn
+MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
+PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS}
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
 
 
@@ -41,6 +44,7 @@ class VolumeDrawings:
         self._scans = source if isinstance(source, ScanSequence) else None
         self._low, self._high = low, high
         self.faces = VoxelFaces()
+        self._classes: tuple[float, Painted] | None = None  #: at a resolution
         self._pending: set[ChunkKey] = set()
         self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: those that are shown
         self._points: Points | None = None
@@ -102,9 +106,10 @@ class VolumeDrawings:
             self._pending.clear()
             self.faces.clear()
         rule = self.rule(volume, look, has_free=has_free)
+        painted = self._classes_at(volume.config.resolution) if look.colour == "class" else None
         # Low chunks first: the ground, and what stands on it.
         for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
-            self.faces.update(volume, rule, [key])
+            self.faces.update(volume, rule, [key], painted=painted)
             self._pending.discard(key)
             if is_over():
                 break
@@ -113,6 +118,16 @@ class VolumeDrawings:
             self._points = self._drawn_points(index, look)
             self._newest = None
             self._stale_points = False
+
+    def _classes_at(self, resolution: float) -> Painted:
+        """Return the classes of the voxels, as far as the file states them."""
+        if self._scans is None or "class" not in self._scans.fields:
+            return {}
+        if self._classes is None or self._classes[0] != resolution:
+            some = slice(None, None, max(1, -(-len(self._scans.points) // MOST_CLASSED)))
+            points, classes = self._scans.points[some], np.asarray(self._scans.fields["class"])[some].reshape(-1)
+            self._classes = resolution, voxel_classes(points, classes, resolution, len(CLASS_COLOURS))
+        return self._classes[1]
 
     def show_newest(self, index: int, look: Look) -> None:
         """Show the newest scan as points, while voxels are made again less often."""
@@ -168,7 +183,7 @@ class VolumeDrawings:
     def current(self, volume: OccupancyVolume, look: Look) -> list[Drawing]:
         """Return the drawings."""
         by_side = look.colour == "side"
-        palette = SIDE_COLOURS if by_side else BELIEF_RAMP if look.colour == "probability" else HEIGHT_RAMP
+        palette = PALETTES.get(look.colour, HEIGHT_RAMP)
         chunks = NO_CHUNKS if look.show in WITHOUT_VOXELS else self._chunks
         found: list[Drawing] = [
             Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
