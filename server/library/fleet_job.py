@@ -33,13 +33,14 @@ class FleetLimits:
 class FleetJob:
     """Read ``source``, examine it, map it, and draw its map into ``picture``.
 
-    The map is kept as ``map`` (.yaml, .pgm) where that is given.
+    The map is kept as ``map`` (.yaml, .pgm) where that is given. A job in the ``background`` has a lower priority.
     """
 
     source: str
     map: str | None
     picture: str
     limits: FleetLimits
+    background: bool = False
 
     @property
     def timeout_s(self) -> float:
@@ -97,7 +98,8 @@ def _done(job: FleetJob) -> dict[str, Any]:
     from server.library.log_picture import write_picture  # noqa: PLC0415
     from server.library.slam_job import lower_priority  # noqa: PLC0415
 
-    lower_priority()
+    if job.background:
+        lower_priority()
     began = time.process_time()
     log = open_log(Path(job.source), progress=lambda done: jobs.note_progress(READ * done))
     jobs.note_progress(READ)

@@ -135,7 +135,8 @@ class FleetJobs:
             if log.source == "folder" and log.id not in self._catalogue.folder_logs:
                 raise LogNotFoundError("log.not_found", "This log is not in the folder any more.")
             async with self._catalogue.source(log) as source:
-                job = FleetJob(str(source), None, str(self._catalogue.picture(log.id)), self._limits)
+                picture = str(self._catalogue.picture(log.id))
+                job = FleetJob(str(source), None, picture, self._limits, background=True)
                 facts, runs = await fleet_facts(worker, job, look)
         finally:
             self._idle.append(worker)

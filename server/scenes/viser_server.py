@@ -54,7 +54,7 @@ def _serve(
     return unix_serve(of_visitor, sock=bound, **options)
 
 
-class _Compressor:
+class Compressor:
     """Replacement of ``zstandard.ZstdCompressor``: viser's level 1 makes the files of voxels a quarter longer."""
 
     def __init__(self, level: int) -> None:
@@ -68,7 +68,7 @@ class _Compressor:
 
 # viser finds the types of a node's fields again for each node, which takes half of the time that a node takes.
 _props.get_type_hints = cache(_props.get_type_hints)  # type: ignore[assignment,attr-defined]
-_infra.zstandard = SimpleNamespace(ZstdCompressor=_Compressor)  # type: ignore[assignment,attr-defined]
+_infra.zstandard = SimpleNamespace(ZstdCompressor=Compressor)  # type: ignore[assignment,attr-defined]
 _infra.AsyncMessageBuffer = MessageBuffer  # type: ignore[attr-defined]
 _infra.websockets = SimpleNamespace(  # type: ignore[assignment,attr-defined] # a stand-in for the module
     asyncio=SimpleNamespace(server=SimpleNamespace(serve=_serve, ServerConnection=ServerConnection)),

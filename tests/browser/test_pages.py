@@ -74,7 +74,7 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
 def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
     await_map(page)
-    open_group(page, "3D")
+    open_group(page, "Scene")
     scene = page.frame_locator("iframe.scene")
     expect(scene.locator("canvas").first).to_be_visible()
     # The parameters stand in viser's own panel, under the same labels.

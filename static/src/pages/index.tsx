@@ -217,6 +217,9 @@ function ClampEffect() {
   );
 }
 
+/** Whether this browser has the cookie of the service's token, which pages cannot read themselves. */
+const SIGNED_IN = /(^|; )gridbloom_signed_in=1/.test(document.cookie);
+
 function Page() {
   useEffect(() => {
     void openWorld();
@@ -289,6 +292,11 @@ function Page() {
           </Button>
         </div>
       </section>
+      {SIGNED_IN && (
+        <p class="home-section quiet">
+          This browser has signed in with the service’s token. <a href="/sign-out">Sign out</a>
+        </p>
+      )}
     </>
   );
 }

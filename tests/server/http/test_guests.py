@@ -71,6 +71,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/map.png"),
     ("GET", "/api/sessions/{session_id}/volume.{kind}"),
     ("GET", "/api/sessions/{session_id}/surface.{kind}"),
+    ("GET", "/api/sessions/{session_id}/above.{kind}"),
 }
 NEVER = {
     ("GET", "/"),

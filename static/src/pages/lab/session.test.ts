@@ -7,7 +7,15 @@ import { fragmentOf, linkFromAddress } from "./link";
 import { keepAddress, openSession } from "./session";
 
 const STORY = { world: "room", seed: 5, steps: 700 };
-const SHOWN = { wrong: { on: [], before: {} }, view: null, pinned: null, why: null, right: null, filter: null };
+const SHOWN = {
+  wrong: { on: [], before: {} },
+  view: null,
+  pinned: null,
+  why: null,
+  right: null,
+  filter: null,
+  map3d: null,
+};
 
 /** The answers of the server, by the path of the request; what was sent is noted. */
 function serve(answers: Record<string, () => Response | Promise<Response>>): object[] {

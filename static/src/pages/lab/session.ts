@@ -73,8 +73,8 @@ export function restore(store: Store, shown: VisibleState): void {
     store.explain(shown.why.at);
     store.selectedUpdate.value = shown.why.touch;
   }
-  const { right, filter } = shown;
-  if (!right && !filter) return;
+  const { right, filter, map3d } = shown;
+  if (!right && !filter && !map3d) return;
   const stop = effect(() => {
     if (!store.isReady.value) return;
     if (right) store.send({ type: "compare", values: right });
@@ -82,6 +82,7 @@ export function restore(store: Store, shown: VisibleState): void {
       store.beginFilter(filter.values, filter.map);
       if (filter.field) store.underlay.value = LIKELIHOOD_FIELD;
     }
+    if (map3d) store.send({ type: "map3d", values: map3d });
     queueMicrotask(() => stop());
   });
 }
@@ -110,6 +111,7 @@ export function keepAddress(id: string, store: Store): () => void {
     if (store.viewHeld.value) void store.view.value;
     void [store.pinned.value, store.explainedPoint.value, store.selectedUpdate.value, store.compared.value];
     void [store.localization.value?.is_on, store.filter.values.value, store.filter.map.value, store.underlay.value];
+    void [store.map3d.message.value?.is_on, store.map3d.values.values.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);
     timer = setTimeout(() => void write(), SETTLE_MS);

@@ -18,14 +18,12 @@ interface VolumeViewerProps {
   readonly onGone: () => void;
   /** Open the session again, compared with another log; null for none. */
   readonly onCompare: (other: string | null) => void;
-  /** The axis of the file that points up. */
-  readonly up: string;
   /** Open the file again with another axis up; null where it cannot be. */
   readonly onUp: ((axis: string) => void) | null;
 }
 
 /** A map in 3D: of point clouds, depth images or an octree. */
-export function VolumeViewer({ session, log, onClose, onGone, onCompare, up, onUp }: VolumeViewerProps) {
+export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }: VolumeViewerProps) {
   const connection = useConnected(session);
   const { store, status, trouble } = connection;
   const openGroup = useSignal("look");
@@ -66,11 +64,7 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, up, onU
           <VolumeFacts store={store} />
         </div>
       </div>
-      <Dock
-        label="About this map"
-        groups={volumeGroups({ store, session, log, onCompare, up, onUp })}
-        open={openGroup}
-      />
+      <Dock label="About this map" groups={volumeGroups({ store, session, log, onCompare, onUp })} open={openGroup} />
     </div>
   );
 }

@@ -20,8 +20,6 @@ export interface VolumeView {
   /** The id of the log that the map is of; null if it is not known. */
   readonly log: string | null;
   readonly onCompare: (other: string | null) => void;
-  /** The axis of the file that points up. */
-  readonly up: string;
   /** Open the file again with another axis up; null where it cannot be. */
   readonly onUp: ((axis: string) => void) | null;
 }
@@ -40,10 +38,10 @@ const GROUPS: readonly Group[] = [
     id: "look",
     title: "View",
     purpose: "What of the map is drawn, and what its colours mean.",
-    content: ({ store, up, onUp }) => (
+    content: ({ store, onUp }) => (
       <>
         <LookGroup store={store} />
-        {onUp && <UpChoice store={store} up={up} onUp={onUp} />}
+        {onUp && <UpChoice store={store} onUp={onUp} />}
       </>
     ),
   },
