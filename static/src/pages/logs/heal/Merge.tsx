@@ -124,6 +124,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
           <p role="status">
             Merged: {now.result.loops} of {now.result.tried} loops between the two logs fit. Both logs have a trajectory
             “merged” in one frame, and “{now.result.name}” has the scans of both: for its map, its files and its doctor.
+            Its trajectory “SLAM” has the graph of both.
             {now.result.note && ` There ${now.result.note}.`}
           </p>
         )}
