@@ -20,7 +20,7 @@ export PYTHONDONTWRITEBYTECODE =
 
 .PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
 
-serve: setup ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
+serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
 
 setup: $(VENV)/.installed pages ## .venv with the gridbloom command in it
@@ -72,6 +72,11 @@ check-pages: setup
 
 test-pages: setup
 	$(NPM) test
+
+# Otherwise the first visitor waits for it.
+$(VENV)/.lab: $(VENV)/.installed $(wildcard mapper/*/kernels/*.py)
+	$(BIN)/python -m mapper.tools.precompile --lab
+	touch $@
 
 kernels: setup ## compile every kernel once, so that no test waits for it
 	$(BIN)/python -m mapper.tools.precompile

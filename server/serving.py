@@ -11,7 +11,7 @@ import socket
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, NoReturn
@@ -19,6 +19,7 @@ from typing import Any, NoReturn
 import uvicorn
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.frames import Frame
 from websockets.http11 import Request
 from websockets.protocol import State
 
@@ -85,11 +86,19 @@ class Socket(WebSocketsSansIOProtocol):
     It takes whole frames too, see :data:`server.stream.frames.EXTENSION`.
     """
 
+    on_text: Callable[[bytes], bool] | None = None
+
     def handle_connect(self, event: Request) -> None:
         """Begin the application for a handshake."""
         super().handle_connect(event)
         if not self.handshake_complete:  # the handshake was not refused
-            self.scope["extensions"][EXTENSION] = {}
+            self.scope["extensions"][EXTENSION] = {"socket": self}
+
+    def handle_text(self, event: Frame) -> None:
+        """Pass a text message to the application."""
+        takes = self.on_text is not None and event.fin and self.queue.empty() and not self.close_sent
+        if not (takes and self.on_text(bytes(event.data))):  # type: ignore[misc]
+            super().handle_text(event)
 
     def send_receive_event_to_app(self) -> None:
         """Queue a message for the application.
@@ -102,6 +111,15 @@ class Socket(WebSocketsSansIOProtocol):
         self.read_paused = was_paused or not is_ahead
         super().send_receive_event_to_app()
         self.read_paused = was_paused or is_ahead
+
+    def is_ready(self) -> bool:
+        """Return whether the client is there, and has read enough of what was written before."""
+        is_open = not (self.disconnected or self.close_sent) and self.conn.state is State.OPEN
+        return is_open and self.writable.is_set()
+
+    def write(self, frames: bytes) -> None:
+        """Write complete frames."""
+        self.transport.write(frames)
 
     async def send(self, message: Any) -> None:  # noqa: ANN401 - an ASGI message, with an extension
         """Send what the application sends."""

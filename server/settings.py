@@ -60,6 +60,11 @@ class Settings(BaseSettings):
         description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT or tls://HOST:PORT "
         "is a Dask scheduler whose workers access the data folder at the same path.",
     )
+    fleet_workers: int = Field(
+        default_factory=lambda: max(1, (os.cpu_count() or 2) - 1),
+        ge=1,
+        description="Number of logs that are read, examined and mapped at once for the page Fleet.",
+    )
     logs_dir: Path | None = Field(default=None, description="Folder of logs that all visitors see, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Maximum number of concurrent sessions.")
     max_sessions_per_visitor: int = Field(

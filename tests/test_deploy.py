@@ -5,13 +5,21 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+import threading
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
 import yaml
 
-from tests.haproxy import CONFIGURATION, haproxy
+from tests.browser.running import free_port
+from tests.haproxy import CONFIGURATION, haproxy, running_haproxy
 from tests.programs import MissingProgramError
+from tests.server.service import until
 
 DEPLOY = Path(__file__).parents[1] / "deploy"
 
@@ -27,6 +35,73 @@ def test_haproxy_reads_its_configuration() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
+
+
+class Stub(ThreadingHTTPServer):
+    """A service that answers with its port, and late when it is asked whether it is ready."""
+
+    daemon_threads = True
+
+    def __init__(self) -> None:
+        self.late_s, self.checks = 0.0, 0
+        super().__init__(("127.0.0.1", 0), StubHandler)
+
+
+class StubHandler(BaseHTTPRequestHandler):
+    """The answers of a :class:`Stub`."""
+
+    server: Stub
+
+    def do_GET(self) -> None:
+        """Answer."""
+        if self.path == "/readyz":
+            time.sleep(self.server.late_s)
+            self.server.checks += 1
+        body = str(self.server.server_address[1]).encode()
+        with suppress(OSError):  # HAProxy may have given up
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+@contextmanager
+def stub() -> Iterator[Stub]:
+    with Stub() as service:
+        thread = threading.Thread(target=service.serve_forever, args=(0.02,))
+        thread.start()
+        try:
+            yield service
+        finally:
+            service.shutdown()
+            thread.join()
+
+
+def test_a_service_that_answers_late_keeps_its_sessions(tmp_path: Path) -> None:
+    with ExitStack() as stack:
+        stubs = {one.server_address[1]: one for one in (stack.enter_context(stub()), stack.enter_context(stub()))}
+        try:
+            address = stack.enter_context(running_haproxy(tmp_path, free_port(), list(stubs)))
+        except MissingProgramError as missing:
+            pytest.skip(str(missing))
+
+        def service_of(place: str) -> int | None:
+            try:
+                with urllib.request.urlopen(f"{address}/api/sessions/{place}.x", timeout=60) as answer:
+                    return int(answer.read())
+            except OSError:
+                return None
+
+        until(lambda: service_of("ab12") is not None)
+        port = service_of("ab12")
+        assert port is not None
+        slow = stubs[port]
+        slow.late_s, checked = 1.5, slow.checks
+        until(lambda: slow.checks >= checked + 3)
+        assert service_of("ab12") == port
 
 
 def test_every_reference_of_the_manifest_leads_somewhere() -> None:

@@ -173,7 +173,7 @@ def smallest(residuals: Float64Array, share: float) -> BoolArray:
 def weights(kind: str, scale: float, residuals: Float64Array) -> Float64Array:
     """Return the weights (n,) of residuals (n,) of an M-estimator: "squares", "huber" or "cauchy".
 
-    Source: Zhang 1997, Parameter estimation techniques, table 1.
+    Source: Zhang 1997, Parameter estimation techniques.
     """
     if kind == "cauchy":
         return np.asarray(1.0 / (1.0 + (residuals / scale) ** 2))

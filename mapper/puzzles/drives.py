@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,21 +29,47 @@ SONARS = SensorConfig(kind="sonar_ring", n_sonars=16, range_max=4.0, range_noise
 MOVED_AFTER = 0.85  #: share of the scans after which furniture is gone
 SWEEP_BEAMS = 10  #: of a scan that takes time, which are measured from one pose
 TRUE, ODOMETRY = "cameras", "odometry"
+KEPT = 8  #: drives that are kept
+Step = Callable[[float], None]
+"""Told now and then which share of a drive is done, 0 … 1; what it raises ends the drive."""
+_Made = tuple[str, int, int, SensorConfig, tuple[Drawn, ...]]
+_kept: OrderedDict[_Made, ScanLog] = OrderedDict()
+_keeping = threading.Lock()
 
 
-@lru_cache(maxsize=8)
-def drive(world: str, seed: int, n_scans: int, sensor: SensorConfig = LIDAR, moved: tuple[Drawn, ...] = ()) -> ScanLog:
-    """Return a simulated drive of ``n_scans`` scans: the same for the same arguments.
+def drive(
+    world: str,
+    seed: int,
+    n_scans: int,
+    sensor: SensorConfig = LIDAR,
+    moved: tuple[Drawn, ...] = (),
+    step: Step = lambda _: None,
+) -> ScanLog:
+    """Return a simulated drive of ``n_scans`` scans: the same for the same arguments, and kept.
 
     Its trajectories are "cameras", the true poses, with those between the scans, and "odometry", which drifts a little.
     What is ``moved`` stands in the world until :data:`MOVED_AFTER` of the scans are taken.
     """
+    key = (world, seed, n_scans, sensor, moved)
+    with _keeping:
+        known = _kept.get(key)
+    made = _driven(world, seed, n_scans, sensor, moved, step) if known is None else known
+    with _keeping:
+        _kept[key] = made
+        _kept.move_to_end(key)
+        if len(_kept) > KEPT:
+            _kept.popitem(last=False)
+    return made
+
+
+def _driven(world: str, seed: int, n_scans: int, sensor: SensorConfig, moved: tuple[Drawn, ...], step: Step) -> ScanLog:
     plan = WORLDS[world]
     simulation = Simulation(edited(plan, Edits(moved)) if moved else plan, sensor, seed)
     stamps, poses = [0], [simulation.robot.pose]
     scans: list[LaserScan] = []
     at_scans: list[PoseTuple] = []
     while len(scans) < n_scans:
+        step(len(scans) / n_scans)
         for scan, pose in simulation.advance(STEP):
             scans.append(scan)
             at_scans.append(pose)

@@ -90,16 +90,21 @@ def puzzle_of(
     first: MappingConfig,
     limits: Limits = DEFAULT_LIMITS,
     wanted: Callable[[], bool] = lambda: True,
+    step: Callable[[float], None] = lambda _: None,
 ) -> Puzzle:
-    """Return the puzzle of a spoiled log; ``first`` are the parameters that its values are set in. Raises as
-    :func:`mapped`.
+    """Return the puzzle of a spoiled log; ``first`` are the parameters that its values are set in.
+
+    ``step`` is told which share of the maps is made, 0 … 1. Raises as :func:`mapped`.
     """
+    step(0.0)
     start, repaired = first.with_values(spoiled.start), first.with_values(spoiled.repair)
     reference = mapped(
         spoiled.reference, first.with_values(spoiled.reference_values), spoiled.reference_trajectory, limits, wanted
     )
+    step(1.0 / 3.0)
     walls = wall_points(reference)
     before = measures_of(mapped(spoiled.log, start, spoiled.trajectory, limits, wanted), walls)
+    step(2.0 / 3.0)
     after = measures_of(mapped(spoiled.log, repaired, spoiled.repaired_along, limits, wanted), walls)
     changed = {name: value for name, value in asdict(repaired).items() if value != getattr(start, name)}
     return Puzzle(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from mapper.puzzles.drives import LIDAR, SHORT_LIDAR, SONARS, TRUE, drive, polished, swept
+from mapper.puzzles.drives import LIDAR, SHORT_LIDAR, SONARS, TRUE, Step, drive, polished, swept
 from mapper.puzzles.spoiling import Spoiled, spoil
 from mapper.simulation.edits import Drawn
 
@@ -18,7 +18,7 @@ CRATES = tuple(Drawn("box", *corners) for corners in ((560, 140, 680, 220), (360
 class Recipe:
     """A puzzle: ``level`` 1 to 3, what the visitor is told (``title``, ``story``), its cause, and how it is made.
 
-    Title and story do not tell the cause.
+    Title and story do not tell the cause. ``make`` tells how much of its drive is done.
     """
 
     name: str
@@ -26,35 +26,36 @@ class Recipe:
     title: str
     story: str
     cause: str
-    make: Callable[[], Spoiled]
+    make: Callable[[Step], Spoiled]
 
 
-def _spoiled(world: str, seed: int, n_scans: int, cause: str, *, short: bool = False) -> Callable[[], Spoiled]:
-    return lambda: spoil(drive(world, seed, n_scans, SHORT_LIDAR if short else LIDAR), cause, seed, TRUE)
+def _spoiled(world: str, seed: int, n_scans: int, cause: str, *, short: bool = False) -> Callable[[Step], Spoiled]:
+    sensor = SHORT_LIDAR if short else LIDAR
+    return lambda step: spoil(drive(world, seed, n_scans, sensor, step=step), cause, seed, TRUE)
 
 
-def _clamp() -> Spoiled:
-    log = drive("room", 11, 500, LIDAR, CRATES)
+def _clamp(step: Step) -> Spoiled:
+    log = drive("room", 11, 500, LIDAR, CRATES, step)
     return Spoiled(log, TRUE, log, TRUE, {"clamp": False})
 
 
-def _polished() -> Spoiled:
-    clean = drive("loop", 6, 300)
+def _polished(step: Step) -> Spoiled:
+    clean = drive("loop", 6, 300, step=step)
     return Spoiled(polished(clean, "loop"), TRUE, clean, TRUE, {"no_return": "free"}, {"no_return": "ignore"})
 
 
-def _sweep() -> Spoiled:
-    log = swept(drive("room", 7, 250), "room")
+def _sweep(step: Step) -> Spoiled:
+    log = swept(drive("room", 7, 250, step=step), "room")
     return Spoiled(log, TRUE, log, TRUE, {"deskew": "off"}, {"deskew": "on"}, {"deskew": "on"})
 
 
-def _sonar() -> Spoiled:
-    log = drive("room", 8, 500, SONARS)
+def _sonar(step: Step) -> Spoiled:
+    log = drive("room", 8, 500, SONARS, step=step)
     return Spoiled(log, TRUE, log, TRUE, {"model": "fixed_increments", "window": 0.0})
 
 
-def _low_table() -> Spoiled:
-    log = drive("levels", 9, 400)
+def _low_table(step: Step) -> Spoiled:
+    log = drive("levels", 9, 400, step=step)
     return Spoiled(log, TRUE, log, TRUE)
 
 

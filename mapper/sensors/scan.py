@@ -6,6 +6,7 @@ measured range when ``range_min <= r <= range_max``. Source: sensor_msgs/LaserSc
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -37,12 +38,12 @@ def _check_angle_step(angle_increment: float, n_beams: int) -> None:
 
 
 def _check_beams(angle_min: float, angle_increment: float, range_min: float, range_max: float) -> None:
-    if not (np.isfinite(angle_min) and np.isfinite(angle_increment)):
+    if not (math.isfinite(angle_min) and math.isfinite(angle_increment)):
         raise ConfigError(
             "scan.angles",
             f"angle_min and angle_increment must be finite, not {angle_min!r} and {angle_increment!r}.",
         )
-    if not (0.0 <= range_min < range_max) or np.isnan(range_max):
+    if not 0.0 <= range_min < range_max:
         raise ConfigError(
             "scan.range_limits",
             f"Range limits must satisfy 0 ≤ range_min < range_max, not {range_min!r}, {range_max!r}.",

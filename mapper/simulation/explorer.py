@@ -27,6 +27,7 @@ SPARE = 0.005  # metres beyond the radius that the next half second needs
 COMFORT = 0.55  # metres of clearance beyond which a path gains nothing
 GOAL_CLEARANCE = 0.15  # metres beyond the radius that a goal needs
 GOALS_TRIED = 48
+ENTRIES_TRIED = 32  # cells from which a path may begin
 ARRIVED = 0.7  # metres before a goal at which the next is chosen, so that the robot does not halt
 STUCK_AFTER = 2.5  # seconds without progress after which the goal is given up
 SPACING = 0.1  # metres between the points of a path
@@ -38,6 +39,36 @@ def _centres_of(lattice: GridGeometry) -> Float64Array:
     centres = lattice.cell_to_world(np.stack(np.meshgrid(*map(np.arange, lattice.shape), indexing="ij"), axis=-1))
     centres.setflags(write=False)
     return centres
+
+
+@dataclass(frozen=True, slots=True)
+class _Passable:
+    """Where a robot can drive in a world, which all robots of one radius share.
+
+    ``cells`` (n, 2) are the cells that a path may pass, ``centres`` (n, 2) their centres, metres; ``cost`` (rows, cols)
+    is that of a metre, +inf where nothing passes; ``goals`` (rows, cols) says where a goal may be.
+    """
+
+    cells: NDArray[np.int64]
+    centres: Float64Array
+    cost: Float64Array
+    goals: NDArray[np.bool_]
+
+
+@lru_cache(maxsize=16)
+def _passable(world: World, radius: float) -> _Passable:
+    """Return where a robot of ``radius`` metres can drive."""
+    lattice = clearance_lattice(world)
+    clearance = lattice.clearance
+    passes = clearance >= radius + MARGIN
+    crowding = np.clip((COMFORT - clearance) / (COMFORT - radius), 0.0, 1.0)
+    cells = np.argwhere(passes)
+    return _Passable(
+        cells,
+        _centres_of(lattice.geometry)[cells[:, 0], cells[:, 1]],
+        np.where(passes, 1.0 + 6.0 * crowding**2, np.inf),
+        clearance >= radius + GOAL_CLEARANCE,
+    )
 
 
 @dataclass(slots=True)
@@ -133,16 +164,13 @@ class Explorer:
 
     def _plan(self, robot: Robot, time: float) -> Float64Array:
         """Return a path (n, 2), metres, to the goal with the greatest gain less cost; empty where there is none."""
-        lattice = clearance_lattice(self.world)
-        clearance = lattice.clearance
-        spare = clearance - (robot.radius + MARGIN)
-        crowding = np.clip((COMFORT - clearance) / (COMFORT - robot.radius), 0.0, 1.0)
-        cost = np.where(spare >= 0.0, 1.0 + 6.0 * crowding**2, np.inf)
-        row, col = self._entry(robot, spare)
+        passable = _passable(self.world, robot.radius)
+        cost = passable.cost
+        row, col = self._entry(robot, passable)
         distance, parent = np.empty(cost.shape), np.empty(cost.shape, dtype=np.int64)
         shortest_paths(cost, row, col, distance, parent)
-        metres = distance * lattice.geometry.resolution
-        reachable = np.isfinite(metres) & (clearance >= robot.radius + GOAL_CLEARANCE) & (metres > 2.0 * ARRIVED)
+        metres = distance * clearance_lattice(self.world).geometry.resolution
+        reachable = np.isfinite(metres) & passable.goals & (metres > 2.0 * ARRIVED)
         candidates = np.argwhere(reachable)
         if not len(candidates):
             return np.empty((0, 2))
@@ -153,20 +181,23 @@ class Explorer:
         goal = int(np.argmax(worth))
         return self._smoothed(self._cells_to(int(rows[goal]), int(cols[goal]), parent), robot)
 
-    def _entry(self, robot: Robot, spare: Float64Array) -> tuple[int, int]:
+    def _entry(self, robot: Robot, passable: _Passable) -> tuple[int, int]:
         """Return the passable cell nearest to the robot that it can reach in a straight line."""
         x, y, _ = robot.pose
-        cells = np.argwhere(spare >= 0.0)
-        if not len(cells):
+        if not len(passable.cells):
             return 0, 0
-        gaps = np.hypot(*(self._centres[cells[:, 0], cells[:, 1]] - (x, y)).T)
-        order = np.argsort(gaps, kind="stable")[:32]
+        gaps = np.hypot(passable.centres[:, 0] - x, passable.centres[:, 1] - y)
+        near = np.arange(len(gaps))
+        if len(gaps) > ENTRIES_TRIED:
+            near = np.flatnonzero(gaps <= np.partition(gaps, ENTRIES_TRIED - 1)[ENTRIES_TRIED - 1])
+        order = near[np.argsort(gaps[near], kind="stable")][:ENTRIES_TRIED]
         for index in order:
-            row, col = (int(v) for v in cells[index])
-            px, py = self._centres[row, col]
-            if chord_clearance(self.world.segments, x, y, float(px), float(py)) >= robot.radius:
-                return row, col
-        row, col = (int(v) for v in cells[order[0]])
+            px, py = passable.centres[index].tolist()
+            if chord_clearance(self.world.segments, x, y, px, py) >= robot.radius:
+                break
+        else:
+            index = order[0]
+        row, col = passable.cells[index].tolist()
         return row, col
 
     def _cells_to(self, row: int, col: int, parent: NDArray[np.int64]) -> Float64Array:

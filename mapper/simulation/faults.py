@@ -116,12 +116,11 @@ def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> ND
     distance, is less than any sensor's noise.
     """
     x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
-    if sensor.kind == "sonar_ring":
-        heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
-        angles = sensor.bearings[:, np.newaxis] + rays_of_cone(sensor.beam_width)
-    else:
-        heard = true_ranges(world, sensor, (x, y, yaw))[:, np.newaxis]
-        angles = sensor.bearings[:, np.newaxis]
+    if sensor.kind == "lidar":
+        gone = reflected_away(world, true_ranges(world, sensor, (x, y, yaw)), sensor.bearings, (x, y, yaw))
+        return np.where(gone, np.float16(np.inf), np.float16(0.0))
+    heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
+    angles = sensor.bearings[:, np.newaxis] + rays_of_cone(sensor.beam_width)
     lost = reflected_away(world, heard.ravel(), angles.ravel(), (x, y, yaw)).reshape(heard.shape)
     true = heard.min(axis=1)
     echo = np.where(lost, np.inf, heard).min(axis=1)

@@ -113,7 +113,7 @@ class SensorConfig:
     @property
     def bearings(self) -> Float64Array:
         """Bearings of the readings (n_readings,) in the laser frame, radians."""
-        return self.angle_min + self.angle_increment * np.arange(self.n_readings, dtype=np.float64)
+        return _bearings(self.angle_min, self.angle_increment, self.n_readings)
 
     def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
@@ -122,6 +122,14 @@ class SensorConfig:
 
 
 check_table(SensorConfig, SENSOR_PARAMETERS)
+
+
+@lru_cache(maxsize=64)
+def _bearings(angle_min: float, angle_increment: float, count: int) -> Float64Array:
+    """Return even bearings (count,), radians, which all scans of one sensor share."""
+    bearings: Float64Array = angle_min + angle_increment * np.arange(count, dtype=np.float64)
+    bearings.setflags(write=False)
+    return bearings
 
 
 def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> Float64Array:

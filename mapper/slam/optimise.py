@@ -28,7 +28,7 @@ GREATEST_TURN = 0.5  #: radians: of one step, where the linearisation holds
 def robust_weights(kernel: str, chi2: Float64Array, scale: float) -> Float64Array:
     """Return the weight (e,), 0 … 1, that a kernel leaves to squared residuals ``chi2`` (e,) for a scale.
 
-    Source: Zhang 1997, Parameter estimation techniques, table 1.
+    Source: Zhang 1997, Parameter estimation techniques.
     """
     ratio = chi2 / (scale * scale)
     if kernel == "geman_mcclure":

@@ -124,22 +124,3 @@ def agreement(
         agreeing += is_near
         contradicting += is_free and not is_near
     return len(placed), agreeing, contradicting
-
-
-def shrunk_pair(
-    hessian: Float64Array, gradient: Float64Array, first: Float64Array, second: Float64Array, false_share: float
-) -> tuple[Float64Array, Float64Array]:
-    """Return what :func:`mapper.slam.kernels.information.shrink_pairs` makes of one pair of poses (3,).
-
-    ``hessian`` (3, 3) and ``gradient`` (3,) are those over the first pose; the result is over both (6, 6) and (6,).
-    The second pose's derivative is the first one's times M: its step is the opposite, turning around its own place.
-    """
-    values, vectors = np.linalg.eigh(hessian[:2, :2])
-    values = np.maximum(values, 1e-9)
-    kept = np.sqrt(np.maximum(values - false_share * values[1], 1e-9) / values)
-    shrink = np.eye(3)
-    shrink[:2, :2] = vectors @ np.diag(kept) @ vectors.T
-    a, b = first[1] - second[1], second[0] - first[0]
-    to_second = -np.array([[1.0, 0.0, -a], [0.0, 1.0, -b], [0.0, 0.0, 1.0]])
-    both = np.concatenate([np.eye(3), to_second], axis=1)
-    return both.T @ shrink @ hessian @ shrink @ both, both.T @ shrink @ gradient

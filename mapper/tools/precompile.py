@@ -1,5 +1,7 @@
 """``python -m mapper.tools.precompile``: compile every kernel, so that the first visitor does not wait for it.
 
+With ``--lab``, compile only those that a new simulated world needs.
+
 numba keeps what it compiles (in NUMBA_CACHE_DIR, or next to the sources), and an image or a machine that ran this once
 starts at full speed. It exits with 1 and names the kernel if one was left out.
 """
@@ -44,6 +46,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.faults import reflected_away
 from mapper.simulation.kernels.raycast import arc_clearance
+from mapper.simulation.live_map import LiveMap
 from mapper.simulation.sensors_3d import Sensor3D, measure_3d
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
@@ -59,11 +62,12 @@ from mapper.volume import (
     distance_to_obstacle,
     octree_file,
     project,
-    surface_mesh,
 )
+from mapper.volume.chunk_mesh import shaded
 from mapper.volume.faces import VoxelFaces, chunks_of, face_rule
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.octree_files import octree_of_bytes
+from mapper.volume.surface_chunks import SurfaceChunks
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
@@ -75,6 +79,22 @@ class _NoEvidence:
 
     def increments(self, s: NDArray[np.float64], _z: NDArray[np.float64], _range_max: float) -> NDArray[np.float64]:
         return np.zeros_like(s)
+
+
+def precompile_lab() -> None:
+    """Explore a simulated world with the default parameters, compute its map again, and draw it."""
+    live = LiveMap(WORLDS["office"], seed=0)
+    live.advance(SECONDS)
+    live.remake(live.config)
+    _draw(live.grid)
+
+
+def _draw(grid: OccupancyGrid) -> None:
+    """Quantise a map for its picture."""
+    rows, cols = grid.geometry.shape
+    picture = np.full((rows, cols), NEVER_OBSERVED, dtype=np.int8)
+    changed = np.zeros((-(-rows // TILE), -(-cols // TILE)), dtype=np.bool_)
+    quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
 
 
 def precompile() -> None:
@@ -99,11 +119,8 @@ def precompile() -> None:
         replay.advance_to(0)
         replay.advance_to(replay.log.n_scans)
         replay.provenance(0, 0)
-    rows, cols = replay.grid.geometry.shape
-    picture = np.full((rows, cols), NEVER_OBSERVED, dtype=np.int8)
-    changed = np.zeros((-(-rows // TILE), -(-cols // TILE)), dtype=np.bool_)
     grid = replay.grid
-    quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
+    _draw(grid)
     compare(grid, grid)
     map_metrics(grid)
     _localize(replay.log, grid)
@@ -202,7 +219,11 @@ def _fuse_surfaces() -> None:
     surface = TsdfVolume(TsdfConfig(resolution=0.1))
     surface.fuse_depth(np.ones((8, 8)), Intrinsics(8, 8, 8.0, 8.0, 3.5, 3.5), np.eye(4))
     surface.fuse_points(np.ones((1, 3)), np.zeros(3))
-    surface_mesh(surface)
+    chunks = SurfaceChunks()
+    chunks.note_change(surface, None)
+    chunks.work(surface)
+    colors, normals = np.zeros((1, 3), dtype=np.uint8), np.zeros((1, 3), dtype=np.int8)
+    shaded(colors, normals, np.ones(6, dtype=np.float32))
 
 
 def _assess_terrain() -> None:
@@ -231,6 +252,10 @@ def kernels() -> dict[str, bool]:
 def main() -> int:
     """Compile the kernels and print how long it took; return the exit status."""
     began = time.perf_counter()
+    if sys.argv[1:] == ["--lab"]:
+        precompile_lab()
+        print(f"the lab's kernels ready in {time.perf_counter() - began:.1f} s")
+        return 0
     precompile()
     done = kernels()
     cold = [name for name, compiled in done.items() if not compiled]

@@ -11,6 +11,7 @@ from mapper.core.array_types import Float32Array, Float64Array
 from mapper.sensors.camera import Intrinsics
 
 MOST_PIXELS = 1 << 26  #: of all images that are kept, 128 MiB: 218 images of 640 × 480
+LEAST_AGREEMENT = 0.5  #: length of the mean of unit vectors below which they do not say one direction
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,16 @@ class DepthSequence:
     unit: float
     images: NDArray[np.uint16]
     poses: Float64Array
+
+    @property
+    def up(self) -> Float64Array | None:
+        """Return which way is up, a unit vector (3,) of the map's frame: against the mean of the images' columns.
+
+        None where the cameras do not agree: they look straight up and down, or turn about their axes.
+        """
+        mean = -self.poses[:, :3, 1].mean(axis=0)
+        length = float(np.linalg.norm(mean))
+        return np.asarray(mean / length) if length > LEAST_AGREEMENT else None
 
     def depth(self, index: int) -> Float32Array:
         """Return an image (height, width), metres along the optical axis; 0 is no depth."""

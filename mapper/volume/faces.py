@@ -7,17 +7,18 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mapper.core.array_types import Int32Array, UInt8Array, UInt32Array
+from mapper.core.array_types import Int32Array, Int64Array, UInt8Array, UInt32Array
 from mapper.core.errors import WorkCancelledError
 from mapper.volume.blocks import BLOCK, KEYS
-from mapper.volume.kernels.faces import CHUNK, fill_chunk, merge_faces
+from mapper.volume.kernels.faces import CHUNK, COVERED, fill_chunk, merge_faces
 from mapper.volume.kernels.rays import CENTRE
 from mapper.volume.kernels.types import FaceRule
 from mapper.volume.occupancy import OccupancyVolume
+from mapper.volume.voxel_classes import ChunkKey, Painted
 
 __all__ = ["CENTRE", "CHUNK", "ChunkKey", "FaceRule", "VoxelFaces", "face_rule", "triangles_of"]
 
-ChunkKey = tuple[int, int, int]  #: the key of a chunk's first voxel, divided by 32
+NONE_PAINTED = (np.empty(0, dtype=np.int64), np.empty(0, dtype=np.uint8))
 _ROOM = 4096  #: rectangles for which there is room at first
 #: Of a rectangle's corners, counter-clockwise from outside: whether they lie at its far end along its two axes.
 _CORNERS = {False: ((0, 0), (0, 1), (1, 1), (1, 0)), True: ((0, 0), (1, 0), (1, 1), (0, 1))}
@@ -68,8 +69,11 @@ class VoxelFaces:
         rule: FaceRule,
         chunks: Iterable[ChunkKey],
         may_continue: Callable[[], bool] = lambda: True,
+        painted: Painted | None = None,
     ) -> list[ChunkKey]:
         """Make the rectangles of ``chunks`` again and return the chunks in which they changed.
+
+        With ``painted`` its colours take the place of the rule's, and 1 where it has none.
 
         Raises :class:`WorkCancelledError` between two chunks unless ``may_continue``; those before are made then.
         """
@@ -77,13 +81,15 @@ class VoxelFaces:
         for key in chunks:
             if not may_continue():
                 raise WorkCancelledError("volume.cancelled", "Drawing the voxels was cancelled.")
-            if self._update_one(volume, rule, key):
+            if self._update_one(volume, rule, key, painted):
                 changed.append(key)
         return changed
 
-    def _update_one(self, volume: OccupancyVolume, rule: FaceRule, key: ChunkKey) -> bool:
+    def _update_one(self, volume: OccupancyVolume, rule: FaceRule, key: ChunkKey, painted: Painted | None) -> bool:
         x, y, z = (CHUNK * k for k in key)
         count = fill_chunk(volume.belief, x, y, z, rule, self._colours)
+        if painted is not None and count:
+            self._paint(*painted.get(key, NONE_PAINTED))
         n = merge_faces(self._colours, self._mask, self._out) if count else 0
         if n > len(self._out):
             self._out = np.empty((n, 7), dtype=np.uint8)
@@ -98,6 +104,14 @@ class VoxelFaces:
             return False
         self.chunks[key] = new.copy()
         return True
+
+    def _paint(self, voxels: Int64Array, colours: UInt8Array) -> None:
+        """Give the voxels of the chunk that are drawn other colours."""
+        inner = self._colours[1:-1, 1:-1, 1:-1]
+        wanted = np.ones(inner.size, dtype=np.uint8)
+        wanted[voxels] = colours
+        drawn = (inner != 0) & (inner != COVERED)
+        inner[drawn] = wanted.reshape(inner.shape)[drawn]
 
     def clear(self) -> None:
         """Forget all chunks."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from mapper.volume.occupancy import OccupancyVolume
 from mapper.volume.octree_files import OctreeFile
 from mapper.volume.parameters import VolumeConfig
 from mapper.volume.scan_sequence import ScanSequence
-from mapper.volume.sources import Insertion
+from mapper.volume.sources import Insertion, PlacedScan
 
 
 class ReplayedVolume:
@@ -42,6 +42,11 @@ class ReplayedVolume:
     def count(self) -> int:
         """How many scans there are."""
         return len(self.source) if isinstance(self.source, ScanSequence) else 1
+
+    def placed_scans(self) -> Iterator[PlacedScan]:
+        """Yield the scans that are in the map; none of an octree, whose scans are not known."""
+        if isinstance(self.source, ScanSequence):
+            yield from map(self.source.scan, range(self.index))
 
     def take_touched(self) -> Int32Array | None:
         """Return the slots (n,) of the blocks that changed since the last call; None where any may have."""

@@ -72,6 +72,19 @@ class ScanSequence:
             points.astype(np.float64), origin if np.isfinite(origin).all() else None, int(self.stamps_ns[index])
         )
 
+    @property
+    def first_up(self) -> str:
+        """The axis of the file, one of :data:`UPS`, that points up as far as is known.
+
+        Cameras are held upright more often than not, so that it is the axis nearest to the images' upward direction;
+        without images z is up, as REP 103 says.
+        """
+        up = None if self.depth is None else self.depth.up
+        if up is None:
+            return "z"
+        axis = int(np.argmax(np.abs(up)))
+        return ("-" if up[axis] < 0.0 else "") + "xyz"[axis]
+
     def with_up(self, axis: str) -> ScanSequence:
         """Return the scans turned so that an axis of the file, one of :data:`UPS`, points up.
 

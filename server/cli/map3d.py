@@ -148,7 +148,8 @@ def map3d(
         print_json(facts)
         return
     typer.echo(
-        f"{scans.scans} scans, {scans.points} points" + (f", {scans.left_out} left out" if scans.left_out else "")
+        f"{scans.scans} scan{'s' if scans.scans != 1 else ''}, {scans.points} points"
+        + (f", {scans.left_out} left out" if scans.left_out else "")
     )
     print_tree(facts)
     typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")

@@ -198,7 +198,8 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
         plan = plan_update(config, one.range_min, one.range_max)
         deskewed += int(deskewed_scans(one, plan, trajectory).sum())
         left_out += int((~covered_scans(one, plan, trajectory)).sum())
-    note = f"With this time offset {left_out} scans are from before or after all poses, and are left out."
+    scans, are = ("1 scan is", "is") if left_out == 1 else (f"{left_out} scans are", "are")
+    note = f"With this time offset {scans} from before or after all poses, and {are} left out."
     return deskewed, [note] if left_out else []
 
 

@@ -1,6 +1,6 @@
-"""Many logs read, examined and mapped, on this machine or on a Dask cluster."""
+"""Many log files read, examined and mapped into a folder, on this machine or on a Dask cluster."""
 
-from server.fleet.job import FleetJob, FleetLimits
 from server.fleet.run import Fleet, Result, workers_at
+from server.library.fleet_job import FleetJob, FleetLimits
 
 __all__ = ["Fleet", "FleetJob", "FleetLimits", "Result", "workers_at"]

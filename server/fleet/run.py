@@ -1,4 +1,4 @@
-"""A fleet of logs: each is given to one worker, and has one result in a folder, which a later run goes on from.
+"""A fleet of log files: each is given to one worker, and has one result in a folder, which a later run goes on from.
 
 The results are files ``results/KEY.json``, written whole by this process alone (it holds the folder): a log has one
 however often its worker dies. The key is a digest of the log's path, size and time of its last change.
@@ -6,14 +6,13 @@ however often its worker dies. The key is a digest of the log's path, size and t
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import json
 import os
-import queue
-import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,17 +20,16 @@ from typing import Any
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, MapperError
-from server.fleet.job import FleetJob, FleetLimits
+from server.library.fleet_job import DIED, RUNS, FleetJob, FleetLimits, fleet_facts
 from server.library.storage import StorageError, claimed
 from server.library.workers import ExecutorWorker, PoolWorker, Worker
 
-RUNS = 2  #: of a log whose process was ended: the machine may be at fault
 AHEAD = 1  #: logs that wait at the cluster beside those that its threads do, so that none waits for a log
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What came of one log: ``facts`` as :func:`server.fleet.job.do_fleet_job` returns them, or an error."""
+    """What came of one log: ``facts`` as :func:`server.library.fleet_job.do_fleet_job` returns them, or an error."""
 
     key: str
     log: str
@@ -59,7 +57,6 @@ class Fleet:
         self.folder = folder
         self.logs = {key_of(path): path.absolute() for path in paths}
         self._limits = limits or FleetLimits()
-        self._lock = threading.Lock()
         self.results: dict[str, Result] = {}
 
     @contextmanager
@@ -88,68 +85,49 @@ class Fleet:
     def run(self, workers: Sequence[Worker], done: Callable[[Result], None], *, again: bool = False) -> None:
         """Have every log done that has no result yet, by all workers at once; ``again``: also those that failed.
 
-        ``done`` is called after each, by one thread at a time. An interrupt ends the workers; what is done stays.
-        Raises :class:`ConfigError` where a result cannot be written.
+        ``done`` is called after each. An interrupt ends the workers; what is done stays. Raises :class:`ConfigError`
+        where a result cannot be written.
         """
-        waiting: queue.SimpleQueue[str] = queue.SimpleQueue()
+        waiting: deque[str] = deque()
         for key in self.logs:
             if key not in self.results or (again and self.results[key].failed):
                 self.results.pop(key, None)
-                waiting.put(key)
-        errors: list[BaseException] = []
-        ended = threading.Event()
+                waiting.append(key)
 
-        def serve(worker: Worker) -> None:
-            try:
-                while not ended.is_set():
-                    result = self._done(waiting.get_nowait(), worker, ended)
-                    if result is not None:
-                        with self._lock:
-                            self._write(result)
-                            done(result)
-            except queue.Empty:
-                return
-            except BaseException as error:  # noqa: BLE001 - raised in the thread that waits
-                errors.append(error)
-                ended.set()
+        async def serve(worker: Worker) -> None:
+            while waiting:
+                result = await self._done(waiting.popleft(), worker)
+                self._write(result)
+                done(result)
 
-        threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in workers]
-        for thread in threads:
-            thread.start()
+        async def serve_all() -> None:
+            async with asyncio.TaskGroup() as group:
+                for worker in workers:
+                    group.create_task(serve(worker))
+
         try:
-            for thread in threads:
-                while thread.is_alive():
-                    thread.join(0.2)
+            asyncio.run(serve_all())
+        except ExceptionGroup as group:
+            raise group.exceptions[0] from None
         finally:
-            ended.set()
             for worker in workers:
                 worker.end()
-        if errors:
-            raise errors[0]
 
-    def _done(self, key: str, worker: Worker, ended: threading.Event) -> Result | None:
-        """Have a log done; None where the run was ended meanwhile."""
-        path, limits, began = self.logs[key], self._limits, time.monotonic()
-        out = str((self.folder / "maps" / key).absolute())
-        job = FleetJob(str(path), out, limits.timeout_s, limits.cpu_s, limits.memory_bytes)
-        failure = ("fleet.died", "The process of this log was ended, most likely because it needs too much memory.")
-        for run in range(1, RUNS + 1):
-            try:
-                facts = worker.submit(job).result()
-                return Result(key, str(path), round(time.monotonic() - began, 3), run, facts)
-            except BrokenExecutor:
-                worker.end()
-                if ended.is_set():
-                    return None
-                continue
-            except MapperError as error:
-                failure = (error.code, error.message)
-            except Exception as error:  # noqa: BLE001 - a defect in one log's job fails this log alone
-                if ended.is_set():
-                    return None
-                failure = ("fleet.failed", f"The job failed: {type(error).__name__}.")
-            break
-        return Result(key, str(path), round(time.monotonic() - began, 3), run, None, *failure)
+    async def _done(self, key: str, worker: Worker) -> Result:
+        """Have a log done."""
+        path, began = self.logs[key], time.monotonic()
+        out = (self.folder / "maps" / key).absolute()
+        job = FleetJob(str(path), str(out), str(out.with_name(f"{key}.png")), self._limits)
+        try:
+            facts, runs = await fleet_facts(worker, job)
+            return Result(key, str(path), round(time.monotonic() - began, 3), runs, facts)
+        except MapperError as error:
+            failure = (error.code, error.message)
+        except Exception as error:  # noqa: BLE001 - a defect in one log's job fails this log alone
+            failure = ("fleet.failed", f"The job failed: {type(error).__name__}.")
+        return Result(
+            key, str(path), round(time.monotonic() - began, 3), RUNS if failure[0] == DIED else 1, None, *failure
+        )
 
     def _write(self, result: Result) -> None:
         try:

@@ -25,7 +25,7 @@ from server.http.brake import Brake
 from server.http.errors import error_response
 from server.http.guests import GuestRight, right_of_request
 from server.http.services import services_of
-from server.http.sign_ins import TOKEN_COOKIE, VALID_S, SignIns
+from server.http.sign_ins import SIGNED_IN_COOKIE, TOKEN_COOKIE, VALID_S, SignIns
 from server.settings import Settings
 
 VISITOR_COOKIE = "gridbloom_visitor"
@@ -168,6 +168,8 @@ class Security:
             path = "/" + scope["path"].lstrip("/\\")
             response: Response = RedirectResponse(path + (f"?{rest}" if rest else ""), status_code=303)
             response.headers.append("Set-Cookie", _cookie(TOKEN_COOKIE, self._sign_ins.cookie(), scope, VALID_S))
+            mark = _cookie(SIGNED_IN_COOKIE, "1", scope, VALID_S).replace("; HttpOnly", "")
+            response.headers.append("Set-Cookie", mark)
             return response
         if "text/html" in headers.get("accept", ""):
             return HTMLResponse(ENTRANCE, status_code=401)

@@ -21,6 +21,7 @@ import structlog
 from mapper.core.atomic_file import atomic_write
 
 TOKEN_COOKIE = "gridbloom_token"  # noqa: S105 - the cookie's name
+SIGNED_IN_COOKIE = "gridbloom_signed_in"  #: tells the pages that there is the other one, which they cannot read
 VALID_S = 30 * 24 * 3600  #: of a cookie
 MAX_ENDED = 4096  #: cookies that ended early, which are recorded; beyond it all that are as old as the oldest end
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
 import time
 from collections.abc import Callable, MutableMapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import structlog
@@ -15,7 +17,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from server.sessions import SessionBudgetError, SessionHost
 from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
-from server.stream.frames import EXTENSION, binary_frame
+from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, integer, text
 from server.work.waiting import set_within
@@ -23,6 +25,7 @@ from server.work.waiting import set_within
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
 LEAVING_S = 1.0  #: for pages to leave a session that their class does not show any more
+_ACKNOWLEDGEMENT = re.compile(rb'\{"type": ?"ack", ?"seq": ?([0-9]{1,10})\}')
 MAX_THROTTLED = 1200  #: commands in a row that came too fast, before the socket is closed
 
 _log = structlog.get_logger(__name__)
@@ -34,6 +37,15 @@ class Allowance:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._left, self._at = COMMAND_BURST, clock()
+
+    def try_to_spend(self) -> bool:
+        """Count one command if the next one may be read at once; return whether it was counted."""
+        now = self._clock()
+        left = min(COMMAND_BURST, self._left + (now - self._at) * COMMANDS_PER_S)
+        if left < 1.0:
+            return False
+        self._left, self._at = left - 1.0, now
+        return True
 
     def spend(self) -> float:
         """Count one command; return the seconds to wait before the next one is read."""
@@ -73,15 +85,21 @@ async def exchange(
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
     await websocket.accept(subprotocol=SUBPROTOCOL)
     client = session.join(follows=follows)
+    allowance = Allowance()
+    direct: DirectSocket | None = websocket.scope.get("extensions", {}).get(EXTENSION, {}).get("socket")
+    if direct is not None:
+        direct.on_text = partial(_take_acknowledgement, session, client, allowance)
     tasks = [
-        asyncio.create_task(_send(websocket, session, client), name="stream out"),
-        asyncio.create_task(_receive(websocket, session, client, following), name="stream in"),
+        asyncio.create_task(_send(websocket, session, client, direct), name="stream out"),
+        asyncio.create_task(_receive(websocket, session, client, following, allowance), name="stream in"),
     ]
     if following is not None:
         tasks.append(asyncio.create_task(_leave(following.over), name="session of a class"))
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
+        if direct is not None:
+            direct.on_text = None
         session.leave(client)
         for task in tasks:
             task.cancel()
@@ -107,29 +125,112 @@ async def _close(websocket: WebSocket, code: CloseCode, reason: str) -> None:
             await websocket.close(code.code, reason)
 
 
-async def _send(websocket: WebSocket, session: SessionHost, client: Client) -> None:
-    takes_frames = EXTENSION in websocket.scope.get("extensions", {})
-    while True:
-        client.wake.clear()
-        messages = client.take()
-        if client.follows:
-            # Whoever knows the id of a session can control it.
-            messages = [_without_id(message, session.id) for message in messages]
-        if takes_frames and messages:
-            frames = [
-                binary_frame((one,)) if isinstance(one, bytes) else session.hub.text_frame(one) for one in messages
-            ]
-            await websocket.send({"type": "websocket.send", "frames": b"".join(frames)})
-        else:
-            for message in messages:
-                await (websocket.send_bytes(message) if isinstance(message, bytes) else websocket.send_text(message))
-        if session.closed:
-            await _close(websocket, ENDED, "session.ended")
+async def _send(websocket: WebSocket, session: SessionHost, client: Client, direct: DirectSocket | None) -> None:
+    outgoing = None if direct is None else Outgoing(session, client, direct)
+    try:
+        while True:
+            client.wake.clear()
+            messages = _messages(session, client)
+            if direct is not None and messages:
+                await websocket.send({"type": "websocket.send", "frames": _frames(session, messages)})
+            else:
+                for message in messages:
+                    await (
+                        websocket.send_bytes(message) if isinstance(message, bytes) else websocket.send_text(message)
+                    )
+            if session.closed:
+                await _close(websocket, ENDED, "session.ended")
+                return
+            if client.is_lost:
+                await _close(websocket, NO_ACKS, "no frame was acknowledged for a long time")
+                return
+            if outgoing is None:
+                await set_within(client.wake, client.wait_s())
+            else:
+                await outgoing.run()
+    finally:
+        if outgoing is not None:
+            outgoing.close()
+
+
+class Outgoing:
+    """Sends what a session's hub has for one client as it comes, without waking a task, which costs more than sending.
+
+    Anything else is left to the task that waits for :meth:`run`: the session's end, and a client that reads slowly.
+    """
+
+    def __init__(self, session: SessionHost, client: Client, direct: DirectSocket) -> None:
+        self._session, self._client, self._direct = session, client, direct
+        self._loop = asyncio.get_running_loop()
+        self._is_running = self._is_scheduled = False
+        self._timer: asyncio.TimerHandle | None = None
+        client.on_wake = self._schedule
+
+    async def run(self) -> None:
+        """Send until there is something that only the task can do."""
+        self._is_running = True
+        self._arm()
+        if self._client.wake.is_set():  # since the task last looked
+            self._schedule()
+        self._client.wake.clear()
+        try:
+            await self._client.wake.wait()
+        finally:
+            self._is_running = False
+
+    def close(self) -> None:
+        """Send nothing any more."""
+        self._client.on_wake = self._client.wake.set
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _schedule(self) -> None:
+        if not self._is_running:
+            self._client.wake.set()
+        elif not self._is_scheduled:
+            self._is_scheduled = True
+            self._loop.call_soon(self._send)
+
+    def _send(self) -> None:
+        self._is_scheduled = False
+        client, session = self._client, self._session
+        if not self._is_running or session.closed or client.is_lost or not self._direct.is_ready():
+            client.wake.set()
             return
-        if client.is_lost:
-            await _close(websocket, NO_ACKS, "no frame was acknowledged for a long time")
-            return
-        await set_within(client.wake, client.wait_s())
+        try:
+            messages = _messages(session, client)
+            if messages:
+                self._direct.write(_frames(session, messages))
+            self._arm()
+        except BaseException:  # the task meets it too, and ends the connection
+            client.wake.set()
+            raise
+
+    def _arm(self) -> None:
+        """Look again at the latest when the client says so; a timer that ends earlier is left as it is."""
+        due = self._loop.time() + self._client.wait_s()
+        if self._timer is not None:
+            if self._timer.when() <= due:
+                return
+            self._timer.cancel()
+        self._timer = self._loop.call_at(due, self._look)
+
+    def _look(self) -> None:
+        self._timer = None
+        self._schedule()
+
+
+def _messages(session: SessionHost, client: Client) -> list[str | bytes]:
+    messages = client.take()
+    # Whoever knows the id of a session can control it.
+    return [_without_id(message, session.id) for message in messages] if client.follows else messages
+
+
+def _frames(session: SessionHost, messages: list[str | bytes]) -> bytes:
+    """Return messages as the frames of a WebSocket."""
+    return b"".join(
+        [binary_frame((one,)) if isinstance(one, bytes) else session.hub.text_frame(one) for one in messages]
+    )
 
 
 def _without_id(message: str | bytes, session_id: str) -> str | bytes:
@@ -138,9 +239,22 @@ def _without_id(message: str | bytes, session_id: str) -> str | bytes:
     return message
 
 
-async def _receive(websocket: WebSocket, session: SessionHost, client: Client, following: Following | None) -> None:
+def _take_acknowledgement(session: SessionHost, client: Client, allowance: Allowance, data: bytes) -> bool:
+    """Take an acknowledgement, by far the most frequent command, without waking a task; return whether it was one."""
+    found = _ACKNOWLEDGEMENT.fullmatch(data)
+    if found is None or not allowance.try_to_spend():
+        return False
+    try:
+        session.acknowledge(client, int(found[1]))
+    except ProtocolError:  # the task answers it
+        return False
+    return True
+
+
+async def _receive(
+    websocket: WebSocket, session: SessionHost, client: Client, following: Following | None, allowance: Allowance
+) -> None:
     malformed = throttled = 0
-    allowance = Allowance()
     while True:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":

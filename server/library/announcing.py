@@ -18,6 +18,7 @@ ANNOUNCED = {
     "slam_jobs": "log_id",
     "localization_jobs": "log_id",
     "merge_jobs": "log_id",
+    "fleet_jobs": "log_id",
     "ended_sign_ins": "name",
 }
 _TRIGGER = "gridbloom_announce"

@@ -8,8 +8,10 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-MAX_LOGS = 1000
-MAX_FILES = 100  #: in a folder that is one log
+MAX_LOGS = 10_000
+TEXT_ENDS = frozenset({".xyz", ".pts", ".csv", ".asc"})  #: of clouds as text
+MAX_FILES = 100  #: in a folder that is one log,
+MAX_DEPTH_FILES = 10_000  #: and in one of depth images, with its subfolders
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +37,10 @@ class LogFolder:
     def logs(self) -> list[FolderLog]:
         """Return the logs in the folder by name, at most :data:`MAX_LOGS`: its files, and folders that are one log.
 
-        Hidden files, devices, what leads out of the folder, and what does not begin as a log does are left out. A
-        folder that is not there, or may not be read, is empty: the service runs on without it.
+        Clouds, octrees and depth images are logs too. Hidden files, devices, what leads out of the folder, and what
+        does not begin as a log does are left out. A folder that is not there, or may not be read, is empty: the service
+        runs on without it.
         """
-        from mapper.io.logs import is_log  # noqa: PLC0415 - the readers of all formats, which few services need
-
         found = []
         is_log_now = {}
         try:
@@ -55,13 +56,34 @@ class LogFolder:
             if target is None or not files:
                 continue
             key = (target, tuple((info.st_size, info.st_mtime_ns, info.st_ctime_ns) for info in files))
-            is_log_now[key] = self._is_log[key] if key in self._is_log else is_log(target)
+            is_log_now[key] = self._is_log[key] if key in self._is_log else _is_log(target)
             if is_log_now[key]:
                 found.append(_described(path.name, target, files))
             if len(found) == MAX_LOGS:
                 break
         self._is_log = is_log_now
         return found
+
+
+def _is_log(target: Path) -> bool:
+    """Return whether a file or folder begins as a planar log, or as what makes a map in 3D."""
+    # The readers of all formats, which few services need.
+    from mapper.core.errors import MapperError  # noqa: PLC0415
+    from mapper.io.logs import is_log  # noqa: PLC0415
+    from server.library.volume_job import holds_volume  # noqa: PLC0415
+
+    try:
+        return is_log(target) or (holds_volume(target) and (target.is_dir() or _is_cloud_by_name(target)))
+    except (MapperError, OSError):
+        return False
+
+
+def _is_cloud_by_name(target: Path) -> bool:
+    """Return whether a file with a cloud is one to list: lines of numbers may be poses or a matrix as well."""
+    from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415
+    from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415
+
+    return format_of(target, DEFAULT_LIMITS) != TEXT or any(end in TEXT_ENDS for end in target.suffixes[-2:])
 
 
 def _within(path: Path, root: Path) -> Path | None:
@@ -74,10 +96,21 @@ def _within(path: Path, root: Path) -> Path | None:
 
 
 def _files_of(target: Path, root: Path) -> list[os.stat_result]:
-    """Return the status of a file or of the files in a folder; an empty list if a folder holds anything but files."""
+    """Return the status of a file or of the files in a folder.
+
+    An empty list for a folder that holds anything but files, unless it is one of depth images: these are in a subfolder
+    in the form of TUM.
+    """
+    from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - as in _is_log
+
     try:
-        inside = sorted(target.iterdir()) if target.is_dir() else [target]
-        if len(inside) > MAX_FILES:
+        inside, most = [target], MAX_FILES
+        if target.is_dir():
+            inside = sorted(target.iterdir())
+            if is_depth_folder(target):
+                most = MAX_DEPTH_FILES
+                inside = [one for path in inside for one in (sorted(path.iterdir()) if path.is_dir() else [path])]
+        if len(inside) > most:
             return []
         files = [one.stat() for one in inside if _within(one, root) is not None]
     except OSError:  # deleted meanwhile, or not readable

@@ -102,7 +102,10 @@ def begin(memory_bytes: int, report: Callable[[float], None]) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     with contextlib.suppress(ValueError, OSError):  # not every system can limit it
-        resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
+        given = resource.getrlimit(resource.RLIMIT_AS)[1]
+        # The limit of `ulimit -v` stays if it is the lower one: root could raise it.
+        most = memory_bytes if given == resource.RLIM_INFINITY else min(memory_bytes, given)
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 def note_progress(fraction: float) -> None:

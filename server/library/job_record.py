@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeVar
 
@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Table, delete, insert, select
 from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
 
-_TEXTS = ("result", "parameters", "cut")  # columns of JSON
+_TEXTS = ("result", "parameters", "cut", "other_cut")  # columns of JSON
 
 JobState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 
@@ -43,10 +43,13 @@ class JobRecord:
 R = TypeVar("R", bound=JobRecord)
 
 
-def load_job_records(connection: Connection, table: Table, kind: type[R]) -> Sequence[R]:
-    """Return all rows of a table of jobs as records of a ``kind``, oldest first."""
+def load_job_records(
+    connection: Connection, table: Table, kind: type[R], log_ids: Collection[str] | None = None
+) -> Sequence[R]:
+    """Return the rows of a table of jobs as records of a ``kind``, oldest first; those of some logs, None: all."""
+    wanted = select(table).order_by(table.c.created_s)
     found = []
-    for row in connection.execute(select(table).order_by(table.c.created_s)):
+    for row in connection.execute(wanted if log_ids is None else wanted.where(table.c.log_id.in_(log_ids))):
         values = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
         code, message = values.pop("error_code"), values.pop("error_message")
         error = None if code is None else Failure(code, message or "")

@@ -24,7 +24,7 @@ from server.library.jobs import Jobs
 from server.library.leases import Leases
 from server.library.limits import LibraryLimits
 from server.library.loading import Loading
-from server.library.log_errors import LogNotFoundError, LogReadOnlyError
+from server.library.log_errors import LogReadOnlyError
 from server.library.log_reader import Reader
 from server.library.moment_pictures import MomentPicture, MomentPictures
 from server.library.old_pictures import OldPictures
@@ -38,6 +38,7 @@ from server.library.storage import private_folder
 from server.library.upload_receiver import Part, UploadReceiver
 from server.library.upload_slots import UploadSlots
 from server.library.uploads import Declared, Places, Sender, Uploads
+from server.library.visible_logs import VisibleLogs
 from server.library.workers import Worker, worker_at
 from server.settings import Settings
 
@@ -59,6 +60,7 @@ class Library:
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
         from server.library.changes import Changes  # noqa: PLC0415
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
+        from server.library.fleet_jobs import FleetJobs  # noqa: PLC0415
         from server.library.given_maps import GivenMaps  # noqa: PLC0415
         from server.library.lease_rows import LeaseRows  # noqa: PLC0415
         from server.library.links import Links  # noqa: PLC0415
@@ -118,6 +120,8 @@ class Library:
         kind = LocalizationKind(self.maps)
         self.localization = PoseJobs(self._database, leases, self, new_worker, root / "localization", kind)
         self.merges = MergeJobs(self._database, leases, self, new_worker, root / "merges")
+        self.fleet = FleetJobs(self._database, leases, self._catalogue, self.get, new_worker, settings.fleet_workers)
+        self._job_queues = (self.slam, self.merges, self.localization, self.fleet)
         self._changes = Changes(
             self._database,
             logs=self._jobs.follow,
@@ -128,9 +132,12 @@ class Library:
             slam_jobs=self.slam.follow,
             localization_jobs=self.localization.follow,
             merge_jobs=self.merges.follow,
+            fleet_jobs=self.fleet.follow,
             ended_sign_ins=self.sign_in_ends.follow,
         )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
+        reading, added = (self._jobs, self._reader), (self.tags, self.trajectories)
+        self._visible = VisibleLogs(self._catalogue, self._folder, self._sample, reading, added)
         timeout_s, cpu_s = self._limits.read_timeout_s, self._limits.read_cpu_s
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
@@ -156,9 +163,8 @@ class Library:
         await self._expire()
         for record in self._catalogue.interrupted():
             self._jobs.resume(record)
-        await self.slam.start()
-        await self.merges.start()
-        await self.localization.start()
+        for queue in self._job_queues:
+            await queue.start()
         self._folder.begin_survey()
         self._old_pictures.begin()
         self._changes.begin()
@@ -168,10 +174,9 @@ class Library:
         await self._changes.close()
         await self._folder.close()
         await self._old_pictures.close()
-        await self.slam.close()
-        await self.localization.close()
+        for queue in self._job_queues:
+            await queue.close()
         await self.maps.close()
-        await self.merges.close()
         await self._jobs.close()
         await self._intake.close()
         await self._sample.close()
@@ -188,9 +193,8 @@ class Library:
 
     async def _forgotten(self, log_id: str) -> None:
         """Remove what was added to a log that was deleted."""
-        await self.slam.forget_log(log_id)
-        await self.merges.forget_log(log_id)
-        await self.localization.forget_log(log_id)
+        for queue in self._job_queues:
+            await queue.forget_log(log_id)
         self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
@@ -299,51 +303,19 @@ class Library:
 
     async def list(self, owner: str) -> Sequence[Record]:
         """Return the logs that ``owner`` may open: own uploads (newest first), the folder's, the sample."""
-        await self._folder.look()
-        self._folder.begin_survey()
-        self._sample.begin()
-        uploads = sorted(
-            (r for r in self._catalogue.uploaded() if r.owner == owner), key=lambda r: r.created_s, reverse=True
-        )
-        found = [*uploads, *self._folder.records(), self._sample.record]
-        return [self._as_seen_by(owner, record) for record in found]
+        return await self._visible.list(owner)
+
+    def files(self, owner: str) -> Sequence[Record]:
+        """Return the logs with files that ``owner`` may open, as at the last look into the folder."""
+        return self._visible.files(owner)
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log that ``owner`` may open; raise :class:`LogNotFoundError` for any other."""
-        if log_id == SAMPLE_ID:
-            return self._as_seen_by(owner, self._sample.record)
-        record = self._catalogue.get(log_id)
-        if log_id in self._catalogue.folder_logs:
-            record = self._folder.record(self._catalogue.folder_logs[log_id])
-        elif record is not None and (record.source == "folder" or record.owner != owner):  # gone, or another's
-            record = None
-        if record is None:
-            raise LogNotFoundError("log.not_found", "There is no such log.")
-        return self._as_seen_by(owner, record)
-
-    def _as_seen_by(self, owner: str, record: Record) -> Record:
-        """Return a record with the present progress, and with what ``owner`` has added to the log."""
-        is_read = record.state == "reading"
-        progress = self._jobs.progress(record.id) if is_read else record.progress
-        reading_s = self._reader.elapsed_s if is_read else None
-        added = tuple(one.public() for one in self.trajectories.of(owner, record.id))
-        has_picture = record.state == "ready" and self._catalogue.picture(record.id).exists()
-        tags = self.tags.of(owner, record.id)
-        return replace(record, progress=progress, reading_s=reading_s, has_picture=has_picture, tags=tags, added=added)
+        return self._visible.get(owner, log_id)
 
     async def map_picture(self, owner: str, log_id: str, *, dark: bool = False) -> bytes:
-        """Return the picture of a log's map as PNG, in the colours of a light or a dark page.
-
-        Raises :class:`LogNotFoundError`, also where there is no picture.
-        """
-        from server.library.log_picture import read_picture  # noqa: PLC0415 - Pillow and the replay of logs
-
-        record = self.get(owner, log_id)
-        await self._catalogue.fetch(record.id)
-        try:
-            return await asyncio.to_thread(read_picture, self._catalogue.picture(record.id), dark=dark)
-        except OSError:
-            raise LogNotFoundError("log.no_picture", "There is no picture of this log's map yet.") from None
+        """Return the picture of a log's map as PNG; see :meth:`VisibleLogs.picture`."""
+        return await self._visible.picture(owner, log_id, dark=dark)
 
     # -- the log itself -----------------------------------------------------------------------------------------
 

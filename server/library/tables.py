@@ -135,6 +135,24 @@ merge_jobs = Table(
     Column("error_code", String(64)),
     Column("error_message", Text),
     Column("result", Text),  # JSON
+    Column("cut", Text),  # JSON
+    Column("other_cut", Text),  # JSON
+)
+
+#: One row for each log that is to be mapped with many others, and what came of it. It goes with its log; ``owner`` is
+#: that of the log, empty for those of the folder.
+fleet_jobs = Table(
+    "fleet_jobs",
+    metadata,
+    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
+    Column("owner", String(64), primary_key=True),
+    Column("topic", Text),
+    Column("state", String(16), nullable=False),
+    Column("created_s", Double, nullable=False),
+    Column("attempts", Integer, nullable=False),
+    Column("error_code", String(64)),
+    Column("error_message", Text),
+    Column("result", Text),  # JSON
 )
 
 #: One row for each puzzle that a visitor made. One of a log goes with it.

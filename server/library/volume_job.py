@@ -14,6 +14,7 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.clouds.content import content
 from mapper.io.clouds.depth_archive import is_depth_archive, is_zip, unpack_depth_archive
+from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import TEXT, cloud_format
 from mapper.io.logs.opening import is_log
 from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
@@ -29,10 +30,11 @@ MOST_OCTREE_BYTES = 256 << 20  #: of the file of an octree, whose tree is kept i
 def holds_volume(path: Path) -> bool:
     """Return whether a file is a cloud, a scan graph, an octree or an archive of depth images, by its bytes.
 
-    A text of numbers that is a known log is none. Raises :class:`ReadError` where the file cannot be read.
+    So is a folder of depth images; a text of numbers that is a known log is none. Raises :class:`ReadError` where the
+    file cannot be read.
     """
     if path.is_dir():
-        return False
+        return is_depth_folder(path)
     head = file_head(path, DEFAULT_LIMITS)
     if is_octree(head) or is_zip(head):
         return True

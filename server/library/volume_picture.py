@@ -8,7 +8,7 @@ import numpy as np
 
 from mapper.core.array_types import Float32Array
 from mapper.volume.occupancy import centres_of
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scan_sequence import UPS, ScanSequence
 from server.library.log_picture import HEIGHTS, write_codes
 from server.library.volume_pack import VolumeSource
 
@@ -40,7 +40,8 @@ def write_volume_picture(source: VolumeSource, path: Path) -> bool:
 def _points(source: VolumeSource) -> Float32Array:
     """Return at most :data:`MOST_POINTS` points (n, 3), or centres of an octree's occupied leaves, metres."""
     if isinstance(source, ScanSequence):
-        return source.points[:: -(-len(source.points) // MOST_POINTS)]
+        points = source.points[:: -(-len(source.points) // MOST_POINTS)]
+        return np.asarray(points @ np.array(UPS[source.first_up], dtype=np.float32).T)
     keys, depths, values = source.tree.leaves()
     sides = np.int64(1) << (16 - depths.astype(np.int64))
     occupied = values >= 0.0

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.puzzles import RECIPES, Puzzle, Spoiled, puzzle_of, shortened, spoil
 from mapper.puzzles.drives import ODOMETRY, TRUE
@@ -18,17 +18,21 @@ from server.sessions.models.log_recording import first_config
 from server.sessions.models.story import replayed
 
 Wanted = Callable[[], bool]
+Tell = Callable[[str, float | None], None]
+"""Told what is being done, and which share of it is done, None if unknown."""
+DRIVING, MAPPING = "Driving through the world", "Mapping the drive"
 
 
 class PuzzleSource(Protocol):
     """Makes a puzzle on a worker thread."""
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle. Raises as the mapper does, and ``WorkCancelledError`` once ``wanted`` returns False."""
 
 
-def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
-    return puzzle_of(spoiled, cause, first_config(spoiled.reference), limits(), wanted)
+def _ready(spoiled: Spoiled, cause: str, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
+    first = first_config(spoiled.reference)
+    return puzzle_of(spoiled, cause, first, limits(), wanted, lambda done: tell(MAPPING, done))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +41,16 @@ class RecipeSource:
 
     name: str
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle."""
         recipe = RECIPES[self.name]
-        return _ready(recipe.make(), recipe.cause, limits, wanted)
+
+        def step(done: float) -> None:
+            tell(DRIVING, done)
+            if not wanted():
+                raise WorkCancelledError("puzzle.unwanted", "The puzzle is not wanted any more.")
+
+        return _ready(recipe.make(step), recipe.cause, limits, wanted, tell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,14 +59,15 @@ class StorySource:
 
     spec: dict[str, Any]
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle of the recording with most scans."""
         spec = self.spec
+        tell(DRIVING, None)
         story = spec["story"] | {"faults": {}, "parameters": {}}
         mapper = replayed(story, limits=limits, wanted=wanted)
         clean = _renamed(max(mapper.logs(Faults()), key=lambda log: log.n_scans))
         if spec["fault"] != AS_IT_IS:
-            return _ready(spoil(clean, spec["cause"], spec["seed"], TRUE), spec["cause"], limits, wanted)
+            return _ready(spoil(clean, spec["cause"], spec["seed"], TRUE), spec["cause"], limits, wanted, tell)
         faults = Faults().with_values(spec["story"]["faults"])
         shown = _renamed(max(mapper.logs(replace(faults, slam=False)), key=lambda log: log.n_scans))
         drifts = faults.drift and not faults.slam
@@ -68,7 +79,7 @@ class StorySource:
             spec["story"]["parameters"],
             repair_trajectory=TRUE if drifts else "",
         )
-        return _ready(spoiled, spec["cause"], limits, wanted)
+        return _ready(spoiled, spec["cause"], limits, wanted, tell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,15 +89,15 @@ class LogSource:
     spec: dict[str, Any]
     log: ScanLog
 
-    def make(self, limits: Callable[[], Limits], wanted: Wanted) -> Puzzle:
+    def make(self, limits: Callable[[], Limits], wanted: Wanted, tell: Tell) -> Puzzle:
         """Return the puzzle of the log's first scans."""
         if isinstance(self.log, JointLog):
             raise ConfigError("puzzle.sensors", "A puzzle is made of one sensor: choose one of those of the log.")
         spec, log = self.spec, shortened(self.log)
         name = spec["view"]["trajectory"] or log.default_trajectory
         if spec["fault"] != AS_IT_IS:
-            return _ready(spoil(log, spec["cause"], spec["seed"], name), spec["cause"], limits, wanted)
-        return _ready(Spoiled(log, name, log, name, spec["values"]), spec["cause"], limits, wanted)
+            return _ready(spoil(log, spec["cause"], spec["seed"], name), spec["cause"], limits, wanted, tell)
+        return _ready(Spoiled(log, name, log, name, spec["values"]), spec["cause"], limits, wanted, tell)
 
 
 def _renamed(log: ScanLog) -> ScanLog:

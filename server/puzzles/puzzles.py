@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from mapper.core.errors import ConfigError
+from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.puzzles import CAUSES, RECIPES, Puzzle
 from server.puzzles.game import Game
-from server.puzzles.making import PuzzleSource, RecipeSource
+from server.puzzles.making import MAPPING, PuzzleSource, RecipeSource, Tell
 from server.sessions import Plan
 from server.sessions.view import LogView
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from server.sessions.making import Making
     from server.sessions.model import SessionModel
 
+LOOK_S = 0.02  #: how often a thread that waits for another puzzle lets sessions compute
 KEPT = 16  #: puzzles that are kept ready; each has at most :data:`mapper.puzzles.puzzle.MAX_READINGS` readings
 
 
@@ -53,17 +54,22 @@ class Puzzles:
         return RecipeSource(name)
 
     def _puzzle(
-        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], wanted: Callable[[], bool]
+        self, key: str, source: PuzzleSource, limits: Callable[[], Limits], wanted: Callable[[], bool], tell: Tell
     ) -> Puzzle:
         with self._lock:
             known = self._ready.get(key)
             if known is not None:
                 self._ready.move_to_end(key)
                 return known
-        with self._making:
+        while not self._making.acquire(timeout=LOOK_S):
+            if not wanted():  # which lets the sessions compute that wait for this thread
+                raise WorkCancelledError("puzzle.unwanted", "The puzzle is not wanted any more.")
+        try:
             with self._lock:
                 known = self._ready.get(key)
-            made = known or source.make(limits, wanted)
+            made = known or source.make(limits, wanted, tell)
+        finally:
+            self._making.release()
         with self._lock:
             self._ready[key] = made
             while len(self._ready) > KEPT:
@@ -77,8 +83,15 @@ class Puzzles:
             from server.sessions.models.log import LogModel  # noqa: PLC0415 - imported with the first session
             from server.sessions.models.log_recording import first_replay  # noqa: PLC0415
 
-            making.watched = lambda: ("Preparing the puzzle", None)
-            puzzle = self._puzzle(key, source, host.limits, making.may_continue)
+            now: tuple[str, float | None] = ("Another puzzle is being made", None)
+
+            def tell(what: str, done: float | None) -> None:
+                nonlocal now
+                now = (what, done)
+
+            making.watched = lambda: now
+            puzzle = self._puzzle(key, source, host.limits, making.may_continue, tell)
+            tell(MAPPING, None)
             log = puzzle.shown
             view = LogView(None, puzzle.trajectory, asdict(puzzle.start), log.n_scans)
             replay = first_replay(log, view, host.limits(), making.may_continue)

@@ -20,12 +20,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import structlog
 
 from mapper.core.limits import Limits
+from server.sessions.command_queue import CommandQueue
 from server.sessions.computation import compute_tick
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.model_messages import frame_fields_of, hello_message
 from server.sessions.requests import ReplacingRequests
-from server.sessions.tick import QueuedCommand, TickResult, error_message, is_full
+from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
@@ -80,7 +81,7 @@ class SessionHost:
         self._clock = clock
         self._pool = pool
         self._limits = limits
-        self._queue: list[QueuedCommand] = []
+        self._queue = CommandQueue()
         self._wake = asyncio.Event()
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
@@ -116,11 +117,12 @@ class SessionHost:
         self.closed = True
         self._wake.set()
         self._caught_up.set()
+        self._queue.close()
         if self._task is not None:
             self._long_work.close()
             await asyncio.gather(self._task, return_exceptions=True)
         for client in self.hub.clients:
-            client.wake.set()
+            client.notify()
         for callback in (*self.on_close,):
             try:
                 callback()
@@ -182,9 +184,7 @@ class SessionHost:
 
     def enqueue(self, command: dict[str, Any], client: Client | None = None) -> None:
         """Queue a command. Raises :class:`ProtocolError` if the queue is full."""
-        if is_full(self._queue, client):
-            raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")
-        self._queue.append(QueuedCommand(command, client))
+        self._queue.add(command, client)
         self.commanded_at = self._clock()
         if command["type"] == "cancel":
             self._requests.cancel()
@@ -220,6 +220,10 @@ class SessionHost:
         except ProtocolError as error:
             _log.info("command refused", code=error.code)
 
+    async def carried_out(self) -> None:
+        """Wait until the commands that are queued now have been carried out, or the session has ended (event loop)."""
+        await self._queue.carried_out()
+
     def locked(self) -> AbstractAsyncContextManager[None]:
         """Return a context in which the session computes nothing, so that its maps can be read (event loop)."""
         return self._lock
@@ -227,6 +231,7 @@ class SessionHost:
     @asynccontextmanager
     async def settled(self) -> AsyncIterator[None]:
         """Return a context as :meth:`locked` does, in which the maps are those that commands requested (event loop)."""
+        await self._queue.carried_out()
         while True:
             await self._caught_up.wait()
             async with self._lock:
@@ -263,7 +268,7 @@ class SessionHost:
             now = self._clock()
             last = last if ticking else now - TICK_S  # time without playback does not count
             due = playback.playing and self.is_seen and now - last >= TICK_S
-            commands = [*self._queue]
+            commands = self._queue.waiting()
             if not (commands or due or self._is_draw_due) and self._caught_up.is_set():
                 continue
             self._is_draw_due = False
@@ -284,12 +289,13 @@ class SessionHost:
             rest = result.rest
             self._tick_failed = False
             self.deliver(result)
+            await asyncio.sleep(0)  # a listener that reads the model has its turn before the next tick
         except Exception:  # noqa: BLE001 - the session stops with an error instead of failing 30 times a second
             _log.exception("a tick failed")
             self._note_catching_up(is_catching_up=False)
             self._stop()
         finally:
-            self._queue[: len(commands)] = rest
+            self._queue.finish(len(commands), rest)
 
     async def _computed_tick(self, job: Callable[[], TickResult]) -> TickResult:
         """Compute a tick; progress is shown of all ticks together that make one map."""

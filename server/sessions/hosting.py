@@ -43,6 +43,9 @@ class ModelHost(Protocol):
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 
+    async def carried_out(self) -> None:
+        """Wait until the commands that are queued now have been carried out, or the session has ended."""
+
     def locked(self) -> AbstractAsyncContextManager[None]:
         """Return a context in which the session computes nothing, so that its maps can be read."""
 

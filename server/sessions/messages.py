@@ -93,5 +93,7 @@ def _ranges(scan: RangeScan) -> list[float | None]:
     """Return the scan's readings in metres, None for no return and for an invalid reading."""
     ranges = scan.ranges
     measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
-    rounded = np.round(ranges.astype(np.float64), 3).tolist()
-    return [r if ok else None for r, ok in zip(rounded, measured.tolist(), strict=True)]
+    readings: list[float | None] = np.round(ranges.astype(np.float64), 3).tolist()
+    for i in np.flatnonzero(~measured).tolist():
+        readings[i] = None
+    return readings

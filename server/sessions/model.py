@@ -140,8 +140,11 @@ class SessionModel(ABC):
     def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
         """Return the command for a click whose ray through the 3D view begins at ``origin``, metres; None for none.
 
-        By default that for a click on the floor where the ray comes down (or up) to it. As :meth:`on_scene_click`.
+        By default that for the voxel that the ray meets where there is a map in 3D, else for a click on the floor where
+        it comes down (or up) to it. As :meth:`on_scene_click`.
         """
+        if self.volume is not None and self.volume.is_on:
+            return {"type": "voxel_ray", "origin": list(origin), "direction": list(direction)}
         (ox, oy, oz), (dx, dy, dz) = origin, direction
         if dz * oz >= 0.0:
             return None

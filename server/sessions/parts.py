@@ -105,11 +105,22 @@ class Localized(Protocol):
 class Volumetric(Protocol):
     """The map in 3D of a session."""
 
+    @property
+    def is_on(self) -> bool:
+        """Whether there is one now."""
+
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
 
     def mesh_bytes(self, kind: str) -> bytes:
-        """Return the present surface as a file ``.ply`` or ``.glb``. Raises :class:`ConfigError` without one."""
+        """Return the present surface, or the outside of the voxels, as a file ``.ply`` or ``.glb``.
+
+        Raises :class:`ConfigError` where there is none.
+        """
+
+    @property
+    def above(self) -> OccupancyGrid | None:
+        """The map from above, of a band of heights; None where nothing is known there."""
 
 
 class EditedFiles(Protocol):
@@ -139,4 +150,4 @@ class Story(Protocol):
     """The recorded history of a session, from which it can be reproduced."""
 
     async def current(self) -> dict[str, Any]:
-        """Return the story, between two ticks."""
+        """Return the story, between two ticks, of all that was asked of the session before."""

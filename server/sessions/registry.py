@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from server.sessions.host import SessionHost
 
 REAP_EVERY_S = 5.0
+ENDING_S = 1.0  #: the longest that anybody waits for the last computation of a session that ends
 THREADS_OF_SESSION = 4  #: at most: its tick, its second map, and HTTP requests
 
 _log = structlog.get_logger(__name__)
@@ -85,6 +86,7 @@ class SessionRegistry:
             tuple[str, str | None]
         ] = []  #: owner and link of sessions that are being created, which count
         self._tasks: list[asyncio.Task[None]] = []
+        self._ending: set[asyncio.Task[None]] = set()  #: sessions that have ended and may still compute
         self._have_ended = False  #: whether sessions have ended whose memory was not given back
         #: More threads than compute at one time: a thread whose turn is over waits for the scheduler.
         self.pool = ThreadPoolExecutor(THREADS_OF_SESSION * settings.max_sessions, thread_name_prefix="session")
@@ -110,6 +112,7 @@ class SessionRegistry:
         self.under_way.end()
         # Concurrently: closing a session waits for its computation to be scheduled.
         await asyncio.gather(*(self._end(session) for session in self.all()))
+        await asyncio.gather(*self._ending)
         await asyncio.to_thread(self.pool.shutdown, cancel_futures=True)
 
     def __len__(self) -> int:
@@ -204,7 +207,14 @@ class SessionRegistry:
             await self._end(session)
 
     async def _end(self, session: SessionHost) -> None:
+        """End a session. A computation ends at its next check, but a kernel that is being compiled does not."""
         self._sessions.pop(session.id, None)
+        ending = asyncio.create_task(self._close(session), name="session ending")
+        self._ending.add(ending)
+        ending.add_done_callback(self._ending.discard)
+        await asyncio.wait((ending,), timeout=ENDING_S)
+
+    async def _close(self, session: SessionHost) -> None:
         await session.close()
         self._have_ended = True
         _log.info("session ended", kind=session.model.kind, sessions=len(self._sessions))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +13,6 @@ from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.mapping.integrate import Change
-
-MAX_QUEUED = 256  #: most commands in the queue of a session,
-MAX_QUEUED_OF_FOLLOWERS = 64  #: and of a class's followers besides
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,13 +69,3 @@ class TickResult:
 def error_message(code: str, message: str, detail: object = None) -> dict[str, Any]:
     """Return an ``error`` message."""
     return {"type": "error", "code": code, "message": message, "detail": detail}
-
-
-def is_full(queue: Sequence[QueuedCommand], client: Client | None) -> bool:
-    """Whether a session takes no further command of ``client``.
-
-    Those of a class's followers are counted apart: their questions must not have the lecturer's commands refused.
-    """
-    follows = client is not None and client.follows
-    queued = sum((one.client is not None and one.client.follows) == follows for one in queue)
-    return queued >= (MAX_QUEUED_OF_FOLLOWERS if follows else MAX_QUEUED)

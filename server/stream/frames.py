@@ -3,11 +3,30 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
 #: The extension of the ASGI scope of a connection that takes complete frames as the item ``frames`` of a message
-#: ``websocket.send``. They are written at once, in one system call.
+#: ``websocket.send``. They are written at once, in one system call. Its item ``socket`` is a :class:`DirectSocket`.
 EXTENSION = "gridbloom.frames"
+
+
+class DirectSocket(Protocol):
+    """A WebSocket as its application uses it without a task: hundreds of clients wait for each tick of a session.
+
+    ``on_text`` is called with each text message and returns whether it has taken it; others go the way of ASGI.
+    """
+
+    on_text: Callable[[bytes], bool] | None
+
+    def is_ready(self) -> bool:
+        """Return whether the client is there, and has read enough of what was written before."""
+        ...
+
+    def write(self, frames: bytes) -> None:
+        """Write complete frames."""
+        ...
+
 
 _FINAL_TEXT, _FINAL_BINARY = 0x81, 0x82
 

@@ -6,12 +6,18 @@ from mapper.diagnosis.examination import LEAST_SCANS
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
 from mapper.grid.merge import LATTICE_TOLERANCE
 from mapper.simulation.edits import WALL_THICKNESS
+from mapper.simulation.lidar import SensorConfig
+from mapper.simulation.live_map import LiveMap
 from mapper.simulation.simulation import ROBOT_RADIUS
+
+_LIVE = LiveMap.first_config(SensorConfig())
 
 #: name, value, meaning
 CONSTANTS: tuple[tuple[str, float, str], ...] = (
     ("ROBOT_RADIUS", ROBOT_RADIUS, "Radius of the simulated robot, which is a disc, metres."),
     ("WALL_THICKNESS", WALL_THICKNESS, "Thickness of a wall that is drawn into a world, metres."),
+    ("LIVE_RANGE_MAX", _LIVE.range_max, "Longest range that a live world's map begins with, metres."),
+    ("LIVE_WINDOW", _LIVE.window, "Window of a hit that a live world's map begins with, metres."),
     ("LATTICE_TOLERANCE", LATTICE_TOLERANCE, "How far two lattices may lie apart and still be the same, in cells."),
     ("OCCUPIED_THRESHOLD", OCCUPIED_THRESHOLD, "p_occ above which a cell is occupied, as in map_server."),
     ("FREE_THRESHOLD", FREE_THRESHOLD, "p_occ below which a cell is free, as in map_server."),

@@ -324,6 +324,7 @@ class VolumeMessage(Struct, tag_field="type", tag="volume"):
     high: Annotated[Place, Meta(description="greatest coordinates of the map, m")]
     has_scans: Annotated[bool, Meta(description="whether it is made of scans; else it is an octree")]
     has_free: Annotated[bool, Meta(description="whether it is known where the sensor was, so that space is free")]
+    up: Annotated[str, Meta(description="the axis of the file that is z here")]
     points: Annotated[int, Meta(description="points of the scans in the map; leaves of an octree")]
     left_out: Annotated[int, Meta(description="points that were left out: beyond the lattice")]
     occupied: Annotated[int, Meta(description="voxels")]

@@ -9,16 +9,16 @@ from contextlib import asynccontextmanager
 
 
 class FairLock:
-    """A lock with a queue for each owner. Used from one event loop only."""
+    """A lock that ``places`` may hold at once, with a queue for each owner. Used from one event loop only."""
 
-    def __init__(self) -> None:
-        self._busy = False
+    def __init__(self, places: int = 1) -> None:
+        self._free = places
         self._waiting: dict[str, deque[asyncio.Future[None]]] = {}  #: by owner, the next one first
 
     @asynccontextmanager
     async def of(self, owner: str) -> AsyncIterator[None]:
         """Acquire the lock for ``owner`` and hold it during the block."""
-        if self._busy:
+        if self._free == 0:
             request: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             self._waiting.setdefault(owner, deque()).append(request)
             try:
@@ -27,7 +27,8 @@ class FairLock:
                 if request.done() and not request.cancelled():
                     self._grant_next()  # the lock was granted while this task was being cancelled
                 raise
-        self._busy = True
+        else:
+            self._free -= 1
         try:
             yield
         finally:
@@ -44,4 +45,4 @@ class FairLock:
             if not request.done():
                 request.set_result(None)
                 return
-        self._busy = False
+        self._free += 1

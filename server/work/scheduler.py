@@ -19,7 +19,7 @@ from collections import Counter, OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar, cast
 
 T = TypeVar("T")
 
@@ -45,6 +45,41 @@ def _uncancellable() -> Future[None]:
 
 
 @dataclass(slots=True, eq=False)
+class _Task:
+    """What a turn computes on a thread of ``pool``, and the future of ``loop`` that waits for it."""
+
+    pool: Executor
+    job: Callable[[], Any]
+    loop: asyncio.AbstractEventLoop
+    done: asyncio.Future[Any]
+
+    def compute(self) -> _Finished:
+        """Compute it; an error is part of the result."""
+        try:
+            return _Finished(self.done, self.job(), None)
+        except BaseException as error:  # noqa: BLE001 - whoever waits for the job gets it
+            return _Finished(self.done, None, error)
+
+
+@dataclass(frozen=True, slots=True)
+class _Finished:
+    """What a job returned, or the error that it raised, for the future that waits for it."""
+
+    done: asyncio.Future[Any]
+    result: Any
+    error: BaseException | None
+
+    def tell(self) -> None:
+        """Set the future (event loop), unless the wait for it was cancelled."""
+        if self.done.done():
+            return
+        if self.error is None:
+            self.done.set_result(self.result)
+        else:
+            self.done.set_exception(self.error)
+
+
+@dataclass(slots=True, eq=False)
 class Turn:
     """A job's turn, waiting or held. ``computed_s`` is the total time for which the job has held turns."""
 
@@ -55,6 +90,8 @@ class Turn:
     began: float = 0.0  #: when the slice began
     computed_s: float = 0.0
     was_deferred: bool = False  #: whether the slice was granted while urgent jobs waited or ran
+    granted_before: bool = False  #: whether a slice of it was granted
+    task: _Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: whoever requested it computes
 
 
 class Scheduler:
@@ -69,6 +106,9 @@ class Scheduler:
         self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()
         self._count = 0
         self._urgent_s = 0.0  #: urgent computing since the last slice of a deferred job
+        self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
+        #: Finished tasks that their event loop has not been told of: it is woken once for all of them.
+        self._finished: dict[asyncio.AbstractEventLoop, list[_Finished]] = {}
 
     # -- jobs ---------------------------------------------------------------------------------------------------------
 
@@ -78,33 +118,78 @@ class Scheduler:
         The pool needs a thread for each job that has begun. A job cancelled before its first turn does not begin; one
         cancelled later runs to its end.
         """
-        turn = self.request(owner, interactive=interactive)
+        loop = asyncio.get_running_loop()
+        task = _Task(pool, job, loop, loop.create_future())
+        turn = self.request(owner, interactive=interactive, task=task)
         try:
-            if not turn.granted.done():
-                await asyncio.wrap_future(turn.granted)
-            running = pool.submit(self._run_job, turn, job)
-        except BaseException:  # cancelled, or the pool takes no more
-            self.release(turn)
+            return cast("T", await task.done)
+        except asyncio.CancelledError:
+            self._withdraw(turn)
             raise
-        running.add_done_callback(lambda _: self.release(turn))  # also if it is cancelled before it begins
-        return await asyncio.wrap_future(running)
 
-    def _run_job(self, turn: Turn, job: Callable[[], T]) -> T:
-        _current.scheduler, _current.turn = self, turn
-        try:
-            return job()
-        finally:
+    def _withdraw(self, turn: Turn) -> None:
+        with self._lock:
+            if turn in self._waiting and not turn.granted_before:
+                self._waiting.remove(turn)
+
+    def _work(self, turn: Turn) -> None:
+        """Compute a turn's task, then those of the turns that are granted next, on this thread of their pool."""
+        if turn not in self._running:  # the pool had no thread for it at first, and it was given up
+            return
+        following: Turn | None = turn
+        while following is not None and (task := following.task) is not None:
+            _current.scheduler, _current.turn = self, following
+            finished = task.compute()
             _current.scheduler = _current.turn = None
+            with self._lock:
+                self._end_slice(following)
+                self._grant_free()
+                following = next((one for one in self._startable if one.task and one.task.pool is task.pool), None)
+                if following is not None:
+                    self._startable.remove(following)
+            self._tell(task.loop, finished)
+            self._start()
+
+    def _start(self) -> None:
+        """Begin the tasks of granted turns on threads of their pools."""
+        while self._startable:
+            with self._lock:
+                turn = self._startable.pop(0) if self._startable else None
+            if turn is None or turn.task is None:
+                return
+            try:
+                turn.task.pool.submit(self._work, turn)
+            except RuntimeError as error:  # the pool takes no more
+                self._tell(turn.task.loop, _Finished(turn.task.done, None, error))
+                self.release(turn)
+
+    def _tell(self, loop: asyncio.AbstractEventLoop, finished: _Finished) -> None:
+        with self._lock:
+            waiting = self._finished.setdefault(loop, [])
+            waiting.append(finished)
+            is_first = len(waiting) == 1
+        if is_first:
+            try:
+                loop.call_soon_threadsafe(self._tell_all, loop)
+            except RuntimeError:  # the loop is closed: nobody waits any more
+                self._finished.pop(loop, None)
+
+    def _tell_all(self, loop: asyncio.AbstractEventLoop) -> None:
+        with self._lock:
+            finished = self._finished.pop(loop, [])
+        for one in finished:
+            one.tell()
 
     # -- turns --------------------------------------------------------------------------------------------------------
 
-    def request(self, owner: JobOwner, *, interactive: bool = True) -> Turn:
+    def request(self, owner: JobOwner, *, interactive: bool = True, task: _Task | None = None) -> Turn:
         """Return a new turn, which is held once its ``granted`` is done."""
         with self._lock:
             self._count += 1
-            turn = Turn(owner, interactive, self._count)
+            turn = Turn(owner, interactive, self._count, task=task)
             self._waiting.append(turn)
             self._grant_free()
+        self._start()
         return turn
 
     def release(self, turn: Turn) -> None:
@@ -115,6 +200,7 @@ class Scheduler:
             elif turn in self._running:
                 self._end_slice(turn)
             self._grant_free()
+        self._start()
 
     def should_yield(self, turn: Turn) -> bool:
         """Return whether a held turn should be yielded now."""
@@ -128,17 +214,20 @@ class Scheduler:
         with self._lock:
             self._end_slice(turn)
             self._request_again(turn)
+        self._start()
 
     def suspend(self, turn: Turn) -> None:
         """Yield a held turn without requesting another one."""
         with self._lock:
             self._end_slice(turn)
             self._grant_free()
+        self._start()
 
     def resume(self, turn: Turn) -> None:
         """Request another turn after :meth:`suspend`; it may be granted at once."""
         with self._lock:
             self._request_again(turn)
+        self._start()
 
     def _request_again(self, turn: Turn) -> None:
         self._count += 1
@@ -176,6 +265,9 @@ class Scheduler:
                 self._served.move_to_end(key)
             while len(self._served) > _MAX_HISTORY:
                 self._served.popitem(last=False)
+            if turn.task is not None and not turn.granted_before:
+                self._startable.append(turn)
+            turn.granted_before = True
             turn.granted.set_result(None)
 
     def _next(self) -> Turn | None:

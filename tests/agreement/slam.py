@@ -13,7 +13,7 @@ from mapper.slam import textbook
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.edges import edge_errors, linearise_edges
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
-from mapper.slam.kernels.information import shrink_pairs, write_information
+from mapper.slam.kernels.information import write_information
 from mapper.slam.sparse_system import SparseSystem
 from tests.agreement.matching import MatchCase, point_scan
 
@@ -137,24 +137,6 @@ def nearest_by_textbook(case: GraphCase) -> tuple[Any, ...]:
 def _ranges(case: GraphCase) -> tuple[np.ndarray, np.ndarray]:
     graph = case.graph
     return np.minimum(graph.i, graph.j), np.maximum(graph.i, graph.j)
-
-
-def shrunk_by_kernel(case: GraphCase) -> tuple[Any, ...]:
-    graph = case.graph
-    p = len(graph.i)
-    hessians, gradients = np.zeros((p, 6, 6)), np.zeros((p, 6))
-    hessians[:, :3, :3], gradients[:, :3] = graph.information, graph.relative
-    shrink_pairs(graph.i, graph.j, graph.poses, 0.03, hessians, gradients)
-    return hessians, gradients
-
-
-def shrunk_by_textbook(case: GraphCase) -> tuple[Any, ...]:
-    graph = case.graph
-    pairs = [
-        textbook.shrunk_pair(graph.information[k], graph.relative[k], graph.poses[i], graph.poses[j], 0.03)
-        for k, (i, j) in enumerate(zip(graph.i, graph.j, strict=True))
-    ]
-    return tuple(np.array(part) for part in zip(*pairs, strict=True))
 
 
 def agreement_by_kernel(case: MatchCase) -> tuple[Any, ...]:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import base64
 import hashlib
+import json
 import re
 import time
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Locator, Page, expect
 
 from tests.server.service import Watcher, stream_at
 
@@ -157,11 +159,37 @@ def end_session(page: Page) -> None:
 
 
 def open_group(page: Page, title: str) -> Locator:
-    """Open a group of the dock of the log page or of the lab; return its panel."""
+    """Open a group of a dock, and before it the section that it is in; return its panel."""
     # A tab may have a number or "on" behind its title; titles may begin and end alike.
-    name = re.compile(rf"^{re.escape(title)}(?! (?!on$)[a-z])")
-    page.get_by_role("tab", name=name).click()
+    name = re.compile(rf"^{re.escape(title)}(?! ?(?!on$)[a-z])")
+    tab = page.get_by_role("tab", name=name)
+    # The hint of a section's tab has the titles of its groups.
+    section = page.locator(".dock-tabs").get_by_title(re.compile(rf"(^|, ){re.escape(title)}(, |$)"))
+    tab.or_(section).first.wait_for()
+    if not tab.count():
+        section.click()
+    tab.click()
     return page.get_by_role("tabpanel", name=name)
+
+
+def told(page: Page) -> dict[str, Any]:
+    """Return what the lab's address tells of its world: JSON, deflated, in letters that an address may hold."""
+    letters = urlsplit(page.evaluate("() => location.href")).fragment.removeprefix("s=")
+    if not letters:
+        return {}
+    told: dict[str, Any] = json.loads(zlib.decompress(base64.urlsafe_b64decode(letters + "=="), wbits=-15))
+    return told
+
+
+def open_groups(page: Page) -> Iterator[str]:
+    """Open each group of a dock in turn; give their titles."""
+    for section in page.locator(".dock-tabs").get_by_role("tab").all():
+        section.click()
+        expect(section).to_have_attribute("aria-selected", "true")
+        for tab in page.locator(".dock-subtabs").get_by_role("tab").all() or [section]:
+            tab.click()
+            expect(tab).to_have_attribute("aria-selected", "true")
+            yield tab.inner_text().split("\n")[0]
 
 
 def await_map(page: Page) -> None:
@@ -202,6 +230,14 @@ _PAINTED = """async () => {
 def painted(page: Page) -> None:
     """Wait until the pictures of a standing map have come to rest."""
     page.evaluate(_PAINTED)
+
+
+def frames(page: Page, n: int) -> None:
+    """Let the page draw ``n`` animation frames, at most 60 in a second: what moves by itself moves in them.
+
+    On a busy machine they take longer; a wait of so many milliseconds could end there before the page has done a thing.
+    """
+    page.evaluate("async (n) => { for (let i = 0; i < n; i++) await new Promise(requestAnimationFrame); }", n)
 
 
 def still(locator: Locator) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """axe-core finds no violation on any page in any state, and every slider has a name and a value text.
 
-``make test`` looks at a wide window in light colours and at a phone in dark ones, ``make test-long`` at all pairs.
+``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages in one of the two, and
+``make test-long`` at all pairs.
 
 axe-core is read from node_modules: nothing is downloaded.
 """
@@ -16,7 +17,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.looking import SECONDS, await_map, await_true, frame, open_group, settled_digest, until
+from tests.browser.looking import SECONDS, await_map, await_true, frame, open_group, open_groups, settled_digest, until
 from tests.marks import also_long
 
 AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
@@ -26,6 +27,7 @@ READY = {
     "/lecture.html?present": ".on-slide .slide-question",  # the first step; test_slides.py looks at every slide
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
+    "/puzzles.html": ".puzzles-card",
 }
 MODELS = ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting", "fixed_increments")
 
@@ -87,20 +89,24 @@ def dressed(page: Page, request: pytest.FixtureRequest) -> Page:
     return page
 
 
+LOOKS = (("desktop", "light"), ("phone", "dark"), ("desktop", "dark"), ("phone", "light"))
 each_look = pytest.mark.parametrize(
     ("context", "dressed"),
-    [
-        ("desktop", "light"),
-        ("phone", "dark"),
-        pytest.param("desktop", "dark", marks=pytest.mark.long),
-        pytest.param("phone", "light", marks=pytest.mark.long),
-    ],
+    [pytest.param(*look, marks=pytest.mark.long if i > 1 else ()) for i, look in enumerate(LOOKS)],
     indirect=True,
+)
+each_page = pytest.mark.parametrize(
+    ("path", "context", "dressed"),
+    [
+        pytest.param(path, *look, marks=() if i == n % 2 else pytest.mark.long)
+        for n, path in enumerate(READY)
+        for i, look in enumerate(LOOKS)
+    ],
+    indirect=["context", "dressed"],
 )
 
 
-@each_look
-@pytest.mark.parametrize("path", READY)
+@each_page
 def test_axe_finds_nothing(dressed: Page, server: str, path: str) -> None:
     page = dressed
     page.goto(server + path)
@@ -130,8 +136,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     page.get_by_role("switch", name="Show the correct map").click()
     expect(page.locator(".plate .compare-name").first).to_be_visible()
     settled_digest(page)
-    for tab in page.get_by_role("tab").all():
-        tab.click()
+    for _ in open_groups(page):
         told_sliders(page)
         nothing_wrong(page, ".dock")
     if page.viewport_size and page.viewport_size["width"] < 500:
@@ -141,12 +146,12 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
         page.evaluate("model => gridbloom.connection.store.setParameter('model', model)", model)
         settled_digest(page)
         told_sliders(page)
-        nothing_wrong(page, ".lab")
+        nothing_wrong(page, ".lab-curve, .dock")
     open_group(page, "Steps").get_by_text("cell", exact=True).click()
     page.get_by_role("button", name="Forward one cell").click()
     expect(page.locator(".steps-note")).to_be_visible()
     nothing_wrong(page, ".lab")
-    open_group(page, "World")
+    open_group(page, "Draw")
     page.get_by_role("button", name="Draw furniture").click()
     nothing_wrong(page, ".lab")
     open_group(page, "Path")
@@ -205,8 +210,7 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str) -> None:
     doctor = page.get_by_role("region", name="Log doctor")
     doctor.get_by_role("button", name="No problems found").click(timeout=4 * SECONDS * 1000)
     expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)
-    for tab in page.get_by_role("tab").all():
-        tab.click()
+    for _ in open_groups(page):
         page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
         told_sliders(page)
         nothing_wrong(page, ".dock")

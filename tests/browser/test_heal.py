@@ -18,7 +18,7 @@ def opened(page: Page, server: str, name: str, data: bytes) -> None:
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
-    expect(page.get_by_role("tab", name="Heal")).to_be_visible()
+    expect(page.get_by_role("tab", name="Check")).to_be_visible()
     # While it plays, the doctor waits.
     count = frame(page)["count"]
     page.evaluate("count => gridbloom.connection.store.send({ type: 'step', scans: count })", count)

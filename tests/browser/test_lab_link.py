@@ -6,14 +6,12 @@ import base64
 import json
 import re
 import zlib
-from typing import Any
-from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.conftest import standing_world
-from tests.browser.looking import await_map, end_session, frame, map_digest, open_group, settled_digest, until
+from tests.browser.looking import await_map, end_session, frame, map_digest, open_group, settled_digest, told, until
 
 
 @pytest.fixture
@@ -33,15 +31,6 @@ def lab(context: BrowserContext, server: str) -> Page:
     return page
 
 
-def told(address: str) -> dict[str, Any]:
-    """Return what an address tells of the world behind it: JSON, deflated, in letters that an address may hold."""
-    letters = urlsplit(address).fragment.removeprefix("s=")
-    if not letters:
-        return {}
-    told: dict[str, Any] = json.loads(zlib.decompress(base64.urlsafe_b64decode(letters + "=="), wbits=-15))
-    return told
-
-
 def opened(visitor: BrowserContext, link: str) -> Page:
     """Open a link as somebody else."""
     page = visitor.new_page()
@@ -55,7 +44,7 @@ def test_the_address_restores_an_ended_session(lab: Page, visitor: BrowserContex
     pose, index = frame(lab)["pose"], frame(lab)["index"]
     look = {"x": 5.5, "y": 5, "scale": 0.011}
     lab.evaluate("(look) => { gridbloom.connection.store.setView(look); }", look)
-    until("the address to follow", lambda: told(lab.evaluate("() => location.href")).get("view") == look)
+    until("the address to follow", lambda: told(lab).get("view") == look)
     link = lab.evaluate("() => location.href")
     session = link.split("session=")[1].split("#")[0]
     end_session(lab)
@@ -91,7 +80,7 @@ def test_a_link_shows_the_cell_that_is_explained_and_the_map_made_right(lab: Pag
     shown = until("the second map and the answer", lambda: lab.evaluate(seen))
 
     def tells() -> bool:
-        link = told(lab.evaluate("() => location.href"))
+        link = told(lab)
         return bool(link.get("right")) and (link.get("why") or {}).get("touch") == shown[3]["n"]
 
     until("the address to follow", tells)

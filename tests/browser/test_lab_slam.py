@@ -6,7 +6,7 @@ import re
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, until
+from tests.browser.looking import await_map, open_group, until
 
 ERROR = """() => {
   const { pose, believed_pose } = gridbloom.connection.store.frame.peek();
@@ -18,7 +18,7 @@ NODES = "() => gridbloom.connection.store.layers.content('slam').peek()?.columns
 def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
     await_map(page)
-    page.get_by_role("tab", name="SLAM").click()
+    open_group(page, "SLAM")
     page.get_by_role("switch", name="Drifting wheels").check()
     page.evaluate("gridbloom.connection.store.send({ type: 'speed', value: 8 })")
     until("the wheels to drift", lambda: (page.evaluate(ERROR) or 0) > 0.3)
@@ -26,8 +26,8 @@ def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> Non
     expect(off).to_have_text(re.compile(r"\d"))
     page.get_by_role("switch", name="SLAM while driving").check()
     until("SLAM", lambda: page.evaluate(NODES) > 20 and page.evaluate(ERROR) < 0.15)
-    until("its graph to grow", lambda: page.evaluate(NODES) > 60)
-    assert page.evaluate(ERROR) < 0.15
+    # On a slow machine seconds of the drive pass between two frames, and a turn is corrected some scans later.
+    until("its graph to grow", lambda: page.evaluate(NODES) > 60 and page.evaluate(ERROR) < 0.15)
     expect(page.locator(".slam-facts")).to_contain_text("Scans matched")
     # The layers end with the switch.
     page.get_by_role("switch", name="SLAM while driving").uncheck()

@@ -93,7 +93,7 @@ def test_two_lidars_make_one_map_and_why_names_the_sensor(page: Page, server: st
     expect(why).to_contain_text("/scan_astern")
     expect(why).not_to_contain_text("/scan_ahead")
     # One of them by itself, in the same session: what the other one saw is unknown then.
-    page.get_by_role("tab", name="Topics").click()
+    open_group(page, "Topics")
     page.get_by_role("button", name="Map /scan_ahead").click()
     until("one sensor", lambda: page.evaluate(LOG)["topic"] == "/scan_ahead" and frame(page)["index"] == 20)
     assert (state_at(page, *ahead), state_at(page, *astern)) == ("occupied", "unknown")

@@ -1,7 +1,7 @@
 """Cause and effect on one screen: what one uses and the part of the map that it changes are in the viewport together.
 
-Of the lab, the log page and the front page, at four sizes. ``make test`` uses each control at one of the sizes, in
-turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay in place and are
+Of the lab, the log page and the front page, at four sizes. ``make test`` uses every third control at one of the sizes,
+in turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay in place and are
 not covered is looked at in every group at every size.
 """
 
@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.looking import await_map, settled_digest
-from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns, open_tab
+from tests.browser.looking import await_map, open_group, open_groups, settled_digest
+from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -34,8 +34,17 @@ each_look = pytest.mark.parametrize(
 EXPLAIN = "() => { const { store } = gridbloom.connection; store.explain(store.frame.peek().pose.slice(0, 2)); }"
 #: The session stands again after the button that starts it: only the control that is used may change the map.
 PAUSE = "() => gridbloom.connection.store.send({ type: 'pause' })"
+#: How many lines of tabs there are, of the sections and of the open section's groups.
+LINES = """() => [".dock-tabs", ".dock-subtabs"].map((list) => new Set([
+  ...document.querySelectorAll(`${list} [role=tab]`)
+].map((tab) => Math.round(tab.getBoundingClientRect().top))).size)"""
 #: What is done in a group that is empty without it.
 BEFORE_GROUP = {"Why": EXPLAIN}
+
+
+def turns_at(looks: Looks) -> Turns:
+    """Return whose turn it is: at all of the sizes together every third control, at one of them each one."""
+    return Turns(len(looks), every=3 if len(looks) > 1 else 1)
 
 
 def empty_scene(route: Route) -> None:
@@ -52,12 +61,12 @@ def prepare(page: Page, motion: Literal["reduce", "no-preference"] = "reduce") -
 
 def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
     """Open each group of the dock and use its controls."""
-    for tab in page.get_by_role("tab").all():
-        title = open_tab(page, tab)
+    for title in open_groups(page):
+        assert max(page.evaluate(LINES)) == 1, title
         if title in BEFORE_GROUP:
             page.evaluate(BEFORE_GROUP[title])
             settled_digest(page)
-        if title == "3D":
+        if title in {"3D", "Scene"}:
             expect(page.get_by_role("button", name=FULL_SCREEN)).to_be_visible()  # its controls come with the scene
         screen.stands(title)
         turns.use_all(screen, page.locator(".dock-group:visible"))
@@ -68,7 +77,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
     prepare(page)
     open_lab(scans=15)
     screen = Screen(page, ".lab .picture", ".dock-group")
-    turns = Turns(len(looks))
+    turns = turns_at(looks)
     for size, scheme in looks:
         screen.resize(size, scheme)
         profile = page.locator("figure.profile")
@@ -77,12 +86,12 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
         turns.use_all(screen, page.locator(".lab-bar"))
         page.evaluate(PAUSE)
         use_groups(page, screen, turns)
-        page.get_by_role("tab", name="Model").click()
+        open_group(page, "Model")
         page.get_by_role("button", name="Reset to defaults").click()
         page.evaluate("() => gridbloom.connection.store.editing.take(null)")
         page.evaluate("() => gridbloom.connection.store.send({ type: 'compare', values: null })")
         turns.sizes_left -= 1
-    assert screen.changes > 8
+    assert screen.changes > 2
 
 
 @each_look
@@ -93,9 +102,9 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files(tmp_path / "robot.mcap")
     await_map(page)
-    expect(page.get_by_role("tab", name="Heal")).to_be_visible()
+    expect(page.get_by_role("tab", name="Check")).to_be_visible()
     screen = Screen(page, ".viewer .picture", ".dock-group, .viewer-transport, .viewer-map")
-    turns = Turns(len(looks))
+    turns = turns_at(looks)
     for size, scheme in looks:
         screen.resize(size, scheme)
         box = page.locator(".viewer-map").bounding_box()
@@ -107,7 +116,7 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
         page.evaluate(PAUSE)
         use_groups(page, screen, turns)
         turns.sizes_left -= 1
-    assert screen.changes > 2
+    assert screen.changes > 0
 
 
 @each_look
@@ -117,7 +126,7 @@ def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
     await_map(page)
     page.get_by_role("button", name="Forward 10 scans").click()
     screen = Screen(page, ".hero .picture")
-    turns = Turns(len(looks))
+    turns = turns_at(looks)
     for size, scheme in looks:
         screen.resize(size, scheme)
         screen.at_hand(page.locator("figure.profile").get_by_role("slider"))
@@ -125,7 +134,7 @@ def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
         more = page.get_by_role("link", name="One cell, the lecture, your own log")
         expect(more).to_be_in_viewport(ratio=1)
         turns.sizes_left -= 1
-    assert screen.changes > 1
+    assert screen.changes > 0
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_true
-from tests.browser.one_screen import SIZES, Screen, open_tab
+from tests.browser.looking import await_true, open_groups
+from tests.browser.one_screen import SIZES, Screen
 from tests.browser.test_axe import nothing_wrong, told_sliders
 from tests.browser.test_map_editing import written
 from tests.browser.test_one_screen import SCHEMES, prepare
@@ -45,12 +45,10 @@ def test_of_an_opened_file(page: Page, server: str, tmp_path: Path, what: str) -
     await_true(page, is_ready)
     screen = Screen(page, picture, DOCK)
     found: dict[str, list[object]] = {}
-    tabs = page.get_by_role("tab")
     for size, scheme in zip(SIZES, SCHEMES, strict=True):
         screen.resize(size, scheme)
         screen.stands("what was open")
-        for tab in tabs.all() if size in GROUPS_AT else []:
-            title = open_tab(page, tab)
+        for title in open_groups(page) if size in GROUPS_AT else ():
             expect(page.locator(".viewer-map .working")).to_have_count(0)  # what it reports of lies on the picture
             screen.stands(title)
             if size == GROUPS_AT[0]:
@@ -59,8 +57,7 @@ def test_of_an_opened_file(page: Page, server: str, tmp_path: Path, what: str) -
                 nothing_wrong(page, ".dock")
                 found[title] = small(page)
     page.set_viewport_size({"width": PHONE[0], "height": PHONE[1]})
-    for tab in tabs.all():
-        title = open_tab(page, tab)
+    for title in open_groups(page):
         found[f"{title}, on a phone"] = small(page)
         assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth"), title
     nothing_wrong(page)

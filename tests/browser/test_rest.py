@@ -7,8 +7,7 @@ from functools import partial
 
 from playwright.sync_api import CDPSession, Page
 
-from tests.browser.looking import until
-from tests.browser.one_screen import open_tab
+from tests.browser.looking import open_groups, until
 from tests.browser.test_one_screen import prepare
 
 # Counts how often the page asks for an animation frame.
@@ -47,10 +46,11 @@ def test_the_lab_rests_while_it_is_paused_whatever_group_is_open_and_while_it_is
     devtools = page.context.new_cdp_session(page)
     devtools.send("Performance.enable")
     at_rest = partial(rests, page, devtools)
-    tabs = page.get_by_role("tab").all()
-    assert len(tabs) > 8
-    for tab in tabs:
-        until(f"the lab to rest with {open_tab(page, tab)} open", at_rest)
+    opened = []
+    for title in open_groups(page):
+        until(f"the lab to rest with {title} open", at_rest)
+        opened.append(title)
+    assert len(opened) > 8
     page.get_by_role("button", name="Play").click()
     until("the lab to go", lambda: not at_rest())
     page.evaluate(_HIDE)

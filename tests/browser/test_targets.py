@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map
+from tests.browser.looking import await_map, open_groups
 
 LEAST = 24
 
@@ -56,7 +56,7 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
     found["lecture"] = small(page)
     page.route("**/scenes/*/plain/**", lambda route: route.fulfill(content_type="text/html", body="<!doctype html>"))
     open_lab(scans=15)
-    for place in ("lab", "log"):
+    for place in ("lab", "log", "puzzle"):
         if place == "log":
             page.goto(f"{server}/logs.html")
             card = page.locator(".log-card", has_text="sample")
@@ -64,9 +64,13 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
             found["logs"] = small(page)
             card.get_by_role("button", name="Open map").click()
             await_map(page)
-        for tab in page.get_by_role("tab").all():
-            tab.click()
-            expect(tab).to_have_attribute("aria-selected", "true")
+        elif place == "puzzle":
+            page.goto(f"{server}/puzzles.html")
+            page.locator(".puzzles-card").first.wait_for()
+            found["puzzles"] = small(page)
+            page.get_by_role("button", name="Open The thick walls").click()
+            await_map(page)
+        for title in open_groups(page):
             page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
-            found[f"{place}, {tab.inner_text()}"] = small(page)
+            found[f"{place}, {title}"] = small(page)
     assert {where: targets for where, targets in found.items() if targets} == {}

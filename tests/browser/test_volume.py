@@ -16,7 +16,7 @@ from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from mapper.io.clouds import read_cloud
 from mapper.volume import OccupancyVolume, VolumeConfig
-from tests.browser.looking import POLLING_MS, await_true, until
+from tests.browser.looking import POLLING_MS, await_true, open_group, until
 from tests.mapper.io.logs.recorded import SECOND, cloud, transform, written
 from tests.mapper.volume.moving_lidar import record
 
@@ -78,7 +78,7 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
 
     box = page.locator("iframe.volume-scene").bounding_box()
     assert box is not None
-    page.get_by_role("tab", name="Why").click()
+    open_group(page, "Why")
     clicks = iter([(0.5, 0.5), (0.4, 0.5), (0.6, 0.45), (0.5, 0.4), (0.35, 0.45), (0.65, 0.5), (0.5, 0.6)] * 20)
 
     def asked() -> bool:
@@ -132,13 +132,13 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     page.get_by_label("Cut above, as a number").fill("0")
     page.get_by_label("Cut above, as a number").press("Enter")
     await_true(page, f"() => {{ const now = ({VOLUME})(); return now.pending === 0 && now.quads < {whole['quads']}; }}")
-    page.get_by_role("tab", name="From above").click()
+    open_group(page, "From above")
     page.get_by_role("button", name="Slice in the middle").click()
     until("the slice is shown", lambda: page.evaluate("() => gridbloom.cells().occupied") > 0)
     with page.expect_download() as download:
         page.locator(".volume-above").get_by_role("link", name="pgm").click()
     assert Path(download.value.path()).read_bytes().startswith(b"P5")
-    page.get_by_role("tab", name="Download").click()
+    open_group(page, "Download")
     with page.expect_download() as download:
         page.get_by_role("link", name="bt", exact=True).click()
     assert Path(download.value.path()).read_bytes().startswith(b"# Octomap OcTree binary file")
@@ -147,7 +147,7 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
     page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 3 })")
     await_true(page, f"() => ({VOLUME})()?.compared && ({DONE})()")
-    page.get_by_role("tab", name="Compare").click()
+    open_group(page, "Compare")
     changes = page.locator(".volume-changes")
     assert int(changes.get_attribute("data-vanished") or 0) > 20
     assert int(changes.get_attribute("data-appeared") or 0) == 0
@@ -211,7 +211,7 @@ def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_aw
     )
     opened(page, server, path)
     before = sum(received)
-    page.get_by_role("tab", name="Surface").click()
+    open_group(page, "Surface")
     page.get_by_role("button", name="Show the surface").click()
     surface = "() => gridbloom.connection.store.surface.message.peek()"
     await_true(
@@ -232,7 +232,7 @@ def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_aw
     second = page.evaluate(surface)
     assert second["triangles"] != first["triangles"]
 
-    page.get_by_role("tab", name="Download").click()
+    open_group(page, "Download")
     with page.expect_download() as download:
         page.get_by_role("link", name="ply", exact=True).click()
     with Path(download.value.path()).open("rb") as ply:
@@ -241,7 +241,7 @@ def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_aw
     np.testing.assert_allclose(np.linalg.norm(mesh.vertex_normals, axis=1), 1.0, atol=1e-3)
 
     # The camera's y points down: with −y up the map is another one, as the address says.
-    page.get_by_role("tab", name="View").click()
+    open_group(page, "View")
     page.get_by_label("Axis of the file that points up").select_option("-y")
     page.wait_for_url("**up=-y**")
     await_true(page, f"() => {{ const now = ({VOLUME})(); return now && now.low[2] > -2 && now.low[2] < 0; }}")

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import sys
 
+from tests.load.ending import ending
 from tests.load.fairness import fairness
 from tests.load.followers import followers
 from tests.load.memory import memory
 from tests.load.sessions import sessions
 from tests.load.ticks import ticks
 
-RUNS = {"ticks": ticks, "sessions": sessions, "followers": followers, "fairness": fairness, "memory": memory}
+RUNS = {
+    "ticks": ticks,
+    "sessions": sessions,
+    "followers": followers,
+    "fairness": fairness,
+    "memory": memory,
+    "ending": ending,
+}
 
 
 def main() -> None:

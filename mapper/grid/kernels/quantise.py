@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor
-
-from numpy import int8
+from numpy import int8, int32
 
 from mapper.core.array_types import BoolArray, Float32Array, Int8Array
 from mapper.core.jit import jit
@@ -46,22 +44,40 @@ def quantise(
             most_free = step
         if stands_for > occupied_above:
             least_occupied = min(least_occupied, step)
+    # The last step of a free cell, the first and the last of an unknown one, the first of an occupied one.
+    free, first, last, occupied = (
+        int32(most_free),
+        int32(most_free + 1),
+        int32(least_occupied - 1),
+        int32(least_occupied),
+    )
     count = 0
+    col_low, col_high = max(col0, 0), min(col1, cols)
     for r in range(max(row0, 0), min(row1, rows)):
-        for c in range(max(col0, 0), min(col1, cols)):
-            q = NEVER_OBSERVED
-            if observed[r, c]:
-                value = float(log_odds[r, c])
-                q = floor(min(max((value - low) * scale, 0.0), 254.0) + 0.5) - 127
-                if value < free_below:
-                    q = min(q, most_free)
-                elif value > occupied_above:
-                    q = max(q, least_occupied)
-                else:
-                    q = min(max(q, most_free + 1), least_occupied - 1)
-                q = min(max(q, -127), 127)
-            if picture[r, c] != q:
-                picture[r, c] = int8(q)
-                changed[r // tile, c // tile] = True
-                count += 1
+        start = col_low
+        while start < col_high:
+            stop = min((start // tile + 1) * tile, col_high)
+            values, seen, shown = log_odds[r, start:stop], observed[r, start:stop], picture[r, start:stop]
+            differing = int32(0)
+            # Without branches and with 32-bit integers, so that it is compiled to vector instructions.
+            for c in range(stop - start):
+                value = float(values[c])
+                scaled = (value - low) * scale
+                scaled = max(scaled, 0.0)
+                scaled = min(scaled, 254.0)
+                q = int32(scaled + 0.5) - int32(127)
+                is_free, is_occupied = value < free_below, value > occupied_above
+                least = int32(-127) if is_free else (occupied if is_occupied else first)
+                most = free if is_free else (int32(127) if is_occupied else last)
+                q = max(q, least)
+                q = min(q, most)
+                q = int32(-127) if q < -127 else q
+                q = int32(127) if q > 127 else q
+                new = int8(q) if seen[c] else int8(NEVER_OBSERVED)
+                differing += int32(shown[c] != new)
+                shown[c] = new
+            if differing > 0:
+                changed[r // tile, start // tile] = True
+                count += int(differing)
+            start = stop
     return count

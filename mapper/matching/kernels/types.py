@@ -9,7 +9,7 @@ from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64
 #: What is known of a beam's reading.
 NO_POINT, POINT, POINT_WITH_NORMAL = 0, 1, 2
 
-#: The weight of a residual e with the scale s, as an M-estimator has it (Zhang 1997, table 1).
+#: The weight of a residual e with the scale s, as an M-estimator has it (Zhang 1997).
 SQUARES, HUBER, CAUCHY = 0, 1, 2
 
 

@@ -28,25 +28,24 @@ def reflect(
     the sine of its angle to the face's normal exceeds ``most_sine``; it ends on a face if its end is no farther from
     the face than ``on_wall`` metres.
     """
-    n_faces = faces.shape[0]
-    units, lengths = np.empty((n_faces, 2)), np.empty(n_faces)
-    for k in range(n_faces):
-        ex, ey = faces[k, 2] - faces[k, 0], faces[k, 3] - faces[k, 1]
-        lengths[k] = math.hypot(ex, ey)
-        units[k, 0], units[k, 1] = ex / lengths[k], ey / lengths[k]
-    for i in range(out.shape[0]):
+    n = out.shape[0]
+    directions, ends = np.empty((2, n)), np.empty((2, n))
+    for i in range(n):
         out[i] = False
-        if not math.isfinite(ranges[i]):
-            continue
-        dx, dy = math.cos(bearings[i]), math.sin(bearings[i])
-        end_x, end_y = x + ranges[i] * dx, y + ranges[i] * dy
-        for k in range(n_faces):
-            ux, uy = units[k, 0], units[k, 1]
-            # The sine of the angle between beam and normal is the cosine of that between beam and face.
-            if abs(dx * ux + dy * uy) <= most_sine:
-                continue
-            ox, oy = end_x - faces[k, 0], end_y - faces[k, 1]
+        directions[0, i], directions[1, i] = math.cos(bearings[i]), math.sin(bearings[i])
+        # The end of a beam without a return is nowhere: every comparison with it is false.
+        reach = ranges[i] if math.isfinite(ranges[i]) else math.nan
+        ends[0, i], ends[1, i] = x + reach * directions[0, i], y + reach * directions[1, i]
+    dx, dy, end_x, end_y = directions[0], directions[1], ends[0], ends[1]
+    for k in range(faces.shape[0]):
+        ax, ay = faces[k, 0], faces[k, 1]
+        ex, ey = faces[k, 2] - ax, faces[k, 3] - ay
+        length = math.hypot(ex, ey)
+        ux, uy = ex / length, ey / length
+        # Without branches, so that it is compiled to vector instructions.
+        for i in range(n):
+            ox, oy = end_x[i] - ax, end_y[i] - ay
             along = ox * ux + oy * uy
-            if abs(ox * uy - oy * ux) <= on_wall and -on_wall <= along <= lengths[k] + on_wall:
-                out[i] = True
-                break
+            # The sine of the angle between beam and normal is the cosine of that between beam and face.
+            slants = abs(dx[i] * ux + dy[i] * uy) > most_sine
+            out[i] |= slants & (abs(ox * uy - oy * ux) <= on_wall) & (along >= -on_wall) & (along <= length + on_wall)

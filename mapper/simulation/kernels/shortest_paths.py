@@ -9,6 +9,10 @@ from numpy.typing import NDArray
 
 from mapper.core.jit import jit
 
+MOST_BUCKETS = 1 << 12
+#: For each of the eight steps, in the order of the kernel: the two straight steps beside a diagonal one, else -1.
+_SIDES = np.array([(1, 3), (-1, -1), (1, 4), (-1, -1), (-1, -1), (6, 3), (-1, -1), (6, 4)])
+
 
 @jit
 def shortest_paths(
@@ -20,58 +24,93 @@ def shortest_paths(
 ) -> None:
     """Write the cost of the cheapest 8-connected path from the start to every cell, and the cell before it.
 
-    ``cost`` (rows, cols) is the cost of a metre (any unit) in each cell, +inf where nothing may pass; a step costs the
-    mean of its two cells times its length in cells. ``distance`` (rows, cols) is +inf where no path leads; ``parent``
-    (rows, cols) holds flat indices, −1 at the start and where no path leads. A diagonal step needs both cells
-    next to it to be passable. Dijkstra's algorithm with a binary heap (Cormen et al., chapter 22.3).
+    ``cost`` (rows, cols) > 0 is the cost of a metre (any unit) in each cell, +inf where nothing may pass; a step costs
+    the mean of its two cells times its length in cells. ``distance`` (rows, cols) is +inf where no path leads;
+    ``parent`` (rows, cols) holds flat indices, −1 at the start and where no path leads; where several paths are equally
+    cheap, the cell nearest to the start. A diagonal step needs both cells next to it to be passable.
+
+    Dijkstra's algorithm with buckets of distances in place of a heap: no step costs less than a bucket is wide, so the
+    cells of one bucket do not shorten each other's paths (Dial 1969, Algorithm 360; Dinitz 1978). A cell that rounding
+    shortens all the same is taken again.
     """
     rows, cols = cost.shape
     distance[:, :] = np.inf
     parent[:, :] = -1
     if not (0 <= start_row < rows and 0 <= start_col < cols):
         return
-    # Each cell is pushed at most once for each of its neighbours.
-    keys = np.empty(8 * rows * cols + 1)
-    cells = np.empty(8 * rows * cols + 1, dtype=np.int64)
-    size = 1
-    keys[0] = 0.0
-    cells[0] = start_row * cols + start_col
-    distance[start_row, start_col] = 0.0
-    while size > 0:
-        key, cell = keys[0], cells[0]
-        size -= 1
-        last_key, last_cell = keys[size], cells[size]
-        hole = 0
-        while True:  # sift the last entry down from the root
-            child = 2 * hole + 1
-            if child >= size:
-                break
-            if child + 1 < size and keys[child + 1] < keys[child]:
-                child += 1
-            if keys[child] >= last_key:
-                break
-            keys[hole], cells[hole] = keys[child], cells[child]
-            hole = child
-        keys[hole], cells[hole] = last_key, last_cell
-        row, col = cell // cols, cell % cols
-        if key > distance[row, col]:
-            continue  # an older, dearer entry of this cell
-        for dr in range(-1, 2):
-            for dc in range(-1, 2):
-                r, c = row + dr, col + dc
-                if (dr == 0 and dc == 0) or not (0 <= r < rows and 0 <= c < cols) or not np.isfinite(cost[r, c]):
+    # A border of impassable cells spares the tests whether a neighbour is in the lattice.
+    wide = cols + 2
+    costs, best = np.full((rows + 2) * wide, np.inf), np.full((rows + 2) * wide, np.inf)
+    least, greatest = np.inf, 0.0
+    for r in range(rows):
+        for c in range(cols):
+            here = cost[r, c]
+            costs[(r + 1) * wide + c + 1] = here
+            if here < np.inf:
+                least, greatest = min(least, here), max(greatest, here)
+    steps = np.array([-wide - 1, -wide, -wide + 1, -1, 1, wide - 1, wide, wide + 1])
+    # A step reaches so many buckets ahead: they are used in turn. With few of them they are wider than the least step.
+    count = min(MOST_BUCKETS, int(math.sqrt(2.0) * greatest / least) + 3) if greatest > 0.0 else 3
+    width = max(least, math.sqrt(2.0) * greatest / (count - 2)) if greatest > 0.0 else 1.0
+    first = np.full(
+        count, -1, dtype=np.int32
+    )  # cell of each bucket; cells of one bucket form a list in both directions
+    after, before = np.empty(len(best), dtype=np.int32), np.empty(len(best), dtype=np.int32)
+    bucket_of, origin = np.full(len(best), -1, dtype=np.int32), np.full(len(best), -1, dtype=np.int32)
+    start = (start_row + 1) * wide + start_col + 1
+    best[start] = 0.0
+    first[0], after[start], before[start], bucket_of[start] = start, -1, -1, 0
+    waiting, bucket = 1, 0
+    while waiting > 0:
+        cell = first[bucket]
+        if cell < 0:
+            bucket = bucket + 1 if bucket + 1 < count else 0
+            continue
+        first[bucket] = after[cell]
+        if after[cell] >= 0:
+            before[after[cell]] = -1
+        bucket_of[cell] = -1
+        waiting -= 1
+        key = best[cell]
+        for k in range(8):
+            beside = cell + steps[k]
+            there = costs[beside]
+            if not there < np.inf:
+                continue
+            is_diagonal = _SIDES[k, 0] >= 0
+            if is_diagonal:
+                beside_1, beside_2 = cell + steps[_SIDES[k, 0]], cell + steps[_SIDES[k, 1]]
+                if not (costs[beside_1] < np.inf and costs[beside_2] < np.inf):
                     continue
-                if dr != 0 and dc != 0 and not (np.isfinite(cost[row, c]) and np.isfinite(cost[r, col])):
-                    continue
-                # The start itself may be impassable: only the cell that is entered counts then.
-                here = cost[row, col] if np.isfinite(cost[row, col]) else cost[r, c]
-                new = key + 0.5 * (here + cost[r, c]) * math.sqrt(dr * dr + dc * dc)
-                if new < distance[r, c]:
-                    distance[r, c] = new
-                    parent[r, c] = cell
-                    hole = size
-                    size += 1
-                    while hole > 0 and keys[(hole - 1) // 2] > new:  # sift up
-                        keys[hole], cells[hole] = keys[(hole - 1) // 2], cells[(hole - 1) // 2]
-                        hole = (hole - 1) // 2
-                    keys[hole], cells[hole] = new, r * cols + c
+            # The start itself may be impassable: only the cell that is entered counts then.
+            here = costs[cell] if costs[cell] < np.inf else there
+            new = key + 0.5 * (here + there) * (math.sqrt(2.0) if is_diagonal else 1.0)
+            if new >= best[beside]:
+                if new == best[beside] and origin[beside] >= 0 and key < best[origin[beside]]:
+                    origin[beside] = cell
+                continue
+            best[beside], origin[beside] = new, cell
+            old = bucket_of[beside]
+            into = int(new / width) % count
+            if old == into:
+                continue
+            if old >= 0:  # out of its list
+                if before[beside] >= 0:
+                    after[before[beside]] = after[beside]
+                else:
+                    first[old] = after[beside]
+                if after[beside] >= 0:
+                    before[after[beside]] = before[beside]
+            else:
+                waiting += 1
+            head = first[into]
+            after[beside], before[beside], bucket_of[beside] = head, -1, into
+            if head >= 0:
+                before[head] = beside
+            first[into] = beside
+    for r in range(rows):
+        for c in range(cols):
+            cell = (r + 1) * wide + c + 1
+            distance[r, c] = best[cell]
+            if origin[cell] >= 0:
+                parent[r, c] = (origin[cell] // wide - 1) * cols + origin[cell] % wide - 1

@@ -6,7 +6,7 @@ from math import cos, hypot, sin, sqrt
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
 
 
@@ -87,48 +87,3 @@ def write_information(
     for k in range(3):
         covariance[k, k] += floor[k] * floor[k]
     _invert(covariance, information)
-
-
-@jit
-def shrink_pairs(
-    first: Int64Array,
-    second: Int64Array,
-    poses: Float64Array,
-    false_share: float,
-    hessians: Float64Array,
-    gradients: Float64Array,
-) -> None:
-    """Take ``false_share`` of each pair's strongest direction off its information, see :func:`write_information`.
-
-    ``hessians`` (p, 6, 6) and ``gradients`` (p, 6) are those of
-    :func:`mapper.matching.kernels.point_to_line.accumulate_pairs` at ``poses`` (n, 3).
-    """
-    for p in range(len(first)):
-        h, g = hessians[p], gradients[p]
-        k00, k01, k11 = _shrinkage(h[:3, :3], false_share)
-        a00, a01, a10, a11 = (
-            k00 * h[0, 0] + k01 * h[1, 0],
-            k00 * h[0, 1] + k01 * h[1, 1],
-            k01 * h[0, 0] + k11 * h[1, 0],
-            k01 * h[0, 1] + k11 * h[1, 1],
-        )
-        h00, h01, h11 = a00 * k00 + a01 * k01, a00 * k01 + a01 * k11, a10 * k01 + a11 * k11
-        h02, h12, h22 = k00 * h[0, 2] + k01 * h[1, 2], k01 * h[0, 2] + k11 * h[1, 2], h[2, 2]
-        g0, g1, g2 = k00 * g[0] + k01 * g[1], k01 * g[0] + k11 * g[1], g[2]
-        # The second pose's step is the opposite of the first one's, its turn around its own place.
-        i, j = first[p], second[p]
-        a, b = poses[i, 1] - poses[j, 1], poses[j, 0] - poses[i, 0]
-        own = ((h00, h01, h02), (h01, h11, h12), (h02, h12, h22))
-        for u in range(3):
-            c0, c1 = -own[u][0], -own[u][1]
-            c2 = -(own[u][2] - a * own[u][0] - b * own[u][1])
-            for v in range(3):
-                h[u, v] = own[u][v]
-            h[u, 3], h[u, 4], h[u, 5] = c0, c1, c2
-            h[3, u], h[4, u], h[5, u] = c0, c1, c2
-        for u in range(3):
-            h[3, 3 + u] = -h[0, 3 + u]
-            h[4, 3 + u] = -h[1, 3 + u]
-            h[5, 3 + u] = -(h[2, 3 + u] - a * h[0, 3 + u] - b * h[1, 3 + u])
-        g[0], g[1], g[2] = g0, g1, g2
-        g[3], g[4], g[5] = -g0, -g1, -(g2 - a * g0 - b * g1)

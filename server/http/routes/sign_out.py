@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from server.http.errors import error_response
 from server.http.services import services_of
-from server.http.sign_ins import TOKEN_COOKIE
+from server.http.sign_ins import SIGNED_IN_COOKIE, TOKEN_COOKIE
 from server.library import StorageError
 
 router = APIRouter(include_in_schema=False)
@@ -54,4 +54,5 @@ async def sign_out(request: Request) -> Response:
         message = "You are signed out until the service is started again: it cannot record it."
         response = error_response(507, "security.not_recorded", message)
     response.delete_cookie(TOKEN_COOKIE, httponly=True, samesite="lax")
+    response.delete_cookie(SIGNED_IN_COOKIE, samesite="lax")
     return response

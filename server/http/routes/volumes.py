@@ -9,12 +9,16 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from mapper.core.errors import MapperError
+from mapper.io.maps import yaml_text
+from mapper.io.maps.images import pgm_pieces
+from mapper.io.maps.pixels import trinary_pixels
 from server.downloads import Content, Download, file_name
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.maps import requester_of, stem_of
+from server.http.routes.maps import compressed_image, requester_of, stem_of
 from server.http.services import FileDownloads, Sessions
 from server.sessions.parts import Volumetric
 
+MEDIA = {"pgm": "image/x-portable-graymap", "yaml": "application/yaml"}
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
@@ -32,8 +36,35 @@ async def volume_file(
 async def surface_file(
     request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["ply", "glb"]
 ) -> Response:
-    """Return the surface by truncated signed distances as triangles with normals: PLY, or glTF in one file."""
+    """Return the surface by truncated signed distances as triangles with normals: PLY, or glTF in one file.
+
+    Of a simulation it is the outside of its occupied voxels.
+    """
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.mesh_bytes(f".{kind}"))
+
+
+@router.get("/{session_id}/above.{kind}")
+@guests_may(GuestRight.LINKED_SESSION)
+async def above_file(
+    request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, kind: Literal["pgm", "yaml"]
+) -> Response:
+    """Return the map in 3D seen from above, of its band of heights, for map_server: the image, or its YAML file."""
+    session = sessions.get(session_id)
+
+    async def make() -> Content:
+        async with session.settled():
+            volume = session.model.volume
+            grid = None if volume is None else volume.above
+            if grid is None:
+                raise MapperError("session.no_volume", "This session has no map in 3D that is known at these heights.")
+            stem = f"{stem_of(session)}-above"
+            if kind == "yaml":
+                text = yaml_text(grid.geometry, file_name(stem, "pgm"), frame=session.model.frame_id).encode()
+                return Content(file_name(stem, kind), iter([text]), len(text))
+            image = await compressed_image(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
+        return Content(file_name(stem, kind), pgm_pieces(image.shape, image.bands()))
+
+    return Download(downloads, requester_of(request, session), make, MEDIA[kind])
 
 
 def _download(

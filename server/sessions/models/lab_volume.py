@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +14,16 @@ from mapper.grid.occupancy_grid import OCCUPIED
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.sensors_3d import Scan3D, measure_3d
 from mapper.simulation.worlds import World
-from mapper.volume import OccupancyVolume, Octree, project
+from mapper.volume import OccupancyVolume, Octree, VolumeConfig, project
 from mapper.volume.blocks import BLOCK
+from mapper.volume.occupancy import Inserted
+from mapper.volume.sources import Insertion, PlacedScan
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 
 MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds
 MOST_READINGS = 4_000_000  #: of all recorded scans: 16 MB
 AT_ONCE = 4  #: recorded scans that are put into a map that is made again, in one tick
+DECAY_DRAWN_S = 1.0  #: simulated seconds after which voxels that no scan touched are drawn again while they decay
 BYTES_OF_NODE = 5  #: log-odds and the bits of its children, as in the file .ot
 
 
@@ -44,6 +48,8 @@ class LabVolume:
         self.volume = OccupancyVolume(self.parameters.config)
         self.used = 0  #: how many of the scans are in the map
         self.problem = None
+        self._inserted = Insertion()
+        self._decayed_at = -np.inf  #: stamp of the scan since which decayed voxels are not drawn again, seconds
 
     def change(self, parameters: VolumeParameters) -> bool:
         """Use other parameters; return whether the map is made again."""
@@ -83,15 +89,32 @@ class LabVolume:
         touched = []
         for scan in self.scans[self.used : self.used + AT_ONCE]:
             try:
-                touched.append(self._insert(scan))
+                touched.append(self._insert(_placed(scan)).slots)
             except LimitError as error:
                 self.problem = error
                 break
             self.used += 1
+            if self.config.half_life > 0.0 and abs(scan.stamp_s - self._decayed_at) >= DECAY_DRAWN_S:
+                self._decayed_at = scan.stamp_s
+                touched.append(np.arange(self.volume.blocks.count, dtype=np.int32))  # all blocks have changed
         return touched
 
-    def _insert(self, scan: Scan3D) -> np.ndarray:
-        return self.volume.insert_scan(*scan.ends()).slots
+    def _insert(self, scan: PlacedScan) -> Inserted:
+        return self._inserted.insert(self.volume, scan)
+
+    @property
+    def config(self) -> VolumeConfig:
+        """The parameters of the map."""
+        return self.parameters.config
+
+    @property
+    def index(self) -> int:
+        """How many scans are in the map, of those that are kept."""
+        return self.used
+
+    def placed_scans(self) -> Iterator[PlacedScan]:
+        """Yield these scans."""
+        return map(_placed, self.scans[: self.used])
 
     def projection(self) -> OccupancyGrid:
         """Return the map from above of the heights of the band, on a lattice that holds the world."""
@@ -132,6 +155,10 @@ class LabVolume:
             "block_bytes": volume.n_bytes,
             "dense_bytes": 4 * int(dense),
         }
+
+
+def _placed(scan: Scan3D) -> PlacedScan:
+    return PlacedScan(*scan.ends(), round(1e9 * scan.stamp_s))
 
 
 def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarray, int]:

@@ -22,6 +22,12 @@ TABLE: tuple[Parameter, ...] = (
         unit="m", low=0.05, high=0.5, step=0.05,
     ),
     Parameter(
+        "half_life", "Half-life", "map_3d", "number", 0.0,
+        "Time in which log-odds fall by half, so that what is not seen again is forgotten; 0 is never. The map is "
+        "computed again from the recorded scans.",
+        unit="s", low=0.0, high=300.0, step=5.0,
+    ),
+    Parameter(
         "cut_low", "Drawn from", "view_3d", "number", 0.1, "Voxels whose centre is lower are not drawn.",
         unit="m", low=-0.3, high=HIGHEST, step=0.05,
     ),
@@ -75,7 +81,8 @@ class VolumeParameters:
     @property
     def config(self) -> VolumeConfig:
         """Parameters of the map. Beams are cut at the range of the sensor, where those without a return end."""
-        return VolumeConfig(resolution=self.values["voxel"], range_max=self.values["reach"])
+        values = self.values
+        return VolumeConfig(resolution=values["voxel"], range_max=values["reach"], half_life=values["half_life"])
 
     @property
     def band(self) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from pydantic import Field
 from mapper.sensors.scan import ScanLog
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.making import Making
+from server.sessions.models.volume_plan import volume_plan
 from server.sessions.view import LogView
 
 if TYPE_CHECKING:
@@ -75,6 +76,9 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
         given = await library.given_map(resources.visitor, wanted.log)
         if given is not None:
             return _map_plan(given, wanted)
+        summary = library.get(resources.visitor, wanted.log).summary
+        if summary is not None and summary.clouds:
+            return await volume_plan(resources, wanted.log, wanted.topic, name=wanted.name, playing=wanted.playing)
         log = await library.load(resources.visitor, wanted.log, wanted.topic, view.planar_cut)
     finally:
         making.watched = None

@@ -62,7 +62,7 @@ class SimulationModel(SessionModel):
         self._mapper = mapper
         mapper.limits, mapper.wanted = host.limits, host.may_continue
         self.parameters = MappingParameters(host, mapper.config, self._remake, self._parameters_message, _ROWS)
-        self._volume = VolumeView(host, mapper, self.playback)
+        self._volume = self.volume = VolumeView(host, mapper, self.playback)
         self._terrain = TerrainView(self._volume)
         self._navigation = self.costed = LabNavigation(
             mapper,
@@ -315,7 +315,7 @@ class SimulationModel(SessionModel):
                 self._act(command, result)
             case "localize":
                 self._localization.obey(command, self._mapper, result)
-            case "map3d":
+            case "map3d" | "voxel" | "voxel_ray":
                 self._volume.obey(command, result)
             case "terrain":
                 self._terrain.obey(command, result)

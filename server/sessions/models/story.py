@@ -45,7 +45,8 @@ class SimulationStory:
         self._navigation = navigation
 
     async def current(self) -> dict[str, Any]:
-        """Return the story, between two ticks."""
+        """Return the story, between two ticks, of all that was asked of the session before."""
+        await self._host.carried_out()
         async with self._host.locked():
             story = story_of(self._mapper, self._most_s)
             playback = {"speed": self._playback.speed, "playing": self._playback.playing}

@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
-from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.grid import OccupancyGrid
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
-from mapper.volume.blocks import BLOCK
 from mapper.volume.faces import FaceRule
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import ScanSequence
-from server.sessions.drawings import Drawing, Point
+from server.sessions.drawings import Drawing
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
+from server.sessions.models.volume_limits import map_limits
 from server.sessions.models.volume_look import LOOK_PARAMETERS
 from server.sessions.models.volume_messages import log_fields, look_table, volume_message, voxel_message
 from server.sessions.models.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 SLICE_S = 0.1  #: of inserting scans, after which the map is shown
 PIECE_S = 0.05  #: of drawing voxels
 FILL_S = 20.0  #: in which a sequence plays at first
-MOST_SCAN_BOX = 1 << 31  #: voxels of the box around one scan: 200 × 200 × 50 m at 10 cm, some seconds
 LOG_ODDS = 3.5  #: the range of the map from above
 
 
@@ -53,6 +52,7 @@ class VolumeModel(SessionModel):
     """A map of occupied and free voxels of the scans of ``source`` so far, or an octree."""
 
     kind: ClassVar[str] = "volume"
+    is_on = True
     replacing: ClassVar[frozenset[str]] = frozenset({"seek", "step", "restart", "parameters", "surface"})
     resent_on_refusal: ClassVar[Mapping[str, str]] = {
         one: {"volume_look": "volume"}.get(one, one) for one in ("parameters", "volume_look", "surface")
@@ -60,11 +60,12 @@ class VolumeModel(SessionModel):
 
     def __init__(
         self, host: ModelHost, source: VolumeSource, *, log_id: str, title: str, topic: str | None = None,
-        other: tuple[str, VolumeSource] | None = None,
+        other: tuple[str, VolumeSource] | None = None, up: str = "z",
     ) -> None:  # fmt: skip
-        """``other`` is the title and the source of a map to compare with."""
+        """``other`` is the title and the source of a map to compare with, ``up`` the file's axis that is z here."""
         self._host, self._source = host, source
         self._log_id, self._title, self._topic = log_id, title, topic
+        self._up = up
         self._low, self._high = bounds_of(source)
         self._times = times_of(source)
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
@@ -72,7 +73,7 @@ class VolumeModel(SessionModel):
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
         self.volume = self
         self._drawn = VolumeDrawings(source, self._low, self._high)
-        self._questions = VoxelQuestions(host, self._drawn)
+        self._questions = VoxelQuestions(host, self._drawn.chosen)
         scans = source if isinstance(source, ScanSequence) else None
         self._surface = VolumeSurface(scans, self._config.resolution, self._limits)
         self._target = self._map.count if self._map.count == 1 else 0
@@ -89,9 +90,8 @@ class VolumeModel(SessionModel):
         self._time = 0.0
 
     def _limits(self) -> Limits:
-        """Return the limits of the map: a visitor's cells are voxels here."""
-        blocks = max(64, self._host.limits().max_cells // BLOCK**3)
-        return replace(DEFAULT_LIMITS, max_blocks=min(DEFAULT_LIMITS.max_blocks, blocks), max_scan_box=MOST_SCAN_BOX)
+        """Return the limits of the map."""
+        return map_limits(self._host.limits())
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -111,6 +111,8 @@ class VolumeModel(SessionModel):
         with contextlib.suppress(MapperError):
             return project(self._map.volume, self._look.band_low, self._look.band_high)
         return None
+
+    above = grid
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""
@@ -185,10 +187,6 @@ class VolumeModel(SessionModel):
         (x0, y0, z0), (x1, y1, z1) = self._low.tolist(), self._high.tolist()
         return SceneControls(playing=self.playback.playing, bounds=(x0, y0, x1, y1), heights=(z0, z1))
 
-    def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
-        """Ask about the voxel that is clicked."""
-        return {"type": "voxel_ray", "origin": list(origin), "direction": list(direction)}
-
     @property
     def _has_free(self) -> bool:
         return not isinstance(self._source, ScanSequence) or self._source.has_origins
@@ -200,6 +198,7 @@ class VolumeModel(SessionModel):
         more = {
             "look": look_table(self._first_look, self._look, self._low, self._high),
             "has_free": self._has_free,
+            "up": self._up,
             "nodes": self._nodes,
             "compared": self._comparison.fields(),
         }
@@ -210,7 +209,7 @@ class VolumeModel(SessionModel):
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command."""
         if self._is_surface and command["type"] in ("voxel", "voxel_ray"):
-            self._surface.ask(command, self._host, self._drawn, result)
+            self._surface.ask(command, self._host, self._drawn.chosen, result)
             result.changed = True
             return
         if self._questions.obey(command, self._map, self._rule, result):
@@ -292,9 +291,7 @@ class VolumeModel(SessionModel):
             self._clear_voxel(result)
         if (old.band_low, old.band_high) != (self._look.band_low, self._look.band_high):
             self._stale_grid = True
-        drawn = ("show", "colour", "band", "whole", "cut_low", "cut_high")
-        if any(getattr(old, name) != getattr(self._look, name) for name in drawn):
-            self._drawn.note_look(self._map.volume, old, self._look)
+        self._drawn.note_look(self._map.volume, old, self._look)
 
     # -- computing ------------------------------------------------------------------------------------------------
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import product
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array
+from mapper.core.array_types import Float64Array, Int32Array, Int64Array
 from mapper.volume import OccupancyVolume, OctreeFile
 from mapper.volume.changes import Changes
 from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.scan_sequence import ScanSequence
-from server.sessions.drawings import Drawing, Points, Segments, Voxels
+from mapper.volume.voxel_classes import Painted, voxel_classes
+from server.sessions.drawings import Drawing, Points, Voxels
+from server.sessions.models.chosen_voxel import HIT, ChosenVoxel
 from server.sessions.models.volume_look import (
     ADDED,
     BELIEF_RAMP,
@@ -29,11 +29,11 @@ from server.sessions.models.volume_look import (
 )
 
 MOST_POINTS = 1_000_000  #: that are drawn
+MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second point or fewer
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
-HIT, PASSED, CHOSEN = (214, 92, 30), (60, 130, 200), (232, 60, 140)
+DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
-#: Whether they ended in a voxel or passed it, the place of the sensor (3,), their ends (n, 3).
-Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]
+PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS}
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
 
 
@@ -44,12 +44,13 @@ class VolumeDrawings:
         self._scans = source if isinstance(source, ScanSequence) else None
         self._low, self._high = low, high
         self.faces = VoxelFaces()
+        self._classes: tuple[float, Painted] | None = None  #: at a resolution
         self._pending: set[ChunkKey] = set()
         self._chunks: dict[ChunkKey, NDArray[np.uint8]] = {}  #: those that are shown
         self._points: Points | None = None
         self._stale_points = True
         self._newest: Points | None = None
-        self._chosen: list[Drawing] = []
+        self.chosen = ChosenVoxel()
         self._changes: list[Drawing] = []
 
     # -- what is to be made again ---------------------------------------------------------------------------------
@@ -74,6 +75,8 @@ class VolumeDrawings:
 
     def note_look(self, volume: OccupancyVolume, old: Look, new: Look) -> None:
         """Note that another look was chosen."""
+        if all(getattr(old, name) == getattr(new, name) for name in DRAWN):
+            return
         self._stale_points = True
         if (old.cut_low, old.cut_high) == (new.cut_low, new.cut_high) or old.show in WITHOUT_VOXELS:
             self.note_change(volume, None)
@@ -103,9 +106,10 @@ class VolumeDrawings:
             self._pending.clear()
             self.faces.clear()
         rule = self.rule(volume, look, has_free=has_free)
+        painted = self._classes_at(volume.config.resolution) if look.colour == "class" else None
         # Low chunks first: the ground, and what stands on it.
         for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
-            self.faces.update(volume, rule, [key])
+            self.faces.update(volume, rule, [key], painted=painted)
             self._pending.discard(key)
             if is_over():
                 break
@@ -114,6 +118,16 @@ class VolumeDrawings:
             self._points = self._drawn_points(index, look)
             self._newest = None
             self._stale_points = False
+
+    def _classes_at(self, resolution: float) -> Painted:
+        """Return the classes of the voxels, as far as the file states them."""
+        if self._scans is None or "class" not in self._scans.fields:
+            return {}
+        if self._classes is None or self._classes[0] != resolution:
+            some = slice(None, None, max(1, -(-len(self._scans.points) // MOST_CLASSED)))
+            points, classes = self._scans.points[some], np.asarray(self._scans.fields["class"])[some].reshape(-1)
+            self._classes = resolution, voxel_classes(points, classes, resolution, len(CLASS_COLOURS))
+        return self._classes[1]
 
     def show_newest(self, index: int, look: Look) -> None:
         """Show the newest scan as points, while voxels are made again less often."""
@@ -149,31 +163,7 @@ class VolumeDrawings:
             colors = ramp_of(points[:, 2], low, low + COLOURS * look.band, HEIGHT_RAMP)
         return Points(name="points", label="Points", points=points, colors=colors, size=self._point_size())
 
-    # -- a voxel, a comparison --------------------------------------------------------------------------------------
-
-    def choose(self, centre: Float32Array | None, size: float, beams: Sequence[Beams] = ()) -> None:
-        """Show the voxel that is asked about, and the beams that ended in it or passed it; None for none."""
-        self._chosen = []
-        if centre is None:
-            return
-        corners = np.array(list(product((-0.5, 0.5), repeat=3)), dtype=np.float32) * 1.04
-        edges = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1]
-        box = centre + size * corners[np.array(edges)]
-        self._chosen.append(
-            Segments(name="chosen", label="Chosen voxel", points=box.astype(np.float32), colors=CHOSEN, width=3.0)
-        )
-        for name, is_hit, color in (("hits", True, HIT), ("passes", False, PASSED)):
-            rays = [
-                np.stack([np.broadcast_to(origin, ends.shape), ends], axis=1)
-                for ended, origin, ends in beams[-200:]
-                if ended == is_hit and origin is not None and len(ends)
-            ]
-            if rays:
-                lines = np.concatenate(rays).astype(np.float32)[-2000:]
-                self._chosen.append(
-                    Segments(name=name, label="Beams that ended in it" if is_hit else "Beams that passed it",
-                             points=lines, colors=color, width=1.5)
-                )  # fmt: skip
+    # -- a comparison -----------------------------------------------------------------------------------------------
 
     def show_changes(self, changes: Changes | None, size: float) -> None:
         """Show the voxels that differ from another map, None for no comparison."""
@@ -193,14 +183,14 @@ class VolumeDrawings:
     def current(self, volume: OccupancyVolume, look: Look) -> list[Drawing]:
         """Return the drawings."""
         by_side = look.colour == "side"
-        palette = SIDE_COLOURS if by_side else BELIEF_RAMP if look.colour == "probability" else HEIGHT_RAMP
+        palette = PALETTES.get(look.colour, HEIGHT_RAMP)
         chunks = NO_CHUNKS if look.show in WITHOUT_VOXELS else self._chunks
         found: list[Drawing] = [
             Voxels(name="voxels", label="Voxels", chunks=chunks, palette=palette, size=volume.config.resolution,
                    corner=CENTRE, by_side=by_side)
         ]  # fmt: skip
         found += [one for one in (self._points, self._newest) if one is not None]
-        return [*found, *self._chosen, *self._changes]
+        return [*found, *self.chosen.drawings, *self._changes]
 
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:

@@ -8,16 +8,22 @@ from typing import Any
 import numpy as np
 
 from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.errors import ConfigError
 from mapper.grid import OccupancyGrid
 from mapper.simulation.live_map import LiveMap
-from mapper.volume.faces import CENTRE, ChunkKey, VoxelFaces, chunks_of, face_rule
+from mapper.volume import Octree, octree_file
+from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh_files import glb_bytes, ply_bytes
+from mapper.volume.voxel_mesh import voxel_mesh
 from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
+from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.lab_navigation import believed_now
 from server.sessions.models.lab_terrain import points_of, true_ground
 from server.sessions.models.lab_volume import LabVolume, only_in_3d
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 from server.sessions.models.simulation_commands import flag
+from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
@@ -49,6 +55,8 @@ class VolumeView:
         self._map: LabVolume | None = None
         self._only = GridLayer("only_in_3d", "Only in the 3D map", "only_in_3d")
         self._faces = VoxelFaces()
+        self._chosen = ChosenVoxel()
+        self._questions = VoxelQuestions(host, self._chosen)
         self._dirty: set[ChunkKey] = set()
         self._is_drawn = False  #: whether a 3D view has asked for drawings since the last tick
         self._voxels: dict[ChunkKey, np.ndarray] = {}
@@ -102,7 +110,14 @@ class VolumeView:
     # -- commands -------------------------------------------------------------------------------------------------
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
-        """Begin the 3D map, change it, or end it. Raises :class:`ConfigError`; nothing has changed then."""
+        """Begin the 3D map, change it, end it, or say why a voxel is so.
+
+        Raises :class:`ConfigError`; nothing has changed then.
+        """
+        if command["type"] != "map3d":
+            made = self._made()
+            self._questions.obey(command, made, lambda: self._rule(made), result)
+            return
         if not flag({"value": True} | command, "value"):
             self.end(result)
             return
@@ -112,15 +127,37 @@ class VolumeView:
             self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters)
             self._start_again()
         elif self._map.change(parameters):
+            self._choose_none(self._map, result)
             self._start_again()
         elif any(parameters.values[name] != before.values[name] for name in ("cut_low", "cut_high", "colour")):
             self._dirty.update(chunks_of(self._map.volume), self._faces.chunks)
         self._since = SCANS_OF_PROJECTION
         result.slot(self.message())
 
+    def _made(self) -> LabVolume:
+        if self._map is None:
+            raise ConfigError("map3d.off", "There is no 3D map: begin one first.")
+        return self._map
+
+    def octree_bytes(self, kind: str) -> bytes:
+        """Return the map as a file ``.bt`` or ``.ot``. Raises :class:`ConfigError` where there is none."""
+        made = self._made()
+        return octree_file(Octree.of(made.volume), kind, made.config).bytes(made.config)
+
+    def mesh_bytes(self, kind: str) -> bytes:
+        """Return the outside of the occupied voxels as a file ``.ply`` or ``.glb``. Raises as the octree's."""
+        mesh = voxel_mesh(self._made().volume)
+        return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
+
+    @property
+    def above(self) -> OccupancyGrid | None:
+        """The map from above, of the band of heights."""
+        return self.projection
+
     def end(self, result: TickResult) -> None:
         """Keep no 3D map any more."""
         if self._map is not None:
+            self._choose_none(self._map, result)
             self._map = self.projection = None
             self._start_again()
             result.slot(self.message())
@@ -128,10 +165,15 @@ class VolumeView:
     def restart(self, result: TickResult) -> None:
         """Begin an empty map where there is one: the world is another one."""
         if self._map is not None:
+            self._choose_none(self._map, result)
             self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, self._map.parameters)
             self._start_again()
             self._since = SCANS_OF_PROJECTION
             result.slot(self.message())
+
+    def _choose_none(self, made: LabVolume, result: TickResult) -> None:
+        if self._chosen.drawings:
+            self._questions.clear(made.config.resolution, result)
 
     def _start_again(self) -> None:
         self._faces.clear()
@@ -171,9 +213,10 @@ class VolumeView:
         if made.used < self._memory_at or made.used - self._memory_at >= SCANS_OF_MEMORY or self._memory_at < 0:
             self._memory, self._memory_at = made.memory(), made.used
 
-    def _make_faces(self, made: LabVolume) -> None:
+    def _rule(self, made: LabVolume) -> FaceRule:
+        """Return which faces of voxels are drawn."""
         shown = made.parameters.values
-        rule = face_rule(
+        return face_rule(
             made.volume,
             shown["cut_low"],
             max(shown["cut_high"], shown["cut_low"]),
@@ -182,8 +225,10 @@ class VolumeView:
             colours=BANDS,
             by_belief=shown["colour"] == "belief",
         )
+
+    def _make_faces(self, made: LabVolume) -> None:
         dirty, self._dirty = self._dirty, set()
-        if self._faces.update(made.volume, rule, dirty):
+        if self._faces.update(made.volume, self._rule(made), dirty):
             self._voxels = dict(self._faces.chunks)
 
     # -- what is shown --------------------------------------------------------------------------------------------
@@ -221,4 +266,4 @@ class VolumeView:
             points = scan.ends()[0][np.isfinite(scan.ranges)]
             some = points[:: 1 + len(points) // MOST_POINTS].astype(np.float32)
             found.append(Points(name="scan3d", label="3D scan", points=some, colors=POINT, size=0.04))
-        return found
+        return [*found, *self._chosen.drawings]

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
+from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.faces import FaceRule, first_face
 from mapper.volume.occupancy import centres_of, keys_of
 from mapper.volume.provenance import why_voxel
-from mapper.volume.replayed import ReplayedVolume
-from mapper.volume.scan_sequence import ScanSequence
-from server.sessions.models.volume_drawings import VolumeDrawings
+from mapper.volume.sources import PlacedScan
+from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.volume_messages import update_fields, voxel_message
 from server.sessions.tick import TickResult
 from server.stream.protocol import number
@@ -24,15 +24,32 @@ if TYPE_CHECKING:
     from server.sessions.hosting import ModelHost
 
 
+class AskedMap(Protocol):
+    """A map whose voxels are asked about."""
+
+    @property
+    def volume(self) -> OccupancyVolume:
+        """The map."""
+
+    @property
+    def config(self) -> VolumeConfig:
+        """Its parameters."""
+
+    @property
+    def index(self) -> int:
+        """How many scans are in it."""
+
+    def placed_scans(self) -> Iterable[PlacedScan]:
+        """Return these scans; none where they are not known."""
+
+
 class VoxelQuestions:
-    """Answers about voxels; the one that was asked about last is chosen in the drawings."""
+    """Answers about voxels; the one that was asked about last is chosen."""
 
-    def __init__(self, host: ModelHost, drawn: VolumeDrawings) -> None:
-        self._host, self._drawn = host, drawn
+    def __init__(self, host: ModelHost, chosen: ChosenVoxel) -> None:
+        self._host, self._chosen = host, chosen
 
-    def obey(
-        self, command: dict[str, Any], now: ReplayedVolume, rule: Callable[[], FaceRule], result: TickResult
-    ) -> bool:
+    def obey(self, command: dict[str, Any], now: AskedMap, rule: Callable[[], FaceRule], result: TickResult) -> bool:
         """Carry out a command about a voxel of the map ``now``; return whether it was one.
 
         ``rule`` returns which faces are drawn. Raises :class:`ConfigError` for a place outside of the lattice.
@@ -50,22 +67,19 @@ class VoxelQuestions:
 
     def clear(self, resolution: float, result: TickResult) -> None:
         """Choose none."""
-        self._drawn.choose(None, 0.0)
+        self._chosen.choose(None, 0.0)
         result.slot(voxel_message(None, resolution))
 
-    def _ask(self, key: Int64Array | None, now: ReplayedVolume, result: TickResult) -> None:
+    def _ask(self, key: Int64Array | None, now: AskedMap, result: TickResult) -> None:
         """Answer why a voxel is as it is; None chooses none."""
         config = now.config
         if key is None:
             self.clear(config.resolution, result)
             return
-        updates = []
-        if isinstance(now.source, ScanSequence):
-            scans = map(now.source.scan, range(now.index))
-            with self._host.cancellable():
-                updates = why_voxel(scans, config, key, self._host.may_continue)
+        with self._host.cancellable():
+            updates = why_voxel(now.placed_scans(), config, key, self._host.may_continue)
         centre = centres_of(key[None], config.resolution)[0]
-        self._drawn.choose(centre, config.resolution, [(one.is_hit, one.origin, one.ends) for one in updates])
+        self._chosen.choose(centre, config.resolution, [(one.is_hit, one.origin, one.ends) for one in updates])
         value = float(now.volume.log_odds_of(key[None])[0])
         known = not math.isnan(value)
         state = "unknown" if not known else "occupied" if value >= config.log_odds_occupied else "free"
@@ -76,7 +90,7 @@ class VoxelQuestions:
         )
 
 
-def _key_at(command: dict[str, Any], now: ReplayedVolume) -> Int64Array | None:
+def _key_at(command: dict[str, Any], now: AskedMap) -> Int64Array | None:
     """Return the key of the voxel at the place of a command; None for a command without one."""
     if command.get("x") is None:
         return None

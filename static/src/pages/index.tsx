@@ -24,9 +24,10 @@ import { Icon } from "../ui/Icon";
 import { reducedMotion } from "../ui/reducedMotion";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
-import { FREE_THRESHOLD } from "../wire/constants";
+import { FREE_THRESHOLD, LIVE_RANGE_MAX, LIVE_WINDOW } from "../wire/constants";
 import { exposeHook } from "./debugHook";
 import { Contents } from "./lecture/Contents";
+import { Starting } from "./Starting";
 import { worldSession } from "./worldSession";
 
 /** The connection to the visitor's own live world; null until there is a session. */
@@ -98,6 +99,7 @@ function Hero() {
           {store && <BeliefView store={store} onTap={(point) => store.teleport(point)} onPicture={onPicture} />}
         </Plate>
         {store && <RobotAnnouncement store={store} />}
+        <Starting isInside />
       </div>
       <div class="hero-curve">
         <Curve />
@@ -178,8 +180,12 @@ function Facts() {
   );
 }
 
-/** Parameters of the figures until those of the session are known: the defaults, which can be changed. */
-const own = signal<Record<string, unknown>>({ ...INITIAL_PARAMETERS });
+/** Parameters of the figures until those of the session are known: those it will begin with, which can be changed. */
+const own = signal<Record<string, unknown>>({
+  ...INITIAL_PARAMETERS,
+  range_max: LIVE_RANGE_MAX,
+  window: LIVE_WINDOW,
+});
 const parameters = computed(() => {
   const store = connection.value?.store;
   const values = store?.mapping.values.value ?? {};
@@ -210,6 +216,9 @@ function ClampEffect() {
     </>
   );
 }
+
+/** Whether this browser has the cookie of the service's token, which pages cannot read themselves. */
+const SIGNED_IN = /(^|; )gridbloom_signed_in=1/.test(document.cookie);
 
 function Page() {
   useEffect(() => {
@@ -283,6 +292,11 @@ function Page() {
           </Button>
         </div>
       </section>
+      {SIGNED_IN && (
+        <p class="home-section quiet">
+          This browser has signed in with the service’s token. <a href="/sign-out">Sign out</a>
+        </p>
+      )}
     </>
   );
 }

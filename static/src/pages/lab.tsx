@@ -27,6 +27,7 @@ import { visibleState } from "./lab/link";
 import { useReading } from "./lab/reading";
 import { Stage } from "./lab/Stage";
 import { keepAddress, type Live, openSession, restore } from "./lab/session";
+import { Starting } from "./Starting";
 import { replay } from "./worldSession";
 
 /** The current session; null until the server has opened one. */
@@ -38,8 +39,8 @@ const EMPTY_MAP = 1;
 
 async function connectLab(): Promise<void> {
   try {
-    const { id, notice, shown } = await openSession();
     const before = live.peek();
+    const { id, notice, shown } = await openSession(before?.store.playing.peek() === false);
     before?.stop();
     stopAddress();
     const connection = connect(id);
@@ -146,6 +147,7 @@ function Lab() {
         </p>
       )}
       {replay.value && <Working what="Replaying the link" work={replay.value.work} onCancel={replay.value.cancel} />}
+      <Starting />
       <Stage
         session={session}
         comparison={comparison}

@@ -35,12 +35,9 @@ interface Place {
   readonly kind?: string | null;
   /** Whether the log is opened in 3D; the log to compare it with, or "". */
   readonly volume?: string | null;
-  /** The axis of the file that points up in 3D. */
-  readonly up?: string;
+  /** The axis of the file that points up in 3D; null: as the server guesses it. */
+  readonly up?: string | null;
 }
-
-/** The axis that points up unless the address says another. */
-const UP = "z";
 
 function placeOf(search: string): Place {
   const query = new URLSearchParams(search);
@@ -50,7 +47,7 @@ function placeOf(search: string): Place {
     session: query.get("session"),
     kind: query.get("kind"),
     volume: query.get("volume"),
-    up: query.get("up") ?? UP,
+    up: query.get("up"),
   };
 }
 
@@ -68,13 +65,13 @@ if (arrival) {
 /** Time until the next request to a server that did not answer. */
 const RETRY_MS = 3000;
 
-function go({ log, topic, session, kind = null, volume = null, up = UP }: Place, replace = false): void {
+function go({ log, topic, session, kind = null, volume = null, up = null }: Place, replace = false): void {
   const query = new URLSearchParams();
   if (log) query.set("log", log);
   if (topic) query.set("topic", topic);
   if (session) query.set("session", session);
   if (volume !== null) query.set("volume", volume);
-  if (volume !== null && up !== UP) query.set("up", up);
+  if (volume !== null && up !== null) query.set("up", up);
   if (session && kind) query.set("kind", kind);
   // When the entry is replaced, the fragment stays: it may describe a comparison.
   const address = (query.size > 0 ? `?${query}` : location.pathname) + (replace ? location.hash : "");
@@ -98,7 +95,7 @@ async function open(
   topic: string | null,
   replace: boolean,
   volume: string | null = null,
-  up: string = UP,
+  up: string | null = null,
 ): Promise<void> {
   go({ log, topic, session: null, volume, up }, replace);
   ending?.abort();
@@ -108,8 +105,10 @@ async function open(
     const session = await openSession(log, topic, own.signal, volume === null ? null : { other: volume || null, up });
     failure.value = null;
     const now = place.peek();
-    if (now.log !== log || now.topic !== topic || (now.volume ?? null) !== volume || now.up !== up) return;
-    go({ log, topic, session: session.id, kind: session.kind === "log" ? null : session.kind, volume, up }, true);
+    if (now.log !== log || now.topic !== topic || (now.volume ?? null) !== volume || (now.up ?? null) !== up) return;
+    const kind = session.kind === "log" ? null : session.kind;
+    // A file without planar scans is opened in 3D though the address does not say so.
+    go({ log, topic, session: session.id, kind, volume: kind === "volume" ? (volume ?? "") : volume, up }, true);
   } catch (error) {
     if (own.signal.aborted) return;
     const isAway = error instanceof TypeError;
@@ -127,7 +126,7 @@ addEventListener("popstate", () => {
 
 function resume(): void {
   const { log, topic, session, volume, up } = place.peek();
-  if (log && !session) void open(log, topic, true, volume ?? null, up);
+  if (log && !session) void open(log, topic, true, volume ?? null, up ?? null);
 }
 
 /** Open a log of the list: in 3D where it has no planar scans, or where that is asked for. */
@@ -139,7 +138,7 @@ const close = (): void => go({ log: null, topic: null, session: null });
 
 function Page() {
   if (link) return <Guest token={link} />;
-  const { log, topic, session, kind, volume = null, up = UP } = place.value;
+  const { log, topic, session, kind, volume = null, up = null } = place.value;
   const again = (): void => (log ? void open(log, topic, true, volume, up) : close());
   if (session && kind === "volume") {
     return (
@@ -150,7 +149,6 @@ function Page() {
         onClose={close}
         onGone={again}
         onCompare={(other) => log && void open(log, topic, false, other ?? "", up)}
-        up={up}
         onUp={log ? (axis) => void open(log, topic, false, volume ?? "", axis) : null}
       />
     );

@@ -14,16 +14,32 @@ export interface Replay {
 /** The replay in progress; null while there is none. */
 export const replay = signal<Replay | null>(null);
 
+/** How long a request for a new world has been under way; null at first, and while there is none. */
+export const starting = signal<Work | null>(null);
+
+/** A request that takes longer shows its progress. */
+const SHOWN_AFTER_MS = 300;
+
 /** The visitor cancelled the replay. */
 export class CancelledError extends Error {}
 
+/** The server does not make what was requested, also if it is requested again. */
+export class RefusedError extends Error {}
+
+/** Of the statuses below 500 those of a request that may succeed later. */
+const MAY_SUCCEED_LATER: readonly number[] = [408, 425, 429];
+
 /**
  * Request a new live world from the server, or one replayed from a story; returns the id of its session. With reduced
- * motion the world is paused. Throws {@link CancelledError} if the visitor cancels the replay.
+ * motion, or if `isPaused`, the world is paused. Throws {@link CancelledError} if the visitor cancels the replay, and
+ * {@link RefusedError} if the server will never make the world.
  */
-export async function createWorld(story?: { readonly world: string; readonly seed: number }): Promise<string> {
-  const begin = { kind: "simulation", playing: !reducedMotion.peek() };
-  if (!story) return await post(begin);
+export async function createWorld(
+  story?: { readonly world: string; readonly seed: number },
+  isPaused = false,
+): Promise<string> {
+  const begin = { kind: "simulation", playing: !(isPaused || reducedMotion.peek()) };
+  if (!story) return await timed(() => post(begin));
   const name = newName();
   const ending = new AbortController();
   const stop = followMaking(name, (work) => {
@@ -39,6 +55,20 @@ export async function createWorld(story?: { readonly world: string; readonly see
   }
 }
 
+/** Wait for a request, and show in {@link starting} how long it has taken. */
+async function timed<T>(request: () => Promise<T>): Promise<T> {
+  const began = performance.now();
+  const clock = setInterval(() => {
+    starting.value = { elapsed_s: (performance.now() - began) / 1000, fraction: null };
+  }, SHOWN_AFTER_MS);
+  try {
+    return await request();
+  } finally {
+    clearInterval(clock);
+    starting.value = null;
+  }
+}
+
 async function post(wanted: object, ending?: AbortSignal): Promise<string> {
   const answer = await fetch("/api/sessions", {
     method: "POST",
@@ -46,9 +76,12 @@ async function post(wanted: object, ending?: AbortSignal): Promise<string> {
     body: JSON.stringify(wanted),
     ...(ending && { signal: ending }),
   });
-  const body = (await answer.json()) as { id?: string; message?: string };
-  if (!answer.ok || !body.id) throw new Error(body.message ?? `The server answered ${answer.status}.`);
-  return body.id;
+  // A proxy that reaches no service answers with a page of its own.
+  const body = (await answer.json().catch(() => ({}))) as { id?: string; message?: string };
+  if (answer.ok && body.id) return body.id;
+  const message = body.message ?? `The server answered ${answer.status}.`;
+  const isRefused = answer.status >= 400 && answer.status < 500 && !MAY_SUCCEED_LATER.includes(answer.status);
+  throw isRefused ? new RefusedError(message) : new Error(message);
 }
 
 /** The session storage; null if the browser forbids it. */

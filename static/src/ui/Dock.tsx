@@ -2,13 +2,17 @@
 
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useId, useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
+import { sectionsOf } from "./dockSections";
+import { Tabs } from "./Tabs";
 import "./dock.css";
 
 export interface DockGroup {
   readonly id: string;
   /** The text of its tab. */
   readonly title: string;
+  /** The section that it is in, with the groups beside it that name the same; without one it is a section of its own. */
+  readonly section?: string;
   /** What the group is for: shown at its top and with its tab. */
   readonly purpose?: string;
   /** A short text beside the title, e.g. a number of findings. */
@@ -28,85 +32,81 @@ interface DockProps {
   readonly isInert?: boolean;
 }
 
-const STEPS: Readonly<Record<string, (now: number, count: number) => number>> = {
-  ArrowRight: (now, count) => (now + 1) % count,
-  ArrowDown: (now, count) => (now + 1) % count,
-  ArrowLeft: (now, count) => (now + count - 1) % count,
-  ArrowUp: (now, count) => (now + count - 1) % count,
-  Home: () => 0,
-  End: (_, count) => count - 1,
-};
-
-/** The index of the tab that a key leads to, null for other keys. */
-export function keyedTab(key: string, now: number, count: number): number | null {
-  return STEPS[key]?.(now, count) ?? null;
-}
-
 export function Dock({ label, groups, open, isInert = false }: DockProps) {
   const id = useId();
-  const tabs = useRef<HTMLDivElement>(null);
   const kept = useRef(new Set<string>());
-  const at = Math.max(
-    0,
-    groups.findIndex((group) => group.id === open.value),
-  );
-  const current = groups[at];
-  if (current?.keeps) kept.current.add(current.id);
-  useEffect(() => {
-    // Where the tabs scroll in one line, the open one is in sight.
-    const list = tabs.current;
-    const tab = list?.querySelector<HTMLElement>("[aria-selected=true]");
-    if (!list || !tab || list.scrollWidth <= list.clientWidth) return;
-    list.scrollLeft = tab.offsetLeft - (list.clientWidth - tab.offsetWidth) / 2;
-  }, [current?.id]);
-  const onKey = (event: KeyboardEvent): void => {
-    const next = keyedTab(event.key, at, groups.length);
-    const group = next === null ? undefined : groups[next];
-    if (next === null || !group) return;
-    event.preventDefault();
-    open.value = group.id;
-    tabs.current?.querySelectorAll<HTMLElement>("[role=tab]")[next]?.focus();
-  };
+  const lastOf = useRef(new Map<string, string>());
+  const sections = sectionsOf(groups);
+  const current = groups.find((group) => group.id === open.value) ?? groups[0];
+  const section = sections.find(({ groups: own }) => own.some((group) => group === current));
+  if (!current || !section) return <div class="dock" />;
+  if (current.keeps) kept.current.add(current.id);
+  lastOf.current.set(section.id, current.id);
+  const hasTabs = section.groups.length > 1;
+  const tabOf = (group: string): string => `${id}-tab-${group}`;
   return (
     <div class="dock" inert={isInert}>
-      <div class="dock-tabs" role="tablist" aria-label={label} ref={tabs} onKeyDown={onKey}>
-        {groups.map((group, n) => (
-          <button
-            key={group.id}
-            type="button"
-            class="dock-tab"
-            role="tab"
-            id={`${id}-tab-${group.id}`}
-            aria-controls={`${id}-${group.id}`}
-            aria-selected={n === at}
-            tabIndex={n === at ? 0 : -1}
-            {...(group.purpose ? { title: group.purpose } : {})}
-            data-group={group.id}
-            onClick={() => {
-              open.value = group.id;
+      <Tabs
+        class="dock-tabs"
+        label={label}
+        tabs={sections.map((one) => ({
+          key: one.id,
+          id: `${id}-section-${one.id}`,
+          controls: one === section && hasTabs ? `${id}-of-${one.id}` : `${id}-${one.groups[0]?.id}`,
+          title: one.title,
+          hint: one.hint,
+          badge: one.badge,
+        }))}
+        open={section.id}
+        onOpen={(key) => {
+          const chosen = sections.find((one) => one.id === key);
+          const last = lastOf.current.get(key);
+          // A section opens at the group of it that was open last.
+          const group = chosen?.groups.find((one) => one.id === last) ?? chosen?.groups[0];
+          if (group) open.value = group.id;
+        }}
+      />
+      <div
+        class="dock-section"
+        id={`${id}-of-${section.id}`}
+        {...(hasTabs ? { role: "tabpanel", "aria-labelledby": `${id}-section-${section.id}` } : {})}
+      >
+        {hasTabs && (
+          <Tabs
+            key={section.id}
+            class="dock-subtabs"
+            label={section.title}
+            tabs={section.groups.map((group) => ({
+              key: group.id,
+              id: tabOf(group.id),
+              controls: `${id}-${group.id}`,
+              title: group.title,
+              hint: group.purpose ?? null,
+              badge: group.badge ?? null,
+            }))}
+            open={current.id}
+            onOpen={(key) => {
+              open.value = key;
             }}
+          />
+        )}
+        {groups.map((group) => (
+          <div
+            key={group.id}
+            class="dock-group"
+            role="tabpanel"
+            id={`${id}-${group.id}`}
+            aria-labelledby={hasTabs ? tabOf(group.id) : `${id}-section-${section.id}`}
+            // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, which the keyboard can only do with the focus in it
+            tabIndex={0}
+            data-group={group.id}
+            hidden={group !== current}
           >
-            {group.title}
-            {group.badge && <span class="dock-badge">{group.badge}</span>}
-          </button>
+            {group.purpose && group === current && <p class="dock-purpose">{group.purpose}</p>}
+            {(group === current || kept.current.has(group.id)) && group.content()}
+          </div>
         ))}
       </div>
-      {groups.map((group, n) => (
-        <div
-          key={group.id}
-          class="dock-group"
-          role="tabpanel"
-          id={`${id}-${group.id}`}
-          aria-labelledby={`${id}-tab-${group.id}`}
-          // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, which the keyboard can only do with the focus in it
-          tabIndex={0}
-          data-group={group.id}
-          hidden={n !== at}
-        >
-          {group.purpose && n === at && <p class="dock-purpose">{group.purpose}</p>}
-          {(n === at || kept.current.has(group.id)) && group.content()}
-        </div>
-      ))}
     </div>
   );
 }

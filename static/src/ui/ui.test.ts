@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { keyedTab } from "./Dock";
+import { sectionsOf } from "./dockSections";
 import { clock, decimals, fromFraction, keyed, signed, snap, toFraction, written } from "./numbers";
 import { indexAt, keyedIndex, placeOf } from "./seek";
+import { keyedTab } from "./Tabs";
 
 const WINDOW = { low: 0, high: 2, step: 0.05 };
 const RANGE = { low: 0.5, high: 100, step: 0.1 };
@@ -72,5 +73,21 @@ describe("the keys of a dock's tabs", () => {
     expect(keyedTab("Home", 3, 7)).toBe(0);
     expect(keyedTab("End", 3, 7)).toBe(6);
     expect(keyedTab("Enter", 3, 7)).toBeNull();
+  });
+});
+
+describe("the sections of a dock", () => {
+  it("have the groups beside each other that name the same, and the badge of one of them", () => {
+    const groups = [
+      { id: "a", title: "A", purpose: "first" },
+      { id: "b", title: "B", section: "S" },
+      { id: "c", title: "C", section: "S", badge: "2" },
+      { id: "d", title: "D", section: "T" },
+    ];
+    expect(sectionsOf(groups).map(({ id, title, hint, badge }) => [id, title, hint, badge])).toEqual([
+      ["a", "A", "first", null],
+      ["b", "S", "B, C", "2"],
+      ["d", "D", null, null],
+    ]);
   });
 });

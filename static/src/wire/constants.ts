@@ -6,6 +6,12 @@ export const ROBOT_RADIUS = 0.2;
 /** Thickness of a wall that is drawn into a world, metres. */
 export const WALL_THICKNESS = 0.12;
 
+/** Longest range that a live world's map begins with, metres. */
+export const LIVE_RANGE_MAX = 10.0;
+
+/** Window of a hit that a live world's map begins with, metres. */
+export const LIVE_WINDOW = 0.2;
+
 /** How far two lattices may lie apart and still be the same, in cells. */
 export const LATTICE_TOLERANCE = 0.001;
 

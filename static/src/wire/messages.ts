@@ -782,6 +782,8 @@ export interface VolumeMessage {
   readonly has_scans: boolean;
   /** whether it is known where the sensor was, so that space is free */
   readonly has_free: boolean;
+  /** the axis of the file that is z here */
+  readonly up: string;
   /** points of the scans in the map; leaves of an octree */
   readonly points: number;
   /** points that were left out: beyond the lattice */
@@ -1898,6 +1900,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     high: isPlace,
     has_scans: isFlag,
     has_free: isFlag,
+    up: isText,
     points: isInteger,
     left_out: isInteger,
     occupied: isInteger,

@@ -116,3 +116,20 @@ def test_every_cause_has_a_puzzle_and_titles_do_not_tell_it() -> None:
     assert {one.cause for one in RECIPES.values()} == set(CAUSES)
     for one in RECIPES.values():
         assert CAUSES[one.cause].label.lower() not in f"{one.title} {one.story}".lower()
+
+
+def test_a_drive_tells_how_far_it_is_can_be_ended_and_is_kept() -> None:
+    told: list[float] = []
+    made = drive("room", 77, 12, step=told.append)
+    assert (told[0], len(told) > 12, told == sorted(told)) == (0.0, True, True)
+    assert max(told) < 1.0
+    told.clear()
+    assert drive("room", 77, 12, step=told.append) is made
+    assert told == [], "it is kept"
+
+    def end(done: float) -> None:
+        raise InterruptedError(done)
+
+    with pytest.raises(InterruptedError):
+        drive("room", 78, 12, step=end)
+    assert drive("room", 78, 12).n_scans == 12

@@ -48,11 +48,11 @@ def test_each_scan_is_aligned_with_near_and_with_far_ones() -> None:
     pairs = neighbour_pairs(poses, 8)
     assert len({frozenset(pair) for pair in pairs.tolist()}) == len(pairs)
     of_last = np.sort(pairs[(pairs == 399).any(axis=1)].min(axis=1))
-    assert set(range(395, 399)) <= set(of_last)
+    assert {397, 398} <= set(of_last)
     away = np.abs(poses[of_last, 0] - poses[399, 0])
-    assert len(of_last) == 4 + 8
-    assert np.count_nonzero(away < 0.5) >= 8
-    assert away.max() > 2.5
+    assert len(of_last) == 2 + 8
+    assert np.count_nonzero(away < 0.5) >= 6
+    assert away.max() > 1.5
     # Of so many scans at one place that each is near all others, as many pairs remain as elsewhere.
     still = neighbour_pairs(np.zeros((3_000, 3)), 8)
-    assert len(still) <= 3_000 * 12
+    assert len(still) <= 3_000 * 10

@@ -6,6 +6,7 @@ import numpy as np
 
 from mapper.volume import OccupancyVolume, VolumeConfig, cast
 from mapper.volume.faces import CENTRE, CHUNK, VoxelFaces, chunks_of, face_rule, first_face
+from mapper.volume.voxel_classes import voxel_classes
 from mapper.volume.voxel_mesh import voxel_mesh
 
 RESOLUTION = 0.25
@@ -71,3 +72,30 @@ def test_the_mesh_of_a_map_is_closed_and_of_the_voxels_volume() -> None:
     occupied, _ = volume.count_states()
     np.testing.assert_allclose(enclosed, occupied * RESOLUTION**3, rtol=1e-5)
     np.testing.assert_array_equal(np.sign(np.cross(b - a, c - a)), mesh.normals[mesh.triangles[:, 0]])
+
+
+def test_voxels_have_the_colour_of_the_commonest_class_of_their_points() -> None:
+    rng = np.random.default_rng(6)
+    points = rng.uniform(-12.0, 12.0, (4000, 3)).astype(np.float32)
+    classes = rng.integers(-1, 14, 4000)
+    resolution, most = 2.0, 12
+    counts: dict[tuple[int, ...], list[int]] = {}
+    for point, kind in zip(points, classes, strict=True):
+        key = tuple(int(k) for k in np.floor(point / resolution).astype(int) + CENTRE)
+        counts.setdefault(key, [0] * most)[min(max(int(kind), 0), most - 1)] += 1
+    painted = voxel_classes(points, classes, resolution, most)
+    found = {}
+    for chunk, (places, colours) in painted.items():
+        for place, colour in zip(places.tolist(), colours.tolist(), strict=True):
+            x, y, z = place % CHUNK, place // CHUNK % CHUNK, place // CHUNK**2
+            found[chunk[0] * CHUNK + x, chunk[1] * CHUNK + y, chunk[2] * CHUNK + z] = colour
+    assert found == {key: 1 + of.index(max(of)) for key, of in counts.items()}
+    # A voxel alone is drawn in its colour; one of which nothing is known in the first.
+    volume = OccupancyVolume(VolumeConfig(resolution=resolution))
+    volume.insert_scan([[1.0, 1.0, 1.0], [9.0, 1.0, 1.0]], None)
+    faces = VoxelFaces()
+    rule = face_rule(volume, -99.0, 99.0, base=0.0, band=1.0, colours=24)
+    one = voxel_classes(np.ones((3, 3), np.float32), np.array([6, 2, 6]), resolution, most)
+    faces.update(volume, rule, chunks_of(volume), painted=one)
+    (quads,) = faces.chunks.values()
+    assert {(int(q[1]), int(q[6])) for q in quads} == {(0, 7), (4, 1)}

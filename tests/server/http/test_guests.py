@@ -71,6 +71,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/map.png"),
     ("GET", "/api/sessions/{session_id}/volume.{kind}"),
     ("GET", "/api/sessions/{session_id}/surface.{kind}"),
+    ("GET", "/api/sessions/{session_id}/above.{kind}"),
 }
 NEVER = {
     ("GET", "/"),
@@ -129,6 +130,9 @@ NEVER = {
     ("POST", "/api/puzzles"),
     ("DELETE", "/api/puzzles/{token}"),
     ("POST", "/api/puzzles/{puzzle}/sessions"),
+    ("GET", "/api/fleet"),
+    ("POST", "/api/fleet"),
+    ("DELETE", "/api/fleet"),
     ("GET", "/api/links"),
     ("POST", "/api/links"),
     ("DELETE", "/api/links/{token}"),

@@ -114,6 +114,7 @@ def test_the_token_in_the_address_becomes_a_cookie(browser: httpx.Client) -> Non
     assert first.status_code == 303
     assert first.headers["location"] == "/api/worlds?a=1&b=%26"
     assert TOKEN not in first.headers["set-cookie"]
+    assert "gridbloom_signed_in=1" in first.headers["set-cookie"], "for the pages, which link to the way out"
     assert "HttpOnly" in first.headers["set-cookie"]
     assert browser.get("/api/worlds").status_code == 200
 

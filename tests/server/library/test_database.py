@@ -200,6 +200,7 @@ async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_dat
             "log_tags",
             "localization_jobs",
             "merge_jobs",
+            "fleet_jobs",
             "slam_jobs",
             "notes",
             "trajectories",

@@ -10,10 +10,14 @@ import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from mapper.core.errors import ReadError
 from mapper.io.logs import open_log
+from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file, write_octree
+from mapper.volume.scan_sequence import ScanSequence
 from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
 from server.library.folder import MAX_FILES
 from server.settings import Settings
@@ -61,6 +65,7 @@ async def test_the_folder_lists_its_logs_and_nothing_else(library: Library, sett
     (folder / "map.log.gz").write_bytes(gzip.compress(b"P5\n2 2\n255\n\0\0\0\0"))
     (folder / "broken.log.gz").write_bytes(b"\x1f\x8b\x08" + bytes(range(40)))
     (folder / "empty.log").write_bytes(b"")
+    np.savetxt(folder / "matrix.txt", np.eye(4))
     assert list(await in_folder(library)) == ["A.log.gz", "b.log", "no name for a log", "twin.log"]
 
 
@@ -93,6 +98,35 @@ async def test_a_folder_in_it_that_is_one_log_is_one_log(
     assert again["run"].id != found["run"].id, "it is another log now"
     assert again["run"].summary is not None
     assert again["run"].summary.scans < 24
+
+
+async def test_clouds_octrees_and_depth_images_of_the_folder_are_listed(library: Library, folder: Path) -> None:
+    points = np.random.default_rng(1).uniform(-2.0, 2.0, (60, 3))
+    np.savetxt(folder / "yard.xyz", points)
+    volume = OccupancyVolume(VolumeConfig(resolution=0.5))
+    volume.insert_scan(points, np.zeros(3))
+    write_octree(octree_file(Octree.of(volume), ".bt", volume.config), folder / "yard.bt")
+    (folder / "room").mkdir()
+    (folder / "tum" / "depth").mkdir(parents=True)
+    depth = Image.fromarray(np.full((4, 4), 1500, dtype=np.uint16))
+    for k in range(60):  # more files than another log has in one folder
+        depth.save(folder / "room" / f"frame-{k:06d}.depth.png")
+        np.savetxt(folder / "room" / f"frame-{k:06d}.pose.txt", np.diag([1.0, -1.0, -1.0, 1.0]))
+    depth.save(folder / "tum" / "depth" / "1.0.png")
+    (folder / "tum" / "depth.txt").write_text("1.0 depth/1.0.png\n")
+    (folder / "tum" / "groundtruth.txt").write_text("1.0 0 0 0 0 0 0 1\n")
+    for one in ("room", "tum"):
+        (folder / one / "intrinsics.txt").write_text("4 4 2 2\n")
+    found = await surveyed(library)
+    assert {name: (one.state, one.summary and one.summary.clouds) for name, one in found.items()} == {
+        "room": ("ready", 60),
+        "tum": ("ready", 1),
+        "yard.bt": ("ready", 1),
+        "yard.xyz": ("ready", 1),
+    }
+    source = await library.volume("bob", found["room"].id)
+    assert isinstance(source, ScanSequence)
+    assert source.first_up == "y", "the columns of the images point to -y"
 
 
 async def test_logs_of_the_folder_are_read_without_a_request(

@@ -16,11 +16,14 @@ from mapper.simulation import sample_log
 from server.library import Library, LibraryLimits, StorageError
 from server.library import leases as leasing
 from server.library.database import Database
+from server.library.fleet_job import FleetJob
 from server.library.lease_rows import LeaseRows
 from server.library.leases import Lease, LeaseLostError, Leases, Once
+from server.library.slam_job import SlamJob
 from server.library.tables import leases, logs
 from server.settings import Settings
 from server.work.fair_lock import FairLock
+from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.kept import settled
 from tests.server.library.postgresql import Cluster
 from tests.server.library.small_logs import carmen
@@ -106,6 +109,56 @@ async def test_a_log_whose_service_vanishes_is_read_by_the_other(two: Two) -> No
     stored = two.now(lambda c: [(row.state, row.attempts) for row in c.execute(select(logs))])
     assert stored == [("ready", 0)]
     await eventually(lambda: two.now(lambda c: c.execute(select(leases)).all()) == [])
+
+
+async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = []
+
+    def quickly(job: Any) -> Any:
+        done.append(type(job).__name__)
+        if isinstance(job, FleetJob):
+            return {"picture": False}
+        return stand_ins.quick(job) if isinstance(job, SlamJob) else stand_ins.quick_merge(job)
+
+    monkeypatch.setattr("server.library.slam_job.do_slam_job", quickly)
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", quickly)
+    monkeypatch.setattr("server.library.fleet_job.do_fleet_job", quickly)
+    for library in (two.first, two.second):
+        for queue in (library.slam, library.merges, library.fleet):
+            monkeypatch.setattr(queue, "_make_worker", stand_ins.ThreadWorker)
+    ids = []
+    for name, start in (("a.log", 0), ("b.log", stand_ins.SECOND_START)):
+        record = await two.first.put("ann", name, chunks(carmen(6, start)))
+        assert (await settled(two.first, "ann", record.id)).state == "ready"
+        ids.append(record.id)
+    await eventually(lambda: known(two.second, "ann", ids[1]) == "ready")
+
+    # What a service that was killed in the middle leaves: rows of jobs that run, and leases that nobody renews.
+    rows = {"slam": "slam_jobs", "merge": "merge_jobs", "fleet": "fleet_jobs"}
+
+    def leave(connection: Connection) -> None:
+        for name, table in rows.items():
+            more = f", other) VALUES (:log, 'ann', 'running', 1, 1, '{ids[1]}')" if name == "merge" else None
+            values = more or ") VALUES (:log, 'ann', 'running', 1, 1)"
+            connection.execute(
+                text("INSERT INTO leases SELECT :name, 'gone', extract(epoch from now()) + 0.3, 0.5"),
+                {"name": f"{name} {ids[0]} ann"},
+            )
+            connection.execute(
+                text(f"INSERT INTO {table} (log_id, owner, state, created_s, attempts{values}"), {"log": ids[0]}
+            )
+
+    two.now(leave)
+    for queue in (two.second.slam, two.second.merges, two.second.fleet):
+        await queue.follow(None)
+    states = (two.second.slam.state, two.second.merges.state)
+    await eventually(lambda: all(state("ann", ids[0])["state"] == "done" for state in states))
+    mapped = [two.second.get("ann", ids[0])]
+    await eventually(lambda: two.second.fleet.state(mapped)["counts"]["done"] == 1)
+    assert sorted(done) == ["FleetJob", "MergeJob", "SlamJob"], "each once"
+    await eventually(lambda: two.first.slam.state("ann", ids[0])["state"] == "done")
+    stored = [two.now(lambda c, t=t: c.execute(text(f"SELECT state, attempts FROM {t}")).all()) for t in rows.values()]
+    assert stored == [[("done", 0)]] * 3
 
 
 async def test_a_job_is_cancelled_where_it_runs(two: Two, monkeypatch: pytest.MonkeyPatch) -> None:

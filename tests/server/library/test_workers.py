@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import subprocess
+import sys
 from collections.abc import AsyncIterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -18,6 +20,7 @@ from tests.server.library.small_logs import carmen
 from tests.server.service import eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
+ROOT = Path(__file__).parents[3]
 
 
 @pytest_asyncio.fixture(loop_scope="module")
@@ -77,3 +80,18 @@ async def test_a_missing_executor_gives_one_sentence(tmp_path: Path) -> None:
         await asyncio.to_thread(worker_at, "tcp://127.0.0.1:1", 1 << 30, tmp_path)
     assert caught.value.code == "library.executor"
     assert caught.value.message.endswith(".")
+
+
+@pytest.mark.parametrize(("given_gib", "wanted_gib"), [(3, 5), (5, 3)])
+async def test_the_lower_limit_of_memory_holds(given_gib: int, wanted_gib: int) -> None:
+    """That of ``ulimit -v`` for the service, or its own for a worker; root could raise the first."""
+    program = f"""
+import resource
+from server.library.job import begin
+resource.setrlimit(resource.RLIMIT_AS, ({given_gib} << 30, {given_gib} << 30))
+begin({wanted_gib} << 30, print)
+print(*(limit >> 30 for limit in resource.getrlimit(resource.RLIMIT_AS)))
+"""
+    command = [sys.executable, "-c", program]
+    done = await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout == "3 3\n"

@@ -332,8 +332,7 @@ async def test_the_potential_is_written_only_while_it_is_watched(registry: Sessi
     await obeyed(session, type="goal", x=BEYOND[0], y=BEYOND[1])
     layer = next(one for one in session.hub.layers if one.name == "potential")
     assert isinstance(layer, GridLayer)
-    assert not layer.is_watched
-    assert layer.picture is None
+    assert (layer.is_watched, layer.picture) == (False, None)
     client.subscribe(["map", "potential"])  # nothing else wakes a session that is paused
     await eventually(lambda: layer.picture is not None)
     assert layer.picture is not None

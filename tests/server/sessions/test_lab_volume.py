@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import AsyncIterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyoctomap
 import pytest
+import trimesh
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.simulation.space import cast
 from server.sessions import SessionRegistry
-from server.sessions.drawings import GridColumns, Voxels
+from server.sessions.drawings import GridColumns, Segments, Voxels
 from server.sessions.models import lab_volume
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.tick import TickResult
@@ -191,6 +195,67 @@ async def test_faces_are_made_only_for_a_3d_view(lab: Lab) -> None:
     lab.do(type="map3d", values={"cut_high": 1.5})
     lab.do(type="restart")
     assert not voxels().chunks  # of the old map nothing is left
+
+
+async def test_a_click_is_answered_by_the_scans_that_made_the_voxel_so(lab: Lab) -> None:
+    assert lab.model.on_scene_ray((4.0, 3.0, 2.0), (0.0, 0.0, -1.0)) == {"type": "teleport", "x": 4.0, "y": 3.0}
+    with pytest.raises(ConfigError, match="no 3D map"):
+        lab.do(type="voxel", x=4.0, y=3.0, z=0.24)
+    lab.do(type="map3d", values={"half_life": 20.0})
+    lab.look_around()
+    # Straight down on the board of the low table, from below its drawn surroundings' ceiling.
+    command = lab.model.on_scene_ray((4.02, 3.02, 1.0), (0.0, 0.0, -1.0))
+    assert command is not None
+    why = next(one for one in lab.do(**command).slots.values() if one["type"] == "voxel")
+    value = float(lab.map.volume.log_odds_at([why["centre"]])[0])
+    assert why["state"] == "occupied"
+    assert 0.2 <= why["centre"][2] <= 0.4
+    assert why["log_odds"] == pytest.approx(value)
+    assert why["hits"] >= 1
+    # What it had after its last update has decayed by the closed form since.
+    last = why["updates"][-1]
+    elapsed = lab.map.scans[-1].stamp_s - lab.map.scans[last["scan"] - 1].stamp_s
+    assert value == pytest.approx(last["after"] * 0.5 ** (elapsed / 20.0), rel=1e-5)
+    assert any(isinstance(one, Segments) and one.name == "hits" for one in lab.model.drawings())
+    lab.do(type="map3d", values={"voxel": 0.2})  # another map: the answer is over
+    assert not any(isinstance(one, Segments) for one in lab.model.drawings())
+
+
+async def test_what_is_not_seen_again_is_forgotten(lab: Lab) -> None:
+    lab.do(type="map3d", values={"half_life": 2.0})
+    lab.look_around()
+    before = lab.map.volume.n_known
+    lab.do(type="teleport", x=1.0, y=1.0, yaw=-2.4)
+    lab.do(type="map3d", values={"sensor": "depth_camera"})  # which sees one corner only
+    lab.pass_time(12.0)
+    assert 0 < lab.map.volume.n_known < before / 3
+    lab.do(type="map3d", values={"half_life": 0.0})
+    lab.catch_up()
+    assert lab.map.volume.n_known >= before
+
+
+async def test_other_programs_read_its_files(lab: Lab, tmp_path: Path) -> None:
+    lab.do(type="map3d")
+    lab.look_around()
+    files = lab.model.volume
+    assert files is not None
+    path = tmp_path / "lab.ot"
+    path.write_bytes(files.octree_bytes(".ot"))
+    tree = pyoctomap.OcTree(0.1).read(str(path))
+    node = tree.search([4.02, 3.02, 0.24])
+    assert node.getLogOdds() == pytest.approx(float(lab.map.volume.log_odds_at([(4.02, 3.02, 0.24)])[0]))
+    mesh = trimesh.load_mesh(io.BytesIO(files.mesh_bytes(".glb")), file_type="glb", process=False)
+    keys, _ = lab.map.volume.voxels(0.0)
+    low, high = (keys.min(axis=0) - 32768) * 0.1, (keys.max(axis=0) - 32767) * 0.1
+    turned = np.array([[low[0], low[2], -high[1]], [high[0], high[2], -low[1]]])  # y is up in glTF
+    np.testing.assert_allclose(mesh.bounds, turned, atol=1e-4)
+    above = files.above
+    assert above is not None
+    row, col = above.geometry.world_to_cell(LOW_TABLE)
+    assert above.log_odds[row, col] > 0.0
+    lab.do(type="map3d", value=False)
+    with pytest.raises(ConfigError, match="no 3D map"):
+        files.octree_bytes(".bt")
 
 
 async def test_it_stays_within_its_limits_and_says_so(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -12,8 +13,9 @@ import pytest
 
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
-from tests.server.begin import between_ticks, new_log
-from tests.server.service import eventually
+from server.sessions.models.simulation import SimulationModel
+from tests.server.begin import between_ticks, new_log, new_simulation
+from tests.server.service import PATIENCE_S, eventually
 
 Make = Callable[..., SessionRegistry]
 
@@ -74,6 +76,30 @@ async def test_idle_sessions_end_and_watched_ones_do_not(make_registry: Make, of
     assert registry.all() == [watched]
     with pytest.raises(SessionNotFoundError):
         registry.get(idle.id)
+
+
+async def test_nobody_waits_for_the_last_computation_of_a_session_that_ends(
+    registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A kernel that is being compiled, for a minute on a busy machine, cannot be interrupted."""
+    monkeypatch.setattr("server.sessions.registry.ENDING_S", 0.01)
+    begun, compiled = threading.Event(), threading.Event()
+
+    def slow(*_: Any) -> None:
+        begun.set()
+        assert compiled.wait(PATIENCE_S)
+
+    session = await new_simulation(registry, "me", "room", 1)
+    monkeypatch.setattr(SimulationModel, "advance", slow)
+    session.join()
+    await eventually(begun.is_set)
+    try:
+        await registry.close(session.id)
+        with pytest.raises(SessionNotFoundError):
+            registry.get(session.id)
+    finally:
+        compiled.set()
+    await registry.shutdown()
 
 
 async def test_all_grids_together_are_bounded(make_registry: Make, office_log: ScanLog) -> None:

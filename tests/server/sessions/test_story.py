@@ -122,6 +122,17 @@ def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
     assert story_seconds(story) < 0.1
 
 
+async def test_a_story_contains_what_was_asked_of_the_session_before(registry: SessionRegistry) -> None:
+    session = await new_simulation(registry, "me", "room", 1, playing=False)
+    session.enqueue({"type": "faults", "values": {"drift": True}})
+    assert (await session.model.story.current())["faults"] == {"drift": True}
+    session.enqueue({"type": "step", "scans": 30})  # in three ticks
+    session.enqueue({"type": "play"})
+    closing = asyncio.create_task(session.model.story.current())
+    await registry.close(session.id)
+    assert (await closing)["world"] == "room"  # of a session that has ended nothing is waited for
+
+
 async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
     registry: SessionRegistry, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -105,8 +105,10 @@ async def test_the_map_of_a_recording_is_that_of_the_library(service: Service, r
     octree.write_bytes(octree_file(tree, ".ot", expected.config).bytes(expected.config))
     assert pyoctomap.OcTree(resolution).read(str(octree)).size() == tree.n_nodes
     log = await asyncio.to_thread(uploaded, service, octree)
-    session = (await asyncio.to_thread(service.http.post, "/api/sessions", json=wanted | {"log": log})).json()["id"]
-    answer = await asyncio.to_thread(service.http.get, f"/api/sessions/{session}/volume.ot")
+    # A request for a log, as an address written by hand makes it, opens it in 3D.
+    made = (await asyncio.to_thread(service.http.post, "/api/sessions", json={"kind": "log", "log": log})).json()
+    assert made["kind"] == "volume"
+    answer = await asyncio.to_thread(service.http.get, f"/api/sessions/{made['id']}/volume.ot")
     assert answer.content == octree.read_bytes()
 
 
@@ -137,7 +139,7 @@ async def test_a_surface_follows_the_timeline_and_its_parameters_and_is_download
         for file in [folder / "camera-intrinsics.txt", *sorted(folder.glob("frame-0000*"))]:
             archive.write(file, file.name)
     log = await asyncio.to_thread(uploaded, service, path)
-    wanted = {"kind": "volume", "log": log, "playing": False}
+    wanted = {"kind": "volume", "log": log, "playing": False, "up": "z"}
     session = (await asyncio.to_thread(service.http.post, "/api/sessions", json=wanted)).json()["id"]
     expected = TsdfVolume(TsdfConfig(resolution=0.05))
     depth = read_depth_folder(folder)
@@ -193,6 +195,8 @@ def test_depth_images_are_packed_as_they_were_read(tmp_path: Path, data_file: Ca
     for name in ("camera-intrinsics.txt", *(f"frame-000{k}.{end}" for k in ("000", "480") for end in DEPTH_ENDS)):
         (folder / name).symlink_to(whole / name)
     scans = gather(folder)
+    assert scans.first_up == "-y", "the frame of 7-Scenes is that of its first image, whose y points down"
+    assert scans.with_up("-y").first_up == "z"
     write_volume_pack(scans, tmp_path / "a.npz")
     again = read_volume_pack(tmp_path / "a.npz")
     assert isinstance(again, ScanSequence)

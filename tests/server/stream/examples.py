@@ -248,6 +248,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         (1.0, 2.0, 2.5),
         True,
         True,
+        "-y",
         1000,
         3,
         400,

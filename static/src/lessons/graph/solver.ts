@@ -93,7 +93,7 @@ function jacobianColumns(poses: readonly Pose[], edge: GraphEdge): readonly [rea
   ];
 }
 
-/** The weight that a kernel leaves to a squared residual. Source: Zhang 1997, table 1. */
+/** The weight that a kernel leaves to a squared residual. Source: Zhang 1997. */
 export function robustWeight(kernel: Kernel, chi2: number, scale: number): number {
   const ratio = chi2 / (scale * scale);
   if (kernel === "geman_mcclure") return 1 / (1 + ratio) ** 2;

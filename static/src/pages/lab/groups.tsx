@@ -35,6 +35,8 @@ export interface LabView {
 interface Group {
   readonly id: string;
   readonly title: string;
+  /** The section that it shares with the groups beside it. */
+  readonly section?: string;
   /** What the group is for. */
   readonly purpose: string;
   readonly keeps?: boolean;
@@ -56,6 +58,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "model",
     title: "Model",
+    section: "Mapping",
     purpose: "How a reading becomes evidence",
     badge: changed("model"),
     content: ({ store, profile }) => (
@@ -68,6 +71,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "map",
     title: "Map",
+    section: "Mapping",
     purpose: "How evidence is added up, and the cells",
     badge: changed("update", "map"),
     content: ({ store }) => <MapSettings store={store} />,
@@ -75,78 +79,83 @@ const GROUPS: readonly Group[] = [
   {
     id: "sensor",
     title: "Sensor",
+    section: "Mapping",
     purpose: "The robot's sensor, and where the map takes it to be mounted",
     badge: changed("mount"),
     content: ({ store }) => <SensorSettings store={store} />,
   },
   {
+    id: "world",
+    title: "Draw",
+    section: "World",
+    purpose: "Draw walls and furniture; speed and driving",
+    content: ({ store }) => <WorldGroup store={store} />,
+  },
+  {
     id: "faults",
     title: "Faults",
+    section: "World",
     purpose: "What goes wrong, and what it looks like in the map",
     badge: ({ store }) => (store.activeFaults.value.on.length > 0 ? String(store.activeFaults.value.on.length) : null),
     content: ({ store, comparison }) => <Faults store={store} comparison={comparison} />,
   },
   {
-    id: "slam",
-    title: "SLAM",
-    purpose: "Drifting wheels, and their path corrected while the robot drives",
-    keeps: true,
-    content: ({ store }) => <SlamGroup store={store} />,
-  },
-  {
     id: "table",
     title: "Table",
+    section: "World",
     purpose: "A table that is moved: how long it stays in the map after it was removed",
     keeps: true,
     content: ({ store, comparison }) => <MovingTable store={store} comparison={comparison} />,
   },
   {
-    id: "localize",
-    title: "Localize",
-    purpose: "Where the robot is, by a particle filter; kidnap it",
-    keeps: true,
-    badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
-    content: ({ store }) => <Localization store={store} />,
-  },
-  {
-    id: "path",
-    title: "Path",
-    purpose: "A goal, and the cheapest way there around the obstacles",
-    content: ({ store }) => <PathGroup store={store} />,
-  },
-  {
-    id: "costmap",
-    title: "Costmap",
-    purpose: "Layers of costs over the map, as Nav2 has them",
-    content: ({ store }) => <CostmapGroup store={store} />,
-  },
-  {
     id: "why",
     title: "Why",
+    section: "Explain",
     purpose: "Which beams made a cell what it is",
     content: ({ store }) => <WhyGroup store={store} />,
   },
   {
     id: "steps",
     title: "Steps",
+    section: "Explain",
     purpose: "One scan cell by cell, with its numbers",
     content: ({ store }) => <Steps store={store} />,
   },
   {
-    id: "world",
-    title: "World",
-    purpose: "Draw walls and furniture; speed and driving",
-    content: ({ store }) => <WorldGroup store={store} />,
+    id: "localize",
+    title: "Localize",
+    section: "Pose",
+    purpose: "Where the robot is, by a particle filter; kidnap it",
+    keeps: true,
+    badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
+    content: ({ store }) => <Localization store={store} />,
   },
   {
-    id: "3d",
-    title: "3D",
-    purpose: "Map, robot and world in three dimensions",
-    content: ({ session }) => <Scene session={session} />,
+    id: "slam",
+    title: "SLAM",
+    section: "Pose",
+    purpose: "Drifting wheels, and their path corrected while the robot drives",
+    keeps: true,
+    content: ({ store }) => <SlamGroup store={store} />,
+  },
+  {
+    id: "path",
+    title: "Path",
+    section: "Navigate",
+    purpose: "A goal, and the cheapest way there around the obstacles",
+    content: ({ store }) => <PathGroup store={store} />,
+  },
+  {
+    id: "costmap",
+    title: "Costmap",
+    section: "Navigate",
+    purpose: "Layers of costs over the map, as Nav2 has them",
+    content: ({ store }) => <CostmapGroup store={store} />,
   },
   {
     id: "map3d",
     title: "3D map",
+    section: "3D",
     purpose: "An octree, filled by a 3D sensor while the robot drives",
     badge: ({ store }) => (store.map3d.message.value?.is_on ? "on" : null),
     content: ({ store, session }) => <Map3dGroup store={store} session={session} />,
@@ -154,8 +163,16 @@ const GROUPS: readonly Group[] = [
   {
     id: "terrain",
     title: "Terrain",
+    section: "3D",
     purpose: "Patches of the 3D map's points: planes, and where it is safe to drive",
     content: ({ store }) => <TerrainGroup store={store} />,
+  },
+  {
+    id: "3d",
+    title: "Scene",
+    section: "3D",
+    purpose: "Map, robot and world in three dimensions",
+    content: ({ session }) => <Scene session={session} />,
   },
   {
     id: "share",
@@ -168,9 +185,10 @@ const GROUPS: readonly Group[] = [
 /** The groups that this view has, for the dock. */
 export function groupsOf(view: LabView): readonly DockGroup[] {
   return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(
-    ({ id, title, purpose, keeps, badge, content }) => ({
+    ({ id, title, section, purpose, keeps, badge, content }) => ({
       id,
       title,
+      ...(section ? { section } : {}),
       purpose,
       keeps: keeps ?? false,
       badge: badge?.(view) ?? null,

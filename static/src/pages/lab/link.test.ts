@@ -9,6 +9,7 @@ const SHOWN: LinkState = {
   why: { at: [1.25, 3], touch: 7 },
   right: { clamp: true, mount_yaw: 0 },
   filter: { values: { sigma_hit: 0.05 }, map: "moved", field: true },
+  map3d: { sensor: "depth_camera", voxel: 0.2 },
 };
 
 test("what is packed comes out again, in letters that an address may hold", async () => {
@@ -20,13 +21,14 @@ test("what is packed comes out again, in letters that an address may hold", asyn
 });
 
 test("an older link without explained cell and second map still opens", async () => {
-  const { pinned, why, right, filter, ...before } = SHOWN;
+  const { pinned, why, right, filter, map3d, ...before } = SHOWN;
   expect(await unpackLink(await packLink(before as LinkState))).toEqual({
     ...before,
     pinned: null,
     why: null,
     right: null,
     filter: null,
+    map3d: null,
   });
 });
 

@@ -1,6 +1,6 @@
 /**
  * The state of the page in the fragment of its address: the world's story, the view, the pinned and the explained cell,
- * the active faults, the correct map for comparison, and the particle filter.
+ * the active faults, the correct map for comparison, the particle filter, and the 3D map.
  */
 
 import type { View } from "../../render/view";
@@ -26,6 +26,8 @@ export interface VisibleState {
   readonly right: Values | null;
   /** The particle filter that localizes the robot; null while there is none. It begins again, anywhere. */
   readonly filter: { readonly values: Values; readonly map: string; readonly field: boolean } | null;
+  /** Parameters of the 3D map and its sensor; null while there is none. It begins again, empty. */
+  readonly map3d: Values | null;
 }
 
 export interface LinkState extends VisibleState {
@@ -48,7 +50,7 @@ const isValues = (values: unknown): values is Values =>
 /** Unpack; null if the text is invalid or incomplete. */
 export async function unpackLink(letters: string): Promise<LinkState | null> {
   try {
-    const { story, wrong, view, pinned, why, right, filter } = (await unpack(letters)) as Partial<LinkState>;
+    const { story, wrong, view, pinned, why, right, filter, map3d } = (await unpack(letters)) as Partial<LinkState>;
     if (typeof story?.world !== "string" || !isNumber(story.seed)) return null;
     const seen = view && isNumber(view.x) && isNumber(view.y) && isNumber(view.scale) && view.scale > 0 ? view : null;
     return {
@@ -62,6 +64,7 @@ export async function unpackLink(letters: string): Promise<LinkState | null> {
         isValues(filter?.values) && typeof filter.map === "string"
           ? { values: filter.values, map: filter.map, field: filter.field === true }
           : null,
+      map3d: isValues(map3d) ? map3d : null,
     };
   } catch {
     return null;
@@ -87,6 +90,7 @@ export function visibleState(store: Store): VisibleState {
             field: store.underlay.peek() === LIKELIHOOD_FIELD,
           }
         : null,
+    map3d: store.map3d.message.peek()?.is_on === true ? store.map3d.values.values.peek() : null,
   };
 }
 

@@ -1,8 +1,8 @@
-import { effect } from "@preact/signals";
+import { computed, effect } from "@preact/signals";
 import type { Connection } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
-import { CancelledError, createWorld } from "../worldSession";
+import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
 
 /** The connection to a session, with its id. */
@@ -19,15 +19,17 @@ export interface Opened {
 }
 
 /** Delay from a change to the update of the address. */
-const SETTLE_MS = 800;
+const SETTLE_MS = 400;
+/** The address follows a world that plays each time so many seconds of the world have passed. */
+const FOLLOW_S = 10;
 
 const address = (id: string): string => `/lab.html?session=${encodeURIComponent(id)}`;
 
 /**
- * Open the session that the address names; if it has ended, a copy of the world described in the address, else a new
- * world. Throws if none can be opened.
+ * Open the session that the address names; if it has ended, a copy of the world described in the address, paused if
+ * `isPaused`, else a new world. Throws if none can be opened now; the address then still describes the world.
  */
-export async function openSession(): Promise<Opened> {
+export async function openSession(isPaused = false): Promise<Opened> {
   const wanted = new URLSearchParams(location.search).get("session");
   const shown = await linkFromAddress();
   let notice: string | null = null;
@@ -45,13 +47,14 @@ export async function openSession(): Promise<Opened> {
   }
   if (shown) {
     try {
-      const id = await createWorld(shown.story);
+      const id = await createWorld(shown.story, isPaused);
       history.replaceState(null, "", address(id) + location.hash);
       return { id, notice, shown };
     } catch (error) {
-      if (error instanceof TypeError) throw error;
       if (error instanceof CancelledError) notice = "The replay of the link was cancelled. This is a new world.";
-      else notice = `The world of the link cannot be made: ${(error as Error).message} This is a new world.`;
+      else if (error instanceof RefusedError)
+        notice = `The world of the link cannot be made: ${error.message} This is a new world.`;
+      else throw error;
     }
   } else if (location.hash.startsWith("#s=")) {
     notice = "The link is incomplete or damaged. This is a new world.";
@@ -70,8 +73,8 @@ export function restore(store: Store, shown: VisibleState): void {
     store.explain(shown.why.at);
     store.selectedUpdate.value = shown.why.touch;
   }
-  const { right, filter } = shown;
-  if (!right && !filter) return;
+  const { right, filter, map3d } = shown;
+  if (!right && !filter && !map3d) return;
   const stop = effect(() => {
     if (!store.isReady.value) return;
     if (right) store.send({ type: "compare", values: right });
@@ -79,6 +82,7 @@ export function restore(store: Store, shown: VisibleState): void {
       store.beginFilter(filter.values, filter.map);
       if (filter.field) store.underlay.value = LIKELIHOOD_FIELD;
     }
+    if (map3d) store.send({ type: "map3d", values: map3d });
     queueMicrotask(() => stop());
   });
 }
@@ -87,20 +91,27 @@ export function restore(store: Store, shown: VisibleState): void {
 export function keepAddress(id: string, store: Store): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let stopped = false;
+  let newest = 0;
+  const moment = computed(() => {
+    const frame = store.frame.value;
+    return frame?.playing ? `play ${Math.floor(frame.t / FOLLOW_S)}` : `stand ${frame?.index}`;
+  });
   const write = async (): Promise<void> => {
+    const version = ++newest;
     try {
       const fragment = await fragmentOf(await currentLinkState(id, store));
-      if (!stopped) history.replaceState(null, "", address(id) + fragment);
+      if (!stopped && version === newest) history.replaceState(null, "", address(id) + fragment);
     } catch {
       // The server does not answer: the page reports that elsewhere, and the next change updates the address.
     }
   };
   const stop = effect(() => {
-    void store.history.version.value;
+    void [store.history.version.value, moment.value];
     void store.viewHeld.value;
     if (store.viewHeld.value) void store.view.value;
     void [store.pinned.value, store.explainedPoint.value, store.selectedUpdate.value, store.compared.value];
     void [store.localization.value?.is_on, store.filter.values.value, store.filter.map.value, store.underlay.value];
+    void [store.map3d.message.value?.is_on, store.map3d.values.values.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);
     timer = setTimeout(() => void write(), SETTLE_MS);

@@ -10,7 +10,7 @@ export function GraphSection({ id, number, title }: SectionHead) {
       figure={<Springs />}
       sources={[
         ["grisetti", ""],
-        ["zhang", "table 1, for the kernels"],
+        ["zhang", "for the kernels"],
         ["yang", "for a kernel whose scale shrinks while the graph is solved"],
         ["kuemmerle", "for how the result is judged"],
       ]}

@@ -29,7 +29,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
         <h1>Robot logs</h1>
         <p class="prose">
           Open a log and watch its map fill in. When you change a parameter, the whole map is computed again from every
-          reading of the log.
+          reading of the log. <a href="/fleet.html">Map all logs</a> to see all their maps at once.
         </p>
       </div>
       <Dropzone button="Choose a log" onFolders={(folders) => uploadAll(folders.flatMap(groupIntoLogs))}>

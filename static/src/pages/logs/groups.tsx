@@ -55,6 +55,8 @@ export interface LogView {
 interface Group {
   readonly id: string;
   readonly title: string;
+  /** The section that it shares with the groups beside it. */
+  readonly section?: string;
   readonly keeps?: boolean;
   readonly isThere?: (view: LogView) => boolean;
   readonly badge?: (view: LogView) => string | null;
@@ -75,6 +77,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "doctor",
     title: "Doctor",
+    section: "Check",
     badge: ({ doctor }) => findingsBadge(doctor),
     content: ({ store, doctor, healing, openGroup, isGuest }) => (
       <Doctor
@@ -94,6 +97,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "heal",
     title: "Heal",
+    section: "Check",
     isThere: ({ log }) => log !== null,
     badge: ({ healing }) => healing.badge.value,
     content: ({ store, session, healing, comparison, isGuest }) => (
@@ -101,31 +105,76 @@ const GROUPS: readonly Group[] = [
     ),
   },
   {
-    id: "localize",
-    title: "Localize",
-    isThere: ({ log }) => log !== null,
-    badge: ({ localizing }) => localizing.badge.value,
-    content: ({ store, localizing, isGuest }) => <Localize store={store} localizing={localizing} isGuest={isGuest} />,
-  },
-  {
     id: "compare",
     title: "Compare",
+    section: "Check",
     badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />
     ),
   },
   {
+    id: "localize",
+    title: "Localize",
+    section: "Navigate",
+    isThere: ({ log }) => log !== null,
+    badge: ({ localizing }) => localizing.badge.value,
+    content: ({ store, localizing, isGuest }) => <Localize store={store} localizing={localizing} isGuest={isGuest} />,
+  },
+  {
     id: "costmap",
     title: "Costmap",
+    section: "Navigate",
     isThere: ({ log }) => log !== null,
     content: ({ store }) => <CostmapGroup store={store} />,
   },
   {
     id: "path",
     title: "Path",
+    section: "Navigate",
     isThere: ({ log }) => log !== null,
     content: ({ store }) => <PathGroup store={store} />,
+  },
+  {
+    id: "topics",
+    title: "Topics",
+    section: "Data",
+    content: ({ session, sensor, log, isGuest }) => (
+      <Topics key={log?.topic} session={session} sensor={isGuest ? null : sensor} log={log} />
+    ),
+  },
+  {
+    id: "pictures",
+    title: "Pictures",
+    section: "Data",
+    content: ({ store, session }) => <Pictures store={store} session={session} />,
+  },
+  {
+    id: "plots",
+    title: "Plots",
+    section: "Data",
+    content: ({ store, session }) => <Plots store={store} session={session} />,
+  },
+  {
+    id: "frames",
+    title: "Frames",
+    section: "Data",
+    content: ({ store, session }) => <FrameTree store={store} session={session} />,
+  },
+  {
+    id: "trajectories",
+    title: "Trajectories",
+    section: "Data",
+    content: ({ store, session, isGuest, trajectoryErrors }) => (
+      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
+    ),
+  },
+  {
+    id: "notes",
+    title: "Notes",
+    section: "Data",
+    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
+    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
   },
   {
     id: "3d",
@@ -134,45 +183,16 @@ const GROUPS: readonly Group[] = [
     content: ({ session }) => <Scene session={session} />,
   },
   {
-    id: "topics",
-    title: "Topics",
-    content: ({ session, sensor, log, isGuest }) => (
-      <Topics key={log?.topic} session={session} sensor={isGuest ? null : sensor} log={log} />
-    ),
-  },
-  {
-    id: "pictures",
-    title: "Pictures",
-    content: ({ store, session }) => <Pictures store={store} session={session} />,
-  },
-  { id: "plots", title: "Plots", content: ({ store, session }) => <Plots store={store} session={session} /> },
-  {
-    id: "frames",
-    title: "Frames",
-    content: ({ store, session }) => <FrameTree store={store} session={session} />,
-  },
-  {
-    id: "trajectories",
-    title: "Trajectories",
-    content: ({ store, session, isGuest, trajectoryErrors }) => (
-      <Trajectories store={store} session={session} isGuest={isGuest} errors={trajectoryErrors} />
-    ),
-  },
-  {
-    id: "notes",
-    title: "Notes",
-    badge: ({ notes }) => (notes.notes.value?.length ? String(notes.notes.value.length) : null),
-    content: ({ store, notes, isGuest }) => <Notes store={store} state={notes} isGuest={isGuest} />,
-  },
-  {
     id: "share",
-    title: "Share",
+    title: "Link",
+    section: "Share",
     isThere: ({ isGuest, log }) => !isGuest && log !== null,
     content: ({ session, sharedView }) => <Share session={session} sharedView={sharedView} />,
   },
   {
     id: "download",
     title: "Download",
+    section: "Share",
     content: ({ store, session, isGuest }) => (
       <Downloads session={session} title={store.hello.value?.title ?? "log"} isGuest={isGuest} />
     ),
@@ -181,11 +201,14 @@ const GROUPS: readonly Group[] = [
 
 /** The groups that this view has, for the dock. */
 export function groupsOf(view: LogView): readonly DockGroup[] {
-  return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(({ id, title, keeps, badge, content }) => ({
-    id,
-    title,
-    keeps: keeps ?? false,
-    badge: badge?.(view) ?? null,
-    content: () => content(view),
-  }));
+  return GROUPS.filter((group) => group.isThere?.(view) ?? true).map(
+    ({ id, title, section, keeps, badge, content }) => ({
+      id,
+      title,
+      ...(section ? { section } : {}),
+      keeps: keeps ?? false,
+      badge: badge?.(view) ?? null,
+      content: () => content(view),
+    }),
+  );
 }

@@ -233,7 +233,7 @@ export async function openSession(
   log: string,
   topic: string | null,
   ending: AbortSignal,
-  volume: { readonly other: string | null; readonly up: string } | null = null,
+  volume: { readonly other: string | null; readonly up: string | null } | null = null,
 ): Promise<OpenedSession> {
   const name = newName();
   const stop = followMaking(name, (making) => {
@@ -250,7 +250,7 @@ export async function openSession(
         name,
         playing: !reducedMotion.peek(),
         ...(volume?.other ? { other: volume.other } : {}),
-        ...(volume ? { up: volume.up } : {}),
+        ...(volume?.up ? { up: volume.up } : {}),
       }),
       signal: ending,
     });

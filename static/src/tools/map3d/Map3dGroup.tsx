@@ -7,6 +7,9 @@ import { SwitchChip } from "../../ui/SwitchChip";
 import type { Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
+import { VoxelWhy } from "../volume/VoxelWhy";
+import "../volume/volume.css";
+import { Files } from "./Files";
 import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
 import { useMap3dRows } from "./Sensor3d";
@@ -49,6 +52,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
         <Scene session={session} hasColumns={false} />
       </div>
       <Difference store={store} />
+      <VoxelWhy store={store} />
       <div class="map3d-settings">
         <ParameterRows rows={map} values={values} set={set} />
       </div>
@@ -62,6 +66,8 @@ export function Map3dGroup({ store, session }: GroupProps) {
         <ParameterRows rows={band} values={values} set={set} />
       </div>
       <CostmapChoice store={store} />
+      <h3>Download</h3>
+      <Files session={session} />
       <Button
         kind="quiet"
         onClick={() => {

@@ -38,7 +38,8 @@ export function LookGroup({ store }: { readonly store: Store }) {
 /** The colourings for what is shown. */
 export function coloursOf({ colours }: Pick<VolumeMessage, "colours">, show: string): readonly string[] {
   if (show === "surface") return OF_SURFACES;
-  return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...(show === "voxels" ? [] : colours)];
+  const ofPoints = show === "voxels" ? colours.filter((one) => one === "class") : colours;
+  return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...ofPoints];
 }
 
 function Key({ colour, now, band }: { readonly colour: string; readonly now: VolumeMessage; readonly band: number }) {
@@ -55,7 +56,35 @@ function Key({ colour, now, band }: { readonly colour: string; readonly now: Vol
       </p>
     );
   }
-  return null;
+  return colour === "class" ? <Classes /> : null;
+}
+
+/** Names and colours of the classes of ASPRS LAS 1.4; the colours are those of server/sessions/models/volume_look.py. */
+const CLASSES = [
+  ["not classified", "#969696"],
+  ["ground", "#ac7842"],
+  ["low vegetation", "#96c86e"],
+  ["medium vegetation", "#60aa50"],
+  ["high vegetation", "#268238"],
+  ["building", "#d04a3c"],
+  ["low point (noise)", "#5a3c5a"],
+  ["key point", "#e6c850"],
+  ["water", "#3c78d2"],
+  ["rail", "#6e6e78"],
+  ["road surface, or another", "#50505a"],
+] as const;
+
+function Classes() {
+  return (
+    <ul class="volume-classes" aria-label="Colours of the classes">
+      {CLASSES.map(([name, colour]) => (
+        <li key={name}>
+          <span class="volume-swatch" style={{ background: colour }} aria-hidden="true" />
+          {name}
+        </li>
+      ))}
+    </ul>
+  );
 }
 
 function Ramp({ kind, from, to }: { readonly kind: string; readonly from: string; readonly to: string }) {

@@ -76,13 +76,14 @@ function Panel({ store }: WhyProps) {
           onChange={(layer) => store.explain(store.explainedPoint.peek(), layer)}
         />
       )}
-      <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : "…") : OUTSIDE}</p>
+      <p class="why-sentence">{cell ? (why ? sentence(why, newestOf(why), hitWindow.value) : COMPUTING) : OUTSIDE}</p>
       <Announcement store={store} hitWindow={hitWindow} />
       <UpdateHistory store={store} hitWindow={hitWindow} slider={slider} />
     </section>
   );
 }
 
+const COMPUTING = "Computing which beams updated this cell …";
 const OUTSIDE = "This place is outside the map.";
 
 /** The newest update, if the answer contains it. */
@@ -167,7 +168,7 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
           aria-label="Beams through this cell"
           aria-describedby={id}
           aria-valuetext={
-            contribution ? `beam ${n} of ${total}: ${describe(contribution, hitWindow.value)}` : "no beam yet"
+            contribution ? `beam ${n} of ${total}: ${describe(contribution, hitWindow.value)}` : "computing"
           }
           min={1}
           max={Math.max(1, total)}
@@ -187,10 +188,12 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
       </p>
       <div class="why-update">
         <p>
-          <b class="number">
-            {n} of {total}
-          </b>{" "}
-          {contribution ? <ContributionText contribution={contribution} hitWindow={hitWindow.value} /> : "…"}
+          {why && (
+            <b class="number">
+              {n} of {total}
+            </b>
+          )}{" "}
+          {contribution ? <ContributionText contribution={contribution} hitWindow={hitWindow.value} /> : "Computing …"}
         </p>
         {isLog && (
           <Button

@@ -5,18 +5,18 @@ const AXES = ["z", "-z", "y", "-y", "x", "-x"];
 
 interface UpChoiceProps {
   readonly store: Store;
-  readonly up: string;
   readonly onUp: (axis: string) => void;
 }
 
 /** The axis of the file that points up: depth cameras and scanners often have another one than z. */
-export function UpChoice({ store, up, onUp }: UpChoiceProps) {
-  if (!store.volume.value?.has_scans) return null;
+export function UpChoice({ store, onUp }: UpChoiceProps) {
+  const now = store.volume.value;
+  if (!now?.has_scans) return null;
   return (
     <Panel title="Up">
       <label class="volume-up">
         <span>Axis of the file that points up</span>
-        <select class="select" value={up} onChange={(event) => onUp(event.currentTarget.value)}>
+        <select class="select" value={now.up} onChange={(event) => onUp(event.currentTarget.value)}>
           {AXES.map((axis) => (
             <option key={axis} value={axis}>
               {axis.replace("-", "−")}

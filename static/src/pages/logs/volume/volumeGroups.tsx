@@ -20,8 +20,6 @@ export interface VolumeView {
   /** The id of the log that the map is of; null if it is not known. */
   readonly log: string | null;
   readonly onCompare: (other: string | null) => void;
-  /** The axis of the file that points up. */
-  readonly up: string;
   /** Open the file again with another axis up; null where it cannot be. */
   readonly onUp: ((axis: string) => void) | null;
 }
@@ -29,6 +27,8 @@ export interface VolumeView {
 interface Group {
   readonly id: string;
   readonly title: string;
+  /** The section that it shares with the groups beside it. */
+  readonly section?: string;
   readonly purpose: string;
   readonly content: (view: VolumeView) => ComponentChildren;
 }
@@ -38,22 +38,24 @@ const GROUPS: readonly Group[] = [
     id: "look",
     title: "View",
     purpose: "What of the map is drawn, and what its colours mean.",
-    content: ({ store, up, onUp }) => (
+    content: ({ store, onUp }) => (
       <>
         <LookGroup store={store} />
-        {onUp && <UpChoice store={store} up={up} onUp={onUp} />}
+        {onUp && <UpChoice store={store} onUp={onUp} />}
       </>
     ),
   },
   {
     id: "map",
     title: "Map",
+    section: "Mapping",
     purpose: "How the points become voxels. After a change the map is made again from all of its points.",
     content: ({ store }) => <VolumeMapGroup store={store} />,
   },
   {
     id: "surface",
     title: "Surface",
+    section: "Mapping",
     purpose: "Where the surface is, between voxels: each keeps its mean signed distance to it.",
     content: ({ store }) => <SurfaceGroup store={store} />,
   },
@@ -66,12 +68,14 @@ const GROUPS: readonly Group[] = [
   {
     id: "above",
     title: "From above",
+    section: "Ground",
     purpose: "The map of a robot that drives: a cell is occupied where a voxel of its column is, in a band of heights.",
     content: ({ store, session }) => <VolumeAbove store={store} session={session} />,
   },
   {
     id: "terrain",
     title: "Terrain",
+    section: "Ground",
     purpose: "Patches of the points: which are ground, their planes, and where it is safe to drive.",
     content: ({ store }) => <VolumeTerrain store={store} />,
   },
@@ -91,5 +95,5 @@ const GROUPS: readonly Group[] = [
 
 /** The groups for the dock. */
 export function volumeGroups(view: VolumeView): readonly DockGroup[] {
-  return GROUPS.map(({ id, title, purpose, content }) => ({ id, title, purpose, content: () => content(view) }));
+  return GROUPS.map(({ content, ...group }) => ({ ...group, content: () => content(view) }));
 }

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mapper.core.errors import LimitError
+from mapper.core.errors import LimitError, ReadError
 from server.library import job as jobs
+from server.library.following import followed
+from server.library.workers import Worker
 
 DOING = "Reading, examining and mapping this log"
 READ, EXAMINED, MAPPED = 0.4, 0.7, 0.95  #: fractions of the job that are done then
+RUNS = 2  #: of a log whose process was ended: the machine may be at fault
+DIED = "fleet.died"  #: the error of a log whose process was ended
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,13 +31,26 @@ class FleetLimits:
 
 @dataclass(frozen=True, slots=True)
 class FleetJob:
-    """Read ``source``, examine it, write its map beside ``out`` (.yaml, .pgm) and a picture of it (.png)."""
+    """Read ``source``, examine it, map it, and draw its map into ``picture``.
+
+    The map is kept as ``map`` (.yaml, .pgm) where that is given. A job in the ``background`` has a lower priority.
+    """
 
     source: str
-    out: str
-    timeout_s: float
-    cpu_s: float
-    memory_bytes: int
+    map: str | None
+    picture: str
+    limits: FleetLimits
+    background: bool = False
+
+    @property
+    def timeout_s(self) -> float:
+        """Longest elapsed time, seconds."""
+        return self.limits.timeout_s
+
+    @property
+    def memory_bytes(self) -> int:
+        """Largest address space of the process, bytes."""
+        return self.limits.memory_bytes
 
     @property
     def work(self) -> Callable[[FleetJob], dict[str, Any]]:
@@ -49,19 +67,40 @@ def do_fleet_job(job: FleetJob) -> dict[str, Any]:
 
     Raises :class:`mapper.core.errors.MapperError` for a log that is not read or mapped, and for limits.
     """
-    return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _done(job), DOING, "fleet")
+    return jobs.bounded(job.timeout_s, job.limits.cpu_s, lambda: _done(job), DOING, "fleet")
+
+
+async def fleet_facts(
+    worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]] | None = None
+) -> tuple[dict[str, Any], int]:
+    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`followed`."""
+    run = 1
+    while True:
+        try:
+            return await followed(worker, job, look or _not_looked, DIED), run
+        except ReadError as error:
+            if error.code != DIED or run == RUNS:
+                raise
+            run += 1
+
+
+async def _not_looked() -> None:
+    """Nobody looks."""
 
 
 def _done(job: FleetJob) -> dict[str, Any]:
     from mapper.diagnosis import examine  # noqa: PLC0415 - only the process that does the job needs it
+    from mapper.grid.compare import wall_contrast  # noqa: PLC0415
     from mapper.io.logs import open_log  # noqa: PLC0415
     from mapper.io.maps import save_map  # noqa: PLC0415
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
     from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415
     from server.library.log_picture import write_picture  # noqa: PLC0415
+    from server.library.slam_job import lower_priority  # noqa: PLC0415
 
+    if job.background:
+        lower_priority()
     began = time.process_time()
-    out = Path(job.out)
     log = open_log(Path(job.source), progress=lambda done: jobs.note_progress(READ * done))
     jobs.note_progress(READ)
     found = examine(log)
@@ -69,10 +108,11 @@ def _done(job: FleetJob) -> dict[str, Any]:
     config = MappingConfig()
     grid = grid_for(log, config)
     integrate_log(grid, log, config)
-    save_map(grid, out)
+    if job.map is not None:
+        save_map(grid, Path(job.map))
     jobs.note_progress(MAPPED)
-    picture = write_picture(log, out.with_name(f"{out.name}.png"))
-    geometry = grid.geometry
+    picture = write_picture(log, Path(job.picture))
+    geometry, contrast = grid.geometry, wall_contrast(grid)
     return {
         "scans": log.n_scans,
         "beams": log.n_beams,
@@ -80,8 +120,8 @@ def _done(job: FleetJob) -> dict[str, Any]:
         "rows": geometry.rows,
         "cols": geometry.cols,
         "resolution": geometry.resolution,
-        "findings": [finding.public() for finding in found],
-        "limits": asdict(FleetLimits(job.timeout_s, job.cpu_s, job.memory_bytes)),
+        "contrast": round(contrast, 4) if math.isfinite(contrast) else None,
+        "findings": [{"check": one.check, "sentence": one.sentence, "possible": one.possible} for one in found],
         "picture": picture,
         "cpu_s": round(time.process_time() - began, 3),
     }

@@ -1,0 +1,56 @@
+"""``/api/fleet``: the logs of the library read, examined and mapped, all of them, by several workers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, ConfigDict, Field
+
+from server.http.services import Logs, Visitor
+from server.library import Library, Record
+
+router = APIRouter(prefix="/api/fleet", tags=["fleet"])
+
+
+class Wanted(BaseModel):
+    """Which logs are to be mapped."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    again: bool = Field(False, description="Map the logs again that failed.")
+
+
+def _logs(library: Library, visitor: str) -> Sequence[Record]:
+    """Return the logs that can be mapped: not the maps, costmaps and clouds among them."""
+    return [
+        log
+        for log in library.files(visitor)
+        if (found := log.summary) is None or not (found.map or found.costmaps or found.clouds)
+    ]
+
+
+@router.get("")
+async def state(
+    library: Logs,
+    visitor: Visitor,
+    since: Annotated[int, Query(ge=0, description="Revision from an earlier answer; 0: all logs.")] = 0,
+) -> dict[str, Any]:
+    """Return how many logs of this visitor and of the shared folder are mapped, and those that changed."""
+    if since == 0:
+        await library.list(visitor)  # which looks into the folder
+    return library.fleet.state(_logs(library, visitor), since)
+
+
+@router.post("", status_code=202)
+async def begin(library: Logs, visitor: Visitor, wanted: Wanted) -> dict[str, int]:
+    """Queue all logs that were not mapped yet. Each is mapped once, for all who may open it; return how many."""
+    await library.list(visitor)
+    return {"queued": await library.fleet.begin(_logs(library, visitor), again=wanted.again)}
+
+
+@router.delete("", status_code=204)
+async def stop(library: Logs, visitor: Visitor) -> None:
+    """End the mapping of the logs that wait; the results so far stay."""
+    await library.fleet.stop(_logs(library, visitor))

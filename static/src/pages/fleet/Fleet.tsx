@@ -1,0 +1,148 @@
+import { useEffect, useState } from "preact/hooks";
+import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
+import { Icon } from "../../ui/Icon";
+import { toast } from "../../ui/Toast";
+import { FleetCard } from "./FleetCard";
+import { type Counts, chosen, ORDERS, type Order, SHOWN, type Shown } from "./fleetLogs";
+import { counts, fleetError, fleetLogs, isBusy, mapAll, stopMapping, totalOf, watchFleet, workers } from "./fleetState";
+
+/** Cards that are shown at first, and with each press of "Show more". */
+const PAGE = 120;
+
+const quietly = (work: Promise<void>): void => {
+  work.catch((error: Error) => toast(error.message));
+};
+
+const plural = (count: number, noun: string): string =>
+  `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
+
+/** All logs, each read, examined and mapped once, and a wall of their maps. */
+export function Fleet() {
+  useEffect(watchFleet, []);
+  const [words, setWords] = useState("");
+  const [shown, setShown] = useState<Shown>("all");
+  const [order, setOrder] = useState<Order>("name");
+  const [limit, setLimit] = useState(PAGE);
+  const logs = fleetLogs.value;
+  const all = counts.value;
+  const found = logs === null ? [] : chosen(logs.values(), words, shown, order);
+  return (
+    <div class="library fleet">
+      <div class="library-head">
+        <h1>Map all logs</h1>
+        <p class="prose">
+          Each of your logs and of those on this server is read, examined and mapped once. Press a map to open its log.
+        </p>
+      </div>
+      {fleetError.value && (
+        <p class="notice" role="alert">
+          <Icon name="warning" /> {fleetError.value}
+        </p>
+      )}
+      {logs !== null && totalOf(all) === 0 && (
+        <p class="notice">
+          There are no logs with scans yet. Add some on the page <a href="/logs.html">Logs</a>, or start the service
+          with <code>--logs-dir</code>.
+        </p>
+      )}
+      {logs !== null && totalOf(all) > 0 && (
+        <>
+          <Work all={all} />
+          <search class="finder">
+            <input
+              class="finder-words"
+              type="search"
+              placeholder="Search name, finding, reason"
+              aria-label="Search logs"
+              onInput={(event) => {
+                setWords(event.currentTarget.value);
+                setLimit(PAGE);
+              }}
+            />
+            <Choice
+              label="Which logs"
+              bare
+              options={SHOWN}
+              value={shown}
+              onChange={(value) => {
+                setShown(value as Shown);
+                setLimit(PAGE);
+              }}
+            />
+            <Choice label="Order" bare options={ORDERS} value={order} onChange={(value) => setOrder(value as Order)} />
+            <span class="quiet number" role="status">
+              {words !== "" || shown !== "all" ? `${plural(found.length, "log")} found` : ""}
+            </span>
+          </search>
+          <ul class="fleet-wall">
+            {found.slice(0, limit).map((log) => (
+              <FleetCard key={log.id} log={log} />
+            ))}
+          </ul>
+          {found.length > limit && (
+            <div class="library-more">
+              <Button onClick={() => setLimit(limit + PAGE)}>Show more</Button>
+              <span class="quiet number">
+                {limit} of {plural(found.length, "log")}
+              </span>
+            </div>
+          )}
+        </>
+      )}
+    </div>
+  );
+}
+
+/** How far it is, and what can be done. */
+function Work({ all }: { all: Counts }) {
+  const total = totalOf(all);
+  const ended = all.done + all.failed;
+  const busy = isBusy(all);
+  return (
+    <section class="fleet-work" aria-label="Progress">
+      <p>
+        <strong class="number">
+          {ended.toLocaleString("en")} of {plural(total, "log")}
+        </strong>{" "}
+        done
+        {all.failed > 0 && <>, {all.failed.toLocaleString("en")} failed</>}
+        {busy && (
+          <>
+            , {all.running} being mapped ({workers.value} at once)
+          </>
+        )}
+      </p>
+      <div
+        class="progress wide"
+        role="progressbar"
+        aria-label="Logs done"
+        aria-valuenow={ended}
+        aria-valuemin={0}
+        aria-valuemax={total}
+      >
+        <span style={{ transform: `scaleX(${ended / Math.max(1, total)})` }} />
+      </div>
+      <div class="actions">
+        {!busy && all.none > 0 && (
+          <Button kind="primary" icon="play" onClick={() => quietly(mapAll(false))}>
+            {ended > 0 ? `Map the other ${all.none.toLocaleString("en")}` : `Map ${plural(all.none, "log")}`}
+          </Button>
+        )}
+        {busy && (
+          <Button icon="close" onClick={() => quietly(stopMapping())}>
+            Stop
+          </Button>
+        )}
+        {!busy && all.failed > 0 && (
+          <Button icon="restart" onClick={() => quietly(mapAll(true))}>
+            Try those that failed again
+          </Button>
+        )}
+        <a class="button quiet" href="/logs.html">
+          All logs
+        </a>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,86 @@
+import { Icon } from "../../ui/Icon";
+import { isDark } from "../../ui/theme";
+import type { Facts, FleetLog } from "./fleetLogs";
+
+const metres = (cells: number, resolution: number): string => `${Math.max(1, Math.round(cells * resolution))}`;
+
+/** One log: its map, or why there is none. */
+export function FleetCard({ log }: { log: FleetLog }) {
+  return (
+    <li class={`fleet-card ${log.state}`}>
+      {log.state === "failed" ? null : <Picture log={log} />}
+      <div class="fleet-text">
+        <h2>
+          <a href={`/logs.html?log=${encodeURIComponent(log.id)}`}>{log.name}</a>
+        </h2>
+        {log.facts ? <About facts={log.facts} /> : <State log={log} />}
+      </div>
+    </li>
+  );
+}
+
+function Picture({ log }: { log: FleetLog }) {
+  if (log.facts?.picture) {
+    const address = `/api/logs/${encodeURIComponent(log.id)}/map.png?dark=${isDark.value}`;
+    return (
+      <div class="fleet-picture">
+        <img src={address} alt={`Map of ${log.name}`} loading="lazy" />
+      </div>
+    );
+  }
+  return (
+    <div class="fleet-picture">
+      <Icon name="map" />
+      {log.state === "running" && (
+        <div
+          class={`progress${log.fraction > 0 ? "" : " waiting"}`}
+          role="progressbar"
+          aria-label={`Mapping ${log.name}`}
+        >
+          <span {...(log.fraction > 0 ? { style: { transform: `scaleX(${log.fraction})` } } : {})} />
+        </div>
+      )}
+    </div>
+  );
+}
+
+function About({ facts }: { facts: Facts }) {
+  const { rows, cols, resolution, findings } = facts;
+  const title = `${findings.length} finding${findings.length === 1 ? "" : "s"}`;
+  return (
+    <>
+      <p class="quiet number">
+        {facts.scans.toLocaleString("en")} scans, {metres(cols, resolution)} × {metres(rows, resolution)} m
+        {facts.contrast !== null && <>, sharpness {facts.contrast.toFixed(2)}</>}
+      </p>
+      {findings.length === 0 ? (
+        <p class="quiet">No findings</p>
+      ) : (
+        <details>
+          <summary>{title}</summary>
+          <ul>
+            {findings.map((one) => (
+              <li key={one.check + one.sentence}>
+                {one.possible && "Possibly: "}
+                {one.sentence}
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </>
+  );
+}
+
+const STATES = { none: "Not mapped yet", queued: "Waits", running: "Being mapped", done: "", failed: "" } as const;
+
+function State({ log }: { log: FleetLog }) {
+  if (log.error) {
+    return (
+      <p class="fleet-error">
+        <Icon name="warning" /> <span>{log.error.message}</span>
+      </p>
+    );
+  }
+  return <p class="quiet">{STATES[log.state]}</p>;
+}

@@ -1,0 +1,61 @@
+import { expect, test } from "vitest";
+import { chosen, type FleetLog, merged } from "./fleetLogs";
+
+const log = (name: string, more: Partial<FleetLog> = {}): FleetLog => ({
+  id: `id of ${name}`,
+  name,
+  state: "none",
+  fraction: 0,
+  error: null,
+  facts: null,
+  ...more,
+});
+
+const mapped = (name: string, scans: number, ...sentences: string[]): FleetLog =>
+  log(name, {
+    state: "done",
+    facts: {
+      scans,
+      beams: 180,
+      rows: 10,
+      cols: 10,
+      resolution: 0.1,
+      contrast: 0.5,
+      findings: sentences.map((sentence) => ({ check: "mount", sentence, possible: false })),
+      picture: true,
+      seconds: 1,
+    },
+  });
+
+const LOGS = [
+  log("run 10"),
+  mapped("run 9", 50, "The lidar is turned."),
+  log("yard", { state: "failed", error: { code: "log.no_scans", message: "The log holds no scans." } }),
+  mapped("run 2", 90),
+  log("run 1", { state: "running", fraction: 0.5 }),
+];
+const names = (logs: readonly FleetLog[]): string[] => logs.map((one) => one.name);
+
+test("an answer replaces what has changed, and all where it is whole", () => {
+  const counts = { none: 0, queued: 0, running: 0, done: 1, failed: 0 };
+  const answer = { revision: 3, whole: false, workers: 1, counts, logs: [mapped("run 10", 7)] };
+  const known = new Map(LOGS.map((one) => [one.id, one]));
+  const next = merged(known, answer);
+  expect(next.size).toBe(5);
+  expect(next.get("id of run 10")?.facts?.scans).toBe(7);
+  expect([...merged(known, { ...answer, whole: true }).keys()]).toEqual(["id of run 10"]);
+});
+
+test("by name each log keeps its place; otherwise those without a map come last", () => {
+  expect(names(chosen(LOGS, "", "all", "name"))).toEqual(["run 1", "run 2", "run 9", "run 10", "yard"]);
+  expect(names(chosen(LOGS, "", "all", "scans"))).toEqual(["run 2", "run 9", "yard", "run 1", "run 10"]);
+  expect(names(chosen(LOGS, "", "all", "findings"))).toEqual(["run 9", "run 2", "yard", "run 1", "run 10"]);
+});
+
+test("logs are found by words of name, finding and reason, and by what came of them", () => {
+  expect(names(chosen(LOGS, "TURNED run", "all", "name"))).toEqual(["run 9"]);
+  expect(names(chosen(LOGS, "no scans", "all", "name"))).toEqual(["yard"]);
+  expect(names(chosen(LOGS, "", "failed", "name"))).toEqual(["yard"]);
+  expect(names(chosen(LOGS, "", "findings", "name"))).toEqual(["run 9"]);
+  expect(names(chosen(LOGS, "", "open", "name"))).toEqual(["run 1", "run 10"]);
+});

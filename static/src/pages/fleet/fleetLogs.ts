@@ -1,0 +1,107 @@
+/** The logs of the fleet as the service tells them, and which of them are shown in what order. */
+
+export interface Finding {
+  readonly check: string;
+  readonly sentence: string;
+  readonly possible: boolean;
+}
+
+export interface Facts {
+  readonly scans: number;
+  readonly beams: number;
+  readonly rows: number;
+  readonly cols: number;
+  readonly resolution: number;
+  readonly contrast: number | null;
+  readonly findings: readonly Finding[];
+  readonly picture: boolean;
+  readonly seconds: number;
+}
+
+export interface FleetLog {
+  readonly id: string;
+  readonly name: string;
+  readonly state: "none" | "queued" | "running" | "done" | "failed";
+  readonly fraction: number;
+  readonly error: { readonly code: string; readonly message: string } | null;
+  readonly facts: Facts | null;
+}
+
+export interface Counts {
+  readonly none: number;
+  readonly queued: number;
+  readonly running: number;
+  readonly done: number;
+  readonly failed: number;
+}
+
+export interface FleetAnswer {
+  readonly revision: number;
+  /** Whether all logs are in it, not only those that have changed. */
+  readonly whole: boolean;
+  readonly workers: number;
+  readonly counts: Counts;
+  readonly logs: readonly FleetLog[];
+}
+
+/** The logs after an answer: those of an earlier one with what has changed. */
+export function merged(known: ReadonlyMap<string, FleetLog> | null, answer: FleetAnswer): Map<string, FleetLog> {
+  const next = new Map(answer.whole ? [] : (known ?? []));
+  for (const log of answer.logs) next.set(log.id, log);
+  return next;
+}
+
+export const SHOWN = [
+  { value: "all", label: "All" },
+  { value: "findings", label: "With findings" },
+  { value: "failed", label: "Failed" },
+  { value: "open", label: "Not mapped yet" },
+] as const;
+export type Shown = (typeof SHOWN)[number]["value"];
+
+export const ORDERS = [
+  { value: "name", label: "by name" },
+  { value: "findings", label: "most findings first" },
+  { value: "contrast", label: "least sharp first" },
+  { value: "scans", label: "most scans first" },
+  { value: "size", label: "largest map first" },
+] as const;
+export type Order = (typeof ORDERS)[number]["value"];
+
+const area = ({ rows, cols, resolution }: Facts): number => rows * cols * resolution ** 2;
+
+const KEYS: Record<Exclude<Order, "name">, (facts: Facts) => number> = {
+  findings: (facts) => facts.findings.length,
+  contrast: (facts) => -(facts.contrast ?? 1),
+  scans: (facts) => facts.scans,
+  size: area,
+};
+
+const IS_SHOWN: Record<Shown, (log: FleetLog) => boolean> = {
+  all: () => true,
+  findings: (log) => (log.facts?.findings.length ?? 0) > 0,
+  failed: (log) => log.state === "failed",
+  open: (log) => log.state !== "done" && log.state !== "failed",
+};
+
+/**
+ * The logs to be shown, in order. By name each keeps its place while it is mapped; in another order those without a map
+ * come last.
+ */
+export function chosen(logs: Iterable<FleetLog>, words: string, shown: Shown, order: Order): FleetLog[] {
+  const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
+  const rank = (log: FleetLog): number => ["done", "failed", "running", "queued", "none"].indexOf(log.state);
+  const found = [...logs].filter((log) => {
+    const text = [log.name, log.error?.message, ...(log.facts?.findings ?? []).map((one) => one.sentence)]
+      .join(" ")
+      .toLowerCase();
+    return IS_SHOWN[shown](log) && wanted.every((word) => text.includes(word));
+  });
+  return found.sort((a, b) => {
+    if (order !== "name") {
+      const first = rank(a) - rank(b) || (a.facts && b.facts ? KEYS[order](b.facts) - KEYS[order](a.facts) : 0);
+      if (first !== 0) return first;
+    }
+    return a.name.localeCompare(b.name, "en", { numeric: true });
+  });
+}

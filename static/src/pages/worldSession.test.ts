@@ -1,0 +1,40 @@
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+import { createWorld, starting } from "./worldSession";
+
+vi.mock("../ui/reducedMotion", () => ({ reducedMotion: { peek: () => false } }));
+
+beforeEach(() => {
+  vi.useFakeTimers();
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+  vi.useRealTimers();
+});
+
+it("tells how long a new world takes, from 0.3 s on", async () => {
+  let answer: (response: Response) => void = () => undefined;
+  vi.stubGlobal("fetch", () => new Promise<Response>((resolve) => (answer = resolve)));
+  const made = createWorld();
+  await vi.advanceTimersByTimeAsync(250);
+  expect(starting.value).toBeNull();
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(starting.value?.fraction).toBeNull();
+  expect(starting.value?.elapsed_s).toBeGreaterThanOrEqual(0.9);
+  answer(Response.json({ id: "a" }));
+  expect(await made).toBe("a");
+  expect(starting.value).toBeNull();
+});
+
+it("shows nothing any more after a request that fails", async () => {
+  vi.stubGlobal("fetch", async () => {
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    return Response.json({ message: "There are too many sessions." }, { status: 503 });
+  });
+  const made = expect(createWorld()).rejects.toThrow("There are too many sessions.");
+  await vi.advanceTimersByTimeAsync(700);
+  expect(starting.value).not.toBeNull();
+  await vi.advanceTimersByTimeAsync(700);
+  await made;
+  expect(starting.value).toBeNull();
+});

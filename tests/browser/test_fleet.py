@@ -1,0 +1,35 @@
+"""The page of the fleet in Chromium: all logs mapped by one press, their maps, findings and failures."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.looking import await_true
+from tests.server.library.small_logs import carmen
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+def test_one_press_maps_all_logs(page: Page, server: str, logs_dir: Path) -> None:
+    (logs_dir / "fleet-yard.log").write_bytes(carmen(40))
+    (logs_dir / "fleet-empty.log").write_text("# CARMEN Logfile\nODOM 0 0 0 0 0 0 1 a 1\n")
+    page.goto(f"{server}/logs.html")
+    page.get_by_role("link", name="Map all logs").click()
+    yard = page.locator(".fleet-card", has_text="fleet-yard.log")
+    empty = page.locator(".fleet-card", has_text="fleet-empty.log")
+    expect(yard).to_contain_text("Not mapped yet")
+    page.get_by_role("button", name="Map").click()
+    expect(yard).to_contain_text("40 scans")
+    expect(empty).to_contain_text("The log holds no scans")
+    yard.scroll_into_view_if_needed()
+    await_true(page, "() => [...document.images].some((one) => one.alt.includes('fleet-yard') && one.naturalWidth > 0)")
+    page.get_by_role("searchbox", name="Search logs").fill("fleet")
+    page.get_by_role("radio", name="Failed").check()
+    expect(page.locator(".fleet-card")).to_have_count(1)
+    expect(page.get_by_text("1 log found")).to_be_visible()
+    page.get_by_role("radio", name="All").check()
+    yard.get_by_role("link").click()
+    expect(page).to_have_url(re.compile("log=folder-"))
