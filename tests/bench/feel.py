@@ -36,16 +36,6 @@ _FRAMES = """(seconds) => new Promise((resolve) => {
   requestAnimationFrame(count);
 })"""
 
-_TIMED_FRAMES = """(() => {
-  const ask = window.requestAnimationFrame.bind(window);
-  window.painted = [];
-  window.requestAnimationFrame = (call) => ask((now) => {
-    const from = performance.now();
-    call(now);
-    window.painted.push(performance.now() - from);
-  });
-})()"""
-
 _FIRST_CELLS = """() => {
   const look = () => {
     if (window.gridbloom && gridbloom.cells().free > 50) {
@@ -244,27 +234,6 @@ def running(browser: Browser, server: str) -> float:
     return rate
 
 
-def particles(browser: Browser, server: str) -> tuple[float, float, float]:
-    """Return frames per second, and median and p95 of the milliseconds of a frame's callbacks, with 10,000 particles.
-
-    The lab runs, and its robot is localized by so many.
-    """
-    page = new_page(browser)
-    page.add_init_script(_TIMED_FRAMES)
-    page.goto(f"{server}/lab.html")
-    await_map(page)
-    command = {"type": "localize", "value": True, "values": {"min_particles": 10_000, "max_particles": 10_000}}
-    page.evaluate("(command) => gridbloom.connection.store.send(command)", command)
-    column = "gridbloom.connection.store.layers.content('particles').peek()?.columns[0].length"
-    page.evaluate("() => gridbloom.connection.store.send({ type: 'play' })")
-    page.wait_for_function(f"() => {column} === 10000", timeout=240_000)
-    page.evaluate("() => { window.painted = []; }")
-    rate = float(page.evaluate(_FRAMES, RUNNING_S))
-    painted = sorted(page.evaluate("() => window.painted.filter((ms) => ms > 0.2)"))
-    page.context.close()
-    return rate, painted[len(painted) // 2], p95(painted)
-
-
 def opening(browser: Browser, server: str) -> tuple[float, float]:
     """Return the p95 of seconds from opening the page to its first cells, and kB of JavaScript, gzipped."""
     took = []
@@ -355,16 +324,8 @@ def feel() -> None:
                 row("the same while comparing → its difference", compared, "", "")
             seconds, kilobytes = opening(browser, server)
             still, hidden = asleep(browser, server)
-            rate, middle, most = particles(browser, server)
             rows += [
                 ("lab running at 1440 × 900", f"{running(browser, server):.0f} frames/s", "30", "60", ""),
-                (
-                    "10,000 particles in the running lab: frames; a frame's callbacks, median and p95",
-                    f"{rate:.0f} frames/s; {middle:.1f} ms, {most:.1f} ms",
-                    "60; 8 ms",
-                    "",
-                    "",
-                ),
                 ("page opened → first cells", f"{seconds:.2f} s", "1.5 s", "0.7 s", ""),
                 ("JavaScript of the lab, gzipped", f"{kilobytes:.1f} kB", "120 kB", "60 kB", ""),
                 ("main thread of a paused page", f"{100 * still:.1f} %", "about none", "", ""),
