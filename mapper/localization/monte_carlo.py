@@ -64,8 +64,8 @@ class MonteCarloLocalizer:
         self.mount, self.seed = mount, seed
         self.n_updates = 0  #: scans that were used
         self._odometry: tuple[float, float, float] | None = None  # at the last scan that was used
-        self._recovery = Recovery(self.config)
         self._steps = 0
+        self._kept = 1.0  # share of effective particles that the stages of the newest scan but the last have left
         if initial_pose is None:
             self.start_anywhere()
         else:
@@ -104,9 +104,9 @@ class MonteCarloLocalizer:
         self.weights = np.full(len(particles), 1.0 / len(particles)) if weights is None else weights
         self.weighed = self.particles.copy(), self.weights
         self._odometry = None
-        self._recovery = Recovery(self.config)
         clusters = find_clusters(self.particles, self.weights)
         self.estimate = estimate_of(clusters, 0.0, was_converged=False, is_updated=False)
+        self._recovery = Recovery(self.config, is_searched=not self.estimate.is_converged)
         self._base = tuple(self.estimate.pose.tolist())
 
     def update(self, odometry: ArrayLike, scan: RangeScan) -> Estimate:
@@ -174,7 +174,7 @@ class MonteCarloLocalizer:
     def reconfigure(self, config: LocalizationConfig, model: MapModel) -> None:
         """Go on with other parameters, and with the map for those of the sensor. The particles stay."""
         self.config, self.model = config, model
-        self._recovery = Recovery(config)
+        self._recovery = Recovery(config, is_searched=self._recovery.is_searched)
 
     def weights_by(self, scan: ScanBeams) -> Float64Array:
         """Return the weights (n,), Σ = 1, that a scan alone gives the particles of ``weighed``; nothing changes."""
@@ -192,7 +192,7 @@ class MonteCarloLocalizer:
         heaviest cluster is, times the bandwidth of a kernel density estimate. Sources: Del Moral, Doucet and Jasra
         2012 (stages), Musso, Oudjane and Le Gland 2001 (the regularised particle filter).
         """
-        config, left = self.config, 1.0
+        config, left, self._kept = self.config, 1.0, 1.0
         stages = int(config.annealing_stages) if len(self.particles) <= config.max_particles else 1
         first: Float64Array | None = None
         for stage in range(stages):
@@ -207,6 +207,7 @@ class MonteCarloLocalizer:
             left -= power
             if left <= 0.0 or stage == stages - 1:
                 break
+            self._kept *= effective_number(self.weights) / len(self.weights)
             self._spread(stage)
         assert first is not None  # noqa: S101 - for the type checker: there is a stage
         return sums, first
@@ -230,7 +231,8 @@ class MonteCarloLocalizer:
         most = int(self.config.max_particles)
         if not self.estimate.is_converged:
             most = max(most, int(self.config.global_particles))
-        self.particles = resampled(self.particles, self.weights, most, self._uniform(_DRAW), self.config)
+        u = self._uniform(_DRAW)
+        self.particles = resampled(self.particles, self.weights, most, u, self.config, self._kept)
         self.weights = np.full(len(self.particles), 1.0 / len(self.particles))
 
     def _scatter(self, share: float) -> None:
@@ -250,7 +252,8 @@ class MonteCarloLocalizer:
         places = anywhere(self.model, count, self._key(_RESET))
         sums = scan_sums(self.model, scan, places)
         best = float(self.model.field.fit(sums.max(keepdims=True), len(scan.points))[0])
-        share = self._recovery.added_weight(fit, best, is_converged=self.estimate.is_converged)
+        now = self.estimate
+        share = self._recovery.added_weight(fit, best, is_converged=now.is_converged, share=now.share)
         if share == 0.0:
             return
         logs = log_likelihoods(self.model, scan, places, sums, self.config)

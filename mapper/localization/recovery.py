@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.localization.estimate import LOST_SHARE
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.textbook import augmented_share
 
@@ -15,14 +16,19 @@ RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhe
 #: each scan that fits takes one off.
 PATIENCE, MOST_PATIENCE = 4, 64
 INTERVAL = 2  #: updates from one comparison to the next
-LOST, SEARCHING = 0.5, 0.1  #: weight of the particles that are added: once the robot is lost, and before convergence
+LOST, SEARCHING = 0.5, 0.1  #: weight of the particles that are added: once the robot is lost, and while it is searched
 
 
 class Recovery:
-    """Averages of how well scans fit compared with other poses in the map, and of the weights (augmented MCL)."""
+    """Averages of how well scans fit compared with other poses in the map, and of the weights (augmented MCL).
 
-    def __init__(self, config: LocalizationConfig) -> None:
+    The robot ``is_searched`` from a start without a hint, from a reset, or from when no cluster has half of the weight,
+    until the filter has converged. A filter that only gets wider, as in a long corridor, has not lost it.
+    """
+
+    def __init__(self, config: LocalizationConfig, *, is_searched: bool) -> None:
         self._config = config
+        self.is_searched = is_searched
         self._ratio = 1.0
         self._compared = 0
         self._patience = PATIENCE
@@ -34,28 +40,28 @@ class Recovery:
         self._updates += 1
         return self._config.reset_below > 0.0 and self._updates % INTERVAL == 0
 
-    def added_weight(self, fit: float, best: float, *, is_converged: bool) -> float:
+    def added_weight(self, fit: float, best: float, *, is_converged: bool, share: float = 1.0) -> float:
         """Return the weight of particles to add that are drawn from the likelihood of a scan; 0 for none.
 
-        ``fit`` is how it fits the particles, ``best`` how it fits at the best of many poses. A filter that has not
-        converged may have no particle near the robot, however well some fit: it gets a few in any case.
+        ``fit`` is how it fits the particles, ``best`` how it fits at the best of many poses. While the robot is
+        searched there may be no particle near it, however well some fit: a few are added in any case. ``share`` is
+        the weight of the heaviest cluster.
         """
-        if not is_converged:
+        self.is_searched = not is_converged and (self.is_searched or share < LOST_SHARE)
+        if self.is_searched:
             return SEARCHING
-        return LOST if self._is_lost(fit, best) else 0.0
-
-    def _is_lost(self, fit: float, best: float) -> bool:
         self._compared += 1
         self._ratio += RATE * (fit / max(fit, best, 1e-9) - self._ratio)
-        is_poor = self._ratio < self._config.reset_below
-        lost = is_poor and self._compared >= self._patience
-        if lost:
-            # Where no pose explains the scans well, resets find the robot where it was: they become rare.
-            self._ratio, self._compared = 1.0, 0
-            self._patience = min(2 * self._patience, MOST_PATIENCE)
-        elif not is_poor:
+        if self._ratio >= self._config.reset_below:
             self._patience = max(self._patience - 1, PATIENCE)
-        return lost
+            return 0.0
+        if self._compared < self._patience:
+            return 0.0
+        # Where no pose explains the scans well, resets find the robot where it was: they become rare.
+        self.is_searched = True
+        self._ratio, self._compared = 1.0, 0
+        self._patience = min(2 * self._patience, MOST_PATIENCE)
+        return LOST
 
     def random_share(self, log_likelihoods: Float64Array, n_beams: int) -> float:
         """Return the share of random particles that augmented MCL adds after a scan, 0 where it is off.

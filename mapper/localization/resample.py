@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mapper.localization.estimate import BINS
 from mapper.localization.kernels.resampling import fill_bins, low_variance
 from mapper.localization.parameters import LocalizationConfig
-from mapper.localization.textbook import kld_number
+from mapper.localization.textbook import effective_number, kld_number
 
 Float64Array = NDArray[np.float64]
 
@@ -28,16 +28,20 @@ def number_of_bins(particles: Float64Array, chosen: NDArray[np.int64]) -> int:
 
 
 def resampled(
-    particles: Float64Array, weights: Float64Array, most: int, u: float, config: LocalizationConfig
+    particles: Float64Array, weights: Float64Array, most: int, u: float, config: LocalizationConfig, kept: float = 1.0
 ) -> Float64Array:
     """Return particles (m, 3) drawn from ``particles`` (n, 3) with ``weights`` (n,), by low variance.
 
-    m is what the KLD bound needs for the bins that as many draws as there were particles fill, from ``min_particles``
-    to ``most``. Table 8.4 counts the bins while it draws; here they are counted over one low-variance draw.
+    m is what the KLD bound needs for the bins that as many draws as there were particles fill, at least
+    ``min_particles``, divided by the share of effective particles, at most ``most``: draws that are copies of few
+    particles stand for a belief as badly as those few (Straka and Šimandl 2006, Particle filter adaptation based on
+    efficient sample size). ``kept`` is the share that earlier stages of the same scan have left. Table 8.4 counts the
+    bins while it draws; here they are counted over one low-variance draw.
     """
     chosen = drawn(weights, len(weights), u)
     wanted = kld_number(number_of_bins(particles, chosen), config.pf_err, config.pf_z)
-    count = int(min(max(wanted, config.min_particles), most))
+    share = kept * effective_number(weights) / len(weights)
+    count = int(min(max(wanted, config.min_particles) / share, most))
     if count != len(chosen):
         chosen = drawn(weights, count, u)
     return particles[chosen]

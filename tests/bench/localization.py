@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import math
 import os
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.core.parallel import single_threaded
+from mapper.core.se2 import between_one, compose, inverse, wrap_angle
 from mapper.grid import OccupancyGrid
 from mapper.io.logs import open_log
 from mapper.io.maps import load_map
@@ -36,6 +39,7 @@ from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from mapper.simulation.sample import sample_log
+from tests.bench.peer import PeerAbsentError, build_mrpt_localizer
 
 LOGS = ("intel", "fhw", "aces")
 WORLDS = ("room", "office", "loop", "hall", "maze")
@@ -208,7 +212,10 @@ def speed(folder: Path, rounds: int = 30) -> None:
     scan = scan_beams(log.scan(100), log.mount, config)
     motion = motion_between(pose, np.add(pose, [0.2, 0.1, 0.05]), config)
     print(f"\n{name}, {len(scan.points)} end points a scan")
-    columns = "particles", "motion", "weights", "resampling", "whole update", "plain NumPy", "ratio", "clusters besides"
+    columns = (
+        "particles", "motion", "weights", "resampling", "whole update", "one thread", "plain NumPy", "ratio", "MRPT",
+        "ratio of one thread", "clusters besides",
+    )  # fmt: skip
     print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
     rng = np.random.default_rng(1)
     for n, spread in ((2000, "near"), (100_000, "near"), (100_000, "everywhere")):
@@ -239,16 +246,59 @@ def speed(folder: Path, rounds: int = 30) -> None:
             "plain": partial(plain_update, model, scan, particles, tuple(motion), rng),
             "clusters": partial(find_clusters, particles, flat),
         }
-        times = dict.fromkeys(steps, math.inf)
+        times = dict.fromkeys((*steps, "one thread", "mrpt"), math.inf)
+        mrpt = mrpt_update(log, grid, scan, pose, particles)
         for _ in range(rounds):
             for step, work in steps.items():
                 times[step] = min(times[step], best_ms(work, 3 if n < 10_000 else 1))
+            with single_threaded():
+                times["one thread"] = min(times["one thread"], best_ms(whole, 3 if n < 10_000 else 1))
+            times["mrpt"] = min(times["mrpt"], mrpt())
         print(
             f"| {n:,} {spread} | {times['motion']:.3f} ms | {times['weights']:.3f} ms | {times['resampling']:.3f} ms | "
-            f"{times['whole']:.3f} ms | {times['plain']:.1f} ms | {times['plain'] / times['whole']:.1f} × | "
-            f"{times['clusters']:.3f} ms |",
+            f"{times['whole']:.3f} ms | {times['one thread']:.3f} ms | {times['plain']:.1f} ms | "
+            f"{times['plain'] / times['whole']:.1f} × | {times['mrpt']:.1f} ms | "
+            f"{times['mrpt'] / times['one thread']:.1f} × | {times['clusters']:.3f} ms |",
             flush=True,
         )
+
+
+def mrpt_update(
+    log: ScanLog, grid: OccupancyGrid, scan: ScanBeams, pose: np.ndarray, particles: np.ndarray
+) -> Callable[[], float]:
+    """Return a function that returns the milliseconds of the same update by MRPT; without MRPT it returns infinity.
+
+    Its scan has the same end points, as beams at whole multiples of the log's step of bearings.
+    """
+    folder = Path(tempfile.mkdtemp())
+    try:
+        program = build_mrpt_localizer(folder)
+    except PeerAbsentError as absent:
+        print(f"MRPT: {absent}", file=sys.stderr)
+        return lambda: math.inf
+    bearings = scan.beams[:, 1] - log.mount[2]
+    rows = np.rint((bearings - log.angle_min) / log.angle_increment).astype(int)
+    ranges = np.where(scan.beams[:, 0] < scan.range_max, scan.beams[:, 0], 0.0)
+    step = int(np.gcd.reduce(np.diff(rows)))
+    beams = np.zeros((rows[-1] - rows[0]) // step + 1, dtype="<f4")
+    beams[(rows - rows[0]) // step] = ranges
+    geometry, moved = grid.geometry, tuple(np.add(pose, [0.2, 0.1, 0.05]).tolist())
+    packed = folder / "update.bin"
+    with packed.open("wb") as file:
+        for values, kind in (
+            (geometry.shape, "<i4"), ((geometry.resolution, *geometry.origin[:2]), "<f8"),
+            (1.0 - grid.p_occ, "<f4"), (len(beams), "<i4"),
+            ((log.angle_min + rows[0] * log.angle_increment, step * log.angle_increment, scan.range_max), "<f8"),
+            (beams, "<f4"), (log.mount, "<f8"), (between_one(tuple(pose), moved), "<f8"),
+            (len(particles), "<i4"), (particles, "<f8"), (3, "<i4"),
+        ):  # fmt: skip
+            file.write(np.asarray(values, dtype=kind).tobytes())
+
+    def run() -> float:
+        done = subprocess.run([str(program), str(packed)], capture_output=True, text=True, check=True)
+        return float(done.stdout)
+
+    return run
 
 
 def localization() -> None:

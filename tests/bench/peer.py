@@ -38,18 +38,28 @@ def peers_dir() -> Path:
 
 def build_mrpt(into: Path) -> Path:
     """Build the program that times MRPT's scan insertion; return it."""
-    source, headers = peers_dir() / "mrpt_insert.cpp", Path("/usr/include/mrpt")
+    source = peers_dir() / "mrpt_insert.cpp"
     if not source.is_file():
         raise PeerAbsentError("no mrpt_insert.cpp in the folder that GRIDBLOOM_PEERS names")
+    return _built(source, into, LIBRARIES)
+
+
+def build_mrpt_localizer(into: Path) -> Path:
+    """Build the program that times an update of MRPT's Monte Carlo localization; return it."""
+    return _built(Path(__file__).with_name("mrpt_localize.cpp"), into, ["slam", "bayes", *LIBRARIES])
+
+
+def _built(source: Path, into: Path, libraries: list[str]) -> Path:
+    headers = Path("/usr/include/mrpt")
     compiler = shutil.which("g++")
     if compiler is None:
         raise PeerAbsentError("no g++")
     if not headers.is_dir():
-        raise PeerAbsentError("no MRPT: apt-get install libmrpt-maps-dev libmrpt-obs-dev")
-    program = into / "mrpt_insert"
+        raise PeerAbsentError("no MRPT: apt-get install libmrpt-maps-dev libmrpt-obs-dev libmrpt-slam-dev")
+    program = into / source.stem
     includes = [f"-I{folder}" for folder in sorted(headers.glob("*/include"))]
     command = [compiler, "-O3", "-march=native", "-std=c++17", str(source), "-o", str(program), *includes]
-    command += ["-I/usr/include/eigen3", *(f"-lmrpt-{name}" for name in LIBRARIES)]
+    command += ["-I/usr/include/eigen3", *(f"-lmrpt-{name}" for name in libraries)]
     built = subprocess.run(command, capture_output=True, text=True, check=False)
     if built.returncode != 0:
         raise PeerAbsentError("MRPT's program does not build: " + built.stderr.strip().splitlines()[-1])

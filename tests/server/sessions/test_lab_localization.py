@@ -73,10 +73,12 @@ def test_it_is_given_another_map_than_the_plan() -> None:
     for given in ("plan", "moved", "other"):
         mapper = LiveMap(WORLDS["room"], seed=2)
         one = LabLocalization(simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, FEW, given)
-        found = drive(mapper, one, 14.0)
-        assert found["map"] == given
-        errors[given], fits[given] = found["error_m"], found["fit"]
-    assert max(errors["plan"], errors["moved"]) < 0.5 < errors["other"]
+        seen = [drive(mapper, one, 2.0) for _ in range(7)]
+        assert seen[-1]["map"] == given
+        errors[given], fits[given] = (float(np.median([found[key] for found in seen])) for key in ("error_m", "fit"))
+    # Tables that stand elsewhere pull the robot towards them, by less than a table's width.
+    assert errors["plan"] < 0.3
+    assert errors["moved"] < 1.2 < errors["other"]
     assert fits["plan"] > fits["moved"] + 0.05
     with pytest.raises(ConfigError, match="plan, moved, other"):
         LabLocalization(simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, FEW, "none")
