@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { defineConfig } from "vitest/config";
 
@@ -6,7 +7,18 @@ const service = process.env.GRIDBLOOM_DEV_SERVER ?? "http://127.0.0.1:8000";
 
 const page = (name: string): string => resolve(import.meta.dirname, name);
 
+/** What the heads of all pages have in common, in place of the comment that names its file. */
+const heads = {
+  name: "heads",
+  transformIndexHtml: {
+    order: "pre" as const,
+    handler: (html: string): string =>
+      html.replace("    <!-- head.html -->\n", () => readFileSync(page("head.html"), "utf8")),
+  },
+};
+
 export default defineConfig({
+  plugins: [heads],
   base: "/",
   build: {
     outDir: "dist",

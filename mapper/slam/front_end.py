@@ -39,6 +39,7 @@ WIDEST, WIDEST_TURN = 1.0, 0.7  #: metres, radians: of any window, to each side
 MARGIN = 5.0  #: metres around what the first scan of a submap saw
 POINTS = 720  #: of a scan and those before it that are paired
 SEARCHED = 90  #: points of a scan that are looked up in a search
+SOON = 0.3  #: seconds, until which the motion before predicts a scan well if the last one fitted
 LONGEST = 1.0  #: seconds: the motion goes on as before for so long at most
 FARTHEST = np.array([3.0, 3.0, 1.5])  #: metres, metres, radians: and not farther, for stamps may be wrong
 MOST_SPREAD = np.array([10.0, 10.0, np.pi])  #: metres, metres, radians: no motion is less certain
@@ -103,6 +104,7 @@ class FrontEnd:
         self._kept_of: dict[int, int] = {}  # the newest kept scan of each sensor
         self._velocity: Float64Array | None = None  # as far as they are
         self._is_reliable = False  # whether the last scan fitted well
+        self._is_steady = False  # whether the motion of the last scans predicts the next pose well
         self._many = store.n_sensors  # of whose scans as many are needed to see all around
         # When the last scans were taken, seconds, as far as the times are known, and their poses.
         self._track: deque[tuple[float, Float64Array]] = deque(maxlen=self._many + 1)
@@ -150,11 +152,13 @@ class FrontEnd:
             step = Step(np.zeros(3), np.eye(3), 1.0, True, 1.0)
             self._track.append((0.0, self.last))
         else:
-            step = self._align(i, expected, has_odometry=motion is not None)
+            is_steady = self._is_steady and seconds is not None and seconds <= SOON
+            step = self._align(i, expected, has_odometry=motion is not None, is_steady=is_steady)
             before, self.last = self.last, np.array(compose_one(self._poses[i - 1].tolist(), step.relative.tolist()))
             self._motion = np.array(between_one(before.tolist(), self.last.tolist())) if step.is_aligned else expected
             self._is_reliable = step.is_aligned and step.agreement >= FAIR
             self._note_velocity(seconds)
+            self._is_steady = self._velocity is not None and step.agreement >= RELIABLE
             self._poses[i] = self.last
         if may_drop and step.agreement >= RELIABLE and self._is_near(sensor):
             self._store.drop_last()
@@ -188,7 +192,7 @@ class FrontEnd:
         if seconds is not None and passed > 0.0:
             self._velocity = np.array(between_one(before.tolist(), self.last.tolist())) / passed
 
-    def _align(self, i: int, expected: Float64Array, *, has_odometry: bool) -> Step:
+    def _align(self, i: int, expected: Float64Array, *, has_odometry: bool, is_steady: bool) -> Step:
         way, turned = math.hypot(expected[0], expected[1]), abs(float(expected[2]))
         predicted = np.array(compose_one(self.last.tolist(), expected.tolist()))
         if not has_odometry:
@@ -199,8 +203,9 @@ class FrontEnd:
             spread = np.array([0.03 + 0.15 * way] * 2 + [0.02 + 0.15 * way + 0.1 * turned])
         spread = np.minimum(spread, MOST_SPREAD)
         # Where the prediction leads to a good alignment nothing is searched: in a corridor, along which every place
-        # fits as well, the prediction counts. Without odometry it is too poor for that.
-        if not has_odometry:
+        # fits as well, the prediction counts. Without odometry it is too poor for that, but for a scan soon after some
+        # that fitted well.
+        if not has_odometry and not is_steady:
             enough, best = RELIABLE, self._searched(i, predicted, spread, window, turn_window)
         else:
             enough, best = FAIR, self._refined(i, predicted, predicted, spread, 0.0)

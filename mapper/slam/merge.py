@@ -32,7 +32,7 @@ from mapper.slam.merged_log import MERGED
 from mapper.slam.odometry import carry
 from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
-from mapper.slam.result import SlamProgress, SlamResult
+from mapper.slam.result import LoopCandidates, SlamProgress, SlamResult
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.slam import slam_log, stored_scans
 
@@ -66,8 +66,8 @@ class MergedLogs:
     ``poses`` are those of all scans of the two logs, (n_scans, 3) each, ``T_map_base``. ``placed`` (3,) is the pose of
     the second log's own map in the first one's, ``T_first_second``, that map to map found, with its ``score``, 0 … 1.
     ``graph`` has the nodes of the first log, ``split`` of them, and then those of the second, whose numbers begin at
-    the number of the first log's scans; ``loops`` (l,) are its edges between the logs, of ``n_tried``. ``results`` are
-    those of SLAM of each log by itself.
+    the number of the first log's scans; ``loops`` (l,) are its edges between the logs, of those ``tried``. ``results``
+    are those of SLAM of each log by itself.
     """
 
     poses: tuple[Float64Array, Float64Array]
@@ -76,7 +76,7 @@ class MergedLogs:
     graph: PoseGraph
     split: int
     loops: Int64Array
-    n_tried: int
+    tried: LoopCandidates
     results: tuple[SlamResult, SlamResult]
     cpu_seconds: float
 
@@ -155,7 +155,7 @@ def merge_logs(
         graph,
         joint.split,
         np.flatnonzero((graph.i < joint.split) & (graph.j >= joint.split)),
-        len(best),
+        LoopCandidates.of(best),
         (found[0], found[1]),
         time.process_time() - began,
     )

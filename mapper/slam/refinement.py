@@ -34,6 +34,7 @@ BEFORE = 2  #: scans before each one that it is aligned with
 FIRST_GATE, LAST_GATE, SHRINK = 0.3, 0.10, 0.7
 SCALE = 0.05  #: metres: residuals from which pairs lose weight
 LEAST_SHARE, LEAST_PAIRS = 0.35, 25
+COARSE = 2  #: of the beams each second one is paired until the last iteration
 SECOND_SEARCH = 2  #: the iteration before which the neighbours are looked for again
 EDGE_SHARE = 0.2  #: of the graph's information that counts, for the same points are in the pairs
 DAMPING = 1e-9
@@ -66,13 +67,17 @@ def refine(
             first, second = pairs.T.copy()
             ends = np.column_stack([np.r_[first, edges[0]], np.r_[second, edges[1]]])
             system = SparseSystem(m, ends, np.array([0]))
-        hessians, gradients, figures = _accumulated(scans, first, second, poses, gate, rule)
-        few = (figures[:, 0] < LEAST_PAIRS) | (figures[:, 0] < LEAST_SHARE * figures[:, 1])
+        # Until the last iteration half of the beams tell enough.
+        stride = 1 if done == iterations else COARSE
+        hessians, gradients, figures = _accumulated(scans, first, second, poses, gate, rule._replace(stride=stride))
+        few = (stride * figures[:, 0] < LEAST_PAIRS) | (figures[:, 0] < LEAST_SHARE * figures[:, 1])
         hessians[few], gradients[few] = 0.0, 0.0
         edge_errors(poses, *edges, errors)
         linearise_edges(poses, *edges, graph.information, EDGE_SHARE * graph.weight, errors, blocks, sides)
         poses += system.solve(
-            np.concatenate([hessians * scale, blocks]), np.concatenate([gradients * scale, sides]), DAMPING
+            np.concatenate([hessians * (stride * scale), blocks]),
+            np.concatenate([gradients * (stride * scale), sides]),
+            DAMPING,
         )
         poses[:, 2] = wrap_angle(poses[:, 2])
         gate = max(gate * SHRINK, LAST_GATE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import WorkCancelledError
 from mapper.sensors.pose_graph import PoseGraph
+from mapper.slam.loop_test import Loop
 
 
 class SlamCancelled(WorkCancelledError):  # noqa: N818 - a cancelled job is no failure
@@ -44,6 +46,18 @@ class LoopCandidates:
     inliers: NDArray[np.float64]
     accepted: NDArray[np.bool_]
     reason: tuple[str, ...]
+
+    @classmethod
+    def of(cls, tried: Sequence[Loop]) -> LoopCandidates:
+        """Return the table of loops that were tried."""
+        return cls(
+            np.array([loop.i for loop in tried], dtype=np.int64),
+            np.array([loop.j for loop in tried], dtype=np.int64),
+            np.array([loop.score for loop in tried]),
+            np.array([loop.inliers for loop in tried]),
+            np.array([loop.accepted for loop in tried], dtype=np.bool_),
+            tuple(loop.reason for loop in tried),
+        )
 
     def __len__(self) -> int:
         return len(self.i)

@@ -276,7 +276,6 @@ def slam_log(
     poses = refine(graph, slam.store, config, refined)
     poses[:, 2] = wrap_angle(poses[:, 2])
     graph = replace(graph, nodes=nodes, poses=poses)
-    tried = slam.tried
     notes = []
     if len(wanted) < log.n_scans and odometry is None:
         notes.append(f"Of {log.n_scans} scans {len(matched)} were matched; the poses of the others lie between.")
@@ -294,14 +293,7 @@ def slam_log(
     return SlamResult(
         all_poses(poses),
         graph,
-        LoopCandidates(
-            np.array([loop.i for loop in tried], dtype=np.int64),
-            np.array([loop.j for loop in tried], dtype=np.int64),
-            np.array([loop.score for loop in tried]),
-            np.array([loop.inliers for loop in tried]),
-            np.array([loop.accepted for loop in tried], dtype=np.bool_),
-            tuple(loop.reason for loop in tried),
-        ),
+        LoopCandidates.of(slam.tried),
         name,
         time.process_time() - began,
         tuple(notes),

@@ -62,11 +62,12 @@ from mapper.volume import (
     distance_to_obstacle,
     octree_file,
     project,
-    surface_mesh,
 )
+from mapper.volume.chunk_mesh import shaded
 from mapper.volume.faces import VoxelFaces, chunks_of, face_rule
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.octree_files import octree_of_bytes
+from mapper.volume.surface_chunks import SurfaceChunks
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 
@@ -218,7 +219,11 @@ def _fuse_surfaces() -> None:
     surface = TsdfVolume(TsdfConfig(resolution=0.1))
     surface.fuse_depth(np.ones((8, 8)), Intrinsics(8, 8, 8.0, 8.0, 3.5, 3.5), np.eye(4))
     surface.fuse_points(np.ones((1, 3)), np.zeros(3))
-    surface_mesh(surface)
+    chunks = SurfaceChunks()
+    chunks.note_change(surface, None)
+    chunks.work(surface)
+    colors, normals = np.zeros((1, 3), dtype=np.uint8), np.zeros((1, 3), dtype=np.int8)
+    shaded(colors, normals, np.ones(6, dtype=np.float32))
 
 
 def _assess_terrain() -> None:

@@ -29,25 +29,10 @@ def surface_mesh(volume: TsdfVolume, slots: Int32Array | None = None, *, least_w
     return _meshed(volume, slots, least_weight)[0]
 
 
-def surface_meshes(volume: TsdfVolume, groups: Sequence[Int32Array], *, least_weight: float = 0.0) -> list[Mesh]:
-    """Return the surface of each of several groups of blocks as :func:`surface_mesh` does; no block is in two."""
-    if not groups:
-        return []
-    slots = np.concatenate(groups).astype(np.int32)
-    whole, starts = _meshed(volume, slots, least_weight)
-    ends = starts[np.cumsum([len(group) for group in groups])]
-    is_used = np.zeros(len(whole.vertices), dtype=np.bool_)
-    number = np.empty(len(whole.vertices), dtype=np.int32)
-    meshes, first = [], 0
-    for end in ends.tolist():
-        triangles = whole.triangles[first:end]
-        is_used[triangles] = True
-        used = np.flatnonzero(is_used)
-        is_used[used] = False
-        number[used] = np.arange(len(used), dtype=np.int32)
-        meshes.append(Mesh(whole.vertices[used], whole.normals[used], number[triangles]))
-        first = end
-    return meshes
+def surface_of_groups(volume: TsdfVolume, groups: Sequence[Int32Array]) -> tuple[Mesh, Int64Array]:
+    """Return the surface of groups of blocks (g), and where the triangles of each end (g,); no block is in two."""
+    whole, starts = _meshed(volume, np.concatenate([np.empty(0, np.int32), *groups]), 0.0)
+    return whole, starts[np.cumsum([len(group) for group in groups], dtype=np.int64)]
 
 
 def _meshed(volume: TsdfVolume, slots: Int32Array | None, least_weight: float) -> tuple[Mesh, Int64Array]:

@@ -3,45 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mapper.core.array_types import Int32Array, Int64Array
 from mapper.volume.blocks import KEYS
+from mapper.volume.chunk_mesh import ChunkMesh, chunk_meshes
 from mapper.volume.kernels.faces import CHUNK
-from mapper.volume.mesh import Mesh
-from mapper.volume.meshing import blocks_of_change, surface_meshes
+from mapper.volume.meshing import blocks_of_change, surface_of_groups
 from mapper.volume.tsdf import TsdfVolume
 
-STEPS = 1024  #: of a vertex's place in one voxel
-_AT_ONCE = 48  #: chunks that are meshed together
+_AT_ONCE = 128  #: chunks that are meshed together
 ChunkKey = tuple[int, int, int]  #: the key of a chunk's first voxel, divided by 32
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ChunkMesh:
-    """Triangles of one chunk: ``places`` (n, 3) uint16 in 1 / 1024 voxels from the centre of its first voxel.
-
-    ``normals`` (n, 3) int8 have a length of about 127. ``triangles`` (m, 3) are numbers of vertices, uint16 where these
-    are enough, anticlockwise seen from outside. Vertices that two chunks share have the same place in both, so that
-    there are no gaps between them.
-    """
-
-    places: NDArray[np.uint16]
-    normals: NDArray[np.int8]
-    triangles: NDArray[np.unsignedinteger[Any]]
-
-    def equals(self, other: ChunkMesh) -> bool:
-        """Return whether all arrays are the same."""
-        return all(
-            np.array_equal(a, b)
-            for a, b in (
-                (self.triangles, other.triangles), (self.places, other.places), (self.normals, other.normals),
-            )
-        )  # fmt: skip
 
 
 class SurfaceChunks:
@@ -78,45 +51,27 @@ class SurfaceChunks:
         codes = _codes_of_blocks(volume)
         order = np.argsort(codes, kind="stable").astype(np.int32)
         pending = np.array(sorted(self._pending), dtype=np.int64)
-        begins, ends = (np.searchsorted(codes[order], pending, side=side) for side in ("left", "right"))
+        begins, lasts = (np.searchsorted(codes[order], pending, side=side) for side in ("left", "right"))
         for a in range(0, len(pending), _AT_ONCE):
             some = slice(a, a + _AT_ONCE)
-            groups = [order[first:last] for first, last in zip(begins[some], ends[some], strict=True)]
-            for code, mesh in zip(pending[some].tolist(), surface_meshes(volume, groups), strict=True):
-                self._put(code, mesh, volume.config.resolution)
-                self._pending.discard(code)
+            groups = [order[first:last] for first, last in zip(begins[some], lasts[some], strict=True)]
+            mesh, ends = surface_of_groups(volume, groups)
+            keys = [_key(code) for code in pending[some].tolist()]
+            # The centres of the first voxels of the chunks, in voxels from 0 of the map.
+            firsts = CHUNK * np.array(keys) - KEYS // 2 + 0.5
+            for key, made in zip(keys, chunk_meshes(mesh, ends, firsts, volume.config.resolution), strict=True):
+                self._put(key, made)
+            self._pending.difference_update(pending[some].tolist())
             if is_over():
                 return
 
-    def _put(self, code: int, mesh: Mesh, resolution: float) -> None:
-        key = _key(code)
-        if not len(mesh.triangles):
+    def _put(self, key: ChunkKey, made: ChunkMesh) -> None:
+        if not len(made.triangles):
             self.chunks.pop(key, None)
             return
-        # The centre of the first voxel of the chunk, in voxels from 0 of the map.
-        first = CHUNK * np.array(key) - KEYS // 2 + 0.5
-        places = np.rint((mesh.vertices.astype(np.float64) / resolution - first) * STEPS)
-        kind = np.uint16 if len(places) <= 1 << 16 else np.uint32
-        made = ChunkMesh(
-            np.clip(places, 0, 65535).astype(np.uint16), np.rint(127.0 * mesh.normals).astype(np.int8),
-            mesh.triangles.astype(kind),
-        )  # fmt: skip
         before = self.chunks.get(key)
         if before is None or not made.equals(before):
             self.chunks[key] = made
-
-
-def cut_between(mesh: ChunkMesh, low: float, high: float) -> ChunkMesh | None:
-    """Return the triangles all of whose corners have a third place ``low`` … ``high``; the same object for all of them.
-
-    None where there are none.
-    """
-    z = mesh.places[:, 2]
-    is_kept = (z >= low) & (z <= high)
-    if is_kept.all():
-        return mesh
-    triangles = mesh.triangles[is_kept[mesh.triangles].all(axis=1)]
-    return ChunkMesh(mesh.places, mesh.normals, triangles) if len(triangles) else None
 
 
 _BITS = 11  # of one coordinate of a chunk

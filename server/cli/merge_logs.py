@@ -53,7 +53,7 @@ def merge_log_files(paths: list[Path], out: Path, mode: str, guess: list[float] 
         "placed": found.placed.tolist(),
         "score": round(found.score, 4),
         "loops": len(found.loops),
-        "loops_tried": found.n_tried,
+        "loops_tried": len(found.tried),
         "cpu_seconds": round(found.cpu_seconds, 3),
         "resolution": geometry.resolution,
         "rows": geometry.rows,
@@ -67,7 +67,7 @@ def merge_log_files(paths: list[Path], out: Path, mode: str, guess: list[float] 
         return
     x, y, theta = found.placed
     typer.echo(f"{paths[1]} in the frame of {paths[0]}: {x:.2f} m, {y:.2f} m, {np.degrees(theta):.1f}°")
-    typer.echo(f"  {len(found.loops)} loops between the logs, of {found.n_tried} tried; {found.cpu_seconds:.1f} s")
+    typer.echo(f"  {len(found.loops)} loops between the logs, of {len(found.tried)} tried; {found.cpu_seconds:.1f} s")
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     for path in written:
         typer.echo(f"  wrote {path}")

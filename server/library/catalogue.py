@@ -29,6 +29,7 @@ from server.library.storage import StorageError
 _log = structlog.get_logger(__name__)
 
 INTERRUPTED = "log.interrupted"  #: code of the failure of a log whose reading was interrupted too often
+UNSTORED = "log.storage"  #: code of the error of a log that the disk had no room to read
 FULL_BYTES = 1 << 20  #: of free space, below which a file system counts as full
 
 
@@ -122,11 +123,11 @@ class Catalogue:
         return [record for record in self._records.values() if record.source == "upload"]
 
     def interrupted(self) -> Sequence[Record]:
-        """Return the uploads, oldest first, whose reading an earlier run of the service did not finish."""
+        """Return the uploads, oldest first, whose reading an earlier run did not finish, or had no disk for."""
         return [
             record
             for record in self.uploaded()
-            if record.state in ("queued", "reading") or (record.error and record.error.code == INTERRUPTED)
+            if record.state in ("queued", "reading") or (record.error and record.error.code in (INTERRUPTED, UNSTORED))
         ]
 
     @property

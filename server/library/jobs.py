@@ -11,7 +11,7 @@ from pathlib import Path
 import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
-from server.library.catalogue import INTERRUPTED, Catalogue
+from server.library.catalogue import INTERRUPTED, UNSTORED, Catalogue
 from server.library.leases import Lease, Leases, Once
 from server.library.log_reader import Reader
 from server.library.records import Failure, Record
@@ -19,6 +19,7 @@ from server.library.storage import StorageError
 
 _log = structlog.get_logger(__name__)
 
+RETRY_S, MOST_RETRY_S = 30.0, 1800.0  #: until a reading is repeated that the disk had no room for: first, at most
 MOST_ATTEMPTS = 3  #: readings of one log that the end of the service may interrupt
 
 
@@ -32,6 +33,7 @@ class Jobs:
         self._reader = reader
         self._room = room
         self._jobs: dict[str, asyncio.Task[None]] = {}
+        self._retries: dict[str, tuple[float, asyncio.TimerHandle]] = {}  #: by log, with the pause before it, seconds
 
     @property
     def busy(self) -> Sequence[str]:
@@ -102,6 +104,8 @@ class Jobs:
     async def close(self) -> None:
         """Stop all jobs; the next start queues them again. An orderly stop is not an attempt that failed."""
         self._closing = True
+        for _, timer in self._retries.values():
+            timer.cancel()
         jobs = dict(self._jobs)
         for job in jobs.values():
             job.cancel()
@@ -175,12 +179,33 @@ class Jobs:
         except MapperError as error:
             done = replace(record, state="failed", error=Failure(error.code, error.message))
             _log.info("log refused", log=record.id, code=error.code, message=error.message)
+        except OSError as error:  # the system gave no process to read in
+            refused = unstored()
+            done = replace(record, state="failed", error=Failure(refused.code, refused.message))
+            _log.warning("log not read now", log=record.id, error=str(error))
         except Exception:  # noqa: BLE001 - whatever it is, it is logged whole and fails this log alone
             # A reader's own defect must not hang the log in "reading", nor show a traceback to the visitor.
             done = replace(record, state="failed", error=Failure("log.reader_failed", "The reader failed on this log."))
             _log.exception("log reader failed", log=record.id)
         if self._catalogue.get(record.id) is not None:  # not deleted meanwhile
             await self._catalogue.finish(replace(done, attempts=0), lease)
+            self._repeat_later(done)
+
+    def _repeat_later(self, record: Record) -> None:
+        """Have a reading repeated after a while that the disk had no room for; each pause is twice the one before."""
+        before, _ = self._retries.pop(record.id, (0.0, None))
+        if record.error is None or record.error.code != UNSTORED or self._closing:
+            return
+        pause_s = min(max(RETRY_S, 2.0 * before), MOST_RETRY_S)
+        timer = asyncio.get_running_loop().call_later(pause_s, self._repeat, record.id)
+        self._retries[record.id] = (pause_s, timer)
+
+    def _repeat(self, log_id: str) -> None:
+        record = self._catalogue.get(log_id)
+        if record is None or record.error is None or record.error.code != UNSTORED:
+            self._retries.pop(log_id, None)  # deleted, or read meanwhile
+        else:
+            self.queue(record)
 
 
 def interrupted(record: Record) -> Record:
@@ -202,4 +227,4 @@ def full() -> LimitError:
 
 def unstored() -> ReadError:
     """Return the error for a log of which what was read could not be kept."""
-    return ReadError("log.storage", "What was read of the log could not be stored; try again.")
+    return ReadError(UNSTORED, "What was read of the log could not be stored; try again.")

@@ -15,6 +15,7 @@ from server.library.slam_job import log_in, lower_priority
 DOING = "Merging these logs"  #: in errors
 NAME = "merged"  #: of the trajectories
 ENDINGS = (".first.tum", ".second.tum")  #: of the files, after the job's ``out``
+BOTH, GRAPH = ".both.tum", ".graph"  #: the poses of the log of both, and the pose graph that they come from
 LOG, STAGE = ".mcap", ".stage"  #: the scans of both as one log; what is done now
 
 
@@ -64,7 +65,8 @@ def do_merge_job(job: MergeJob) -> MergeOutcome:
 def _merge(job: MergeJob) -> MergeOutcome:
     from mapper.io.export import tum_text, write_mcap  # noqa: PLC0415 - only this process needs SciPy and SLAM
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
-    from mapper.slam import MergeProgress, merge_logs, merged_log  # noqa: PLC0415
+    from mapper.slam import MergeProgress, merge_logs, merged_graph, merged_log  # noqa: PLC0415
+    from server.library.graph_file import graph_bytes  # noqa: PLC0415
 
     def begin(stage: str) -> None:
         with atomic_write(Path(job.out + STAGE)) as file:
@@ -89,6 +91,8 @@ def _merge(job: MergeJob) -> MergeOutcome:
     both, note = merged_log(logs, found.poses)
     with Path(job.out + LOG).open("wb") as mcap:
         write_mcap(mcap, both, trajectory=NAME)
+    Path(job.out + BOTH).write_text(tum_text(both, NAME), encoding="ascii")
+    Path(job.out + GRAPH).write_bytes(graph_bytes(*merged_graph(logs, found)))
     jobs.note_progress(1.0)
     topic = both.topic if isinstance(both, JointLog) else None
-    return MergeOutcome(len(found.loops), found.n_tried, found.score, found.cpu_seconds, topic, note)
+    return MergeOutcome(len(found.loops), len(found.tried), found.score, found.cpu_seconds, topic, note)

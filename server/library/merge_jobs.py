@@ -16,16 +16,18 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from mapper.core.errors import ConfigError, LimitError
+from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.library.database import Database
 from server.library.following import followed
 from server.library.job_queue import JobQueue, QueueKind, Running
 from server.library.leases import Leases
-from server.library.merge_job import ENDINGS, LOG, NAME, STAGE, MergeJob
+from server.library.merge_job import BOTH, ENDINGS, GRAPH, LOG, NAME, STAGE, MergeJob
 from server.library.merge_record import MergeRecord
 from server.library.pose_job_kind import JobLimits, Logs
 from server.library.pose_jobs import emptied, packed
 from server.library.records import Record
+from server.library.slam_job import NAME as SLAM
 from server.library.storage import private_folder
 from server.library.tables import merge_jobs
 from server.library.trajectories import NewTrajectory
@@ -76,12 +78,18 @@ class MergeJobs:
         first: tuple[str, str | None],
         second: tuple[str, str | None],
         done: Callable[[], None] = lambda: None,
+        *,
+        cuts: tuple[dict[str, float] | None, dict[str, float] | None] = (None, None),
     ) -> dict[str, Any]:
         """Queue a merge of two logs, each with the topic of its sensor, and return its state.
 
-        ``done`` is called when it has ended. Raises :class:`LimitError` for one job too many, :class:`ConfigError` for
-        a log with itself, :class:`StorageError`, and as the library for logs that the owner may not open.
+        ``cuts`` say how the scans of each are cut out of clouds and depth images, None as by default. ``done`` is
+        called when it has ended. Raises :class:`LimitError` for one job too many, :class:`ConfigError` for a log with
+        itself and for a cut that is none, :class:`StorageError`, and as the library for logs that the owner may not
+        open.
         """
+        for cut in cuts:
+            PlanarCut.of(cut or {})
         self._logs.get(owner, first[0])
         self._logs.get(owner, second[0])
         if first[0] == second[0]:
@@ -92,7 +100,7 @@ class MergeJobs:
             raise LimitError("merge.busy", "Too many merges are under way; try again later.")
         record = MergeRecord(
             log_id=first[0], owner=owner, topic=first[1], other=second[0], other_topic=second[1], state="queued",
-            created_s=time.time(),
+            created_s=time.time(), cut=cuts[0], other_cut=cuts[1],
         )  # fmt: skip
         await self._queue.begin([record])
         self._queue.listen((owner, first[0]), lambda stage: done() if stage is None else None)
@@ -122,8 +130,9 @@ class MergeJobs:
         """Run the job, add a trajectory to each log and a log of both, and return what is shown of the result."""
         owner, ids = record.owner, (record.log_id, record.other)
         logs: list[ScanLog] = []
-        for log_id, topic in zip(ids, (record.topic, record.other_topic), strict=True):
-            logs.append(await self._logs.load(owner, log_id, topic))
+        topics, cuts = (record.topic, record.other_topic), (record.cut, record.other_cut)
+        for log_id, topic, cut in zip(ids, topics, cuts, strict=True):
+            logs.append(await self._logs.load(owner, log_id, topic, PlanarCut.of(cut or {})))
         folder = self._folder / secrets.token_hex(10)
         await asyncio.to_thread(private_folder, folder)
         try:
@@ -147,6 +156,10 @@ class MergeJobs:
                 new = NewTrajectory(NAME, text, "slam", said)
                 await self._logs.trajectories.put(owner, self._logs.get(owner, log_id), log, new)
             both = await self._logs.put(owner, _name_of_both(names), _pieces(out.with_name(out.name + LOG)))
+            text, graph = [await asyncio.to_thread(out.with_name(out.name + one).read_bytes) for one in (BOTH, GRAPH)]
+            said = f"SLAM of {names[0]} and {names[1]}, with {outcome.loops} loops between the two logs"
+            log = await self._logs.load(owner, both.id, outcome.topic)
+            await self._logs.trajectories.put(owner, both, log, NewTrajectory(SLAM, text, "slam", said, graph))
         finally:
             await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
         return {"trajectory": NAME, "log": both.id, "name": both.name, **asdict(outcome)}

@@ -135,6 +135,8 @@ merge_jobs = Table(
     Column("error_code", String(64)),
     Column("error_message", Text),
     Column("result", Text),  # JSON
+    Column("cut", Text),  # JSON
+    Column("other_cut", Text),  # JSON
 )
 
 #: One row for each log that is to be mapped with many others, and what came of it. It goes with its log; ``owner`` is

@@ -231,6 +231,7 @@ class Scene:
         wait = self._contents.show(state)
         self._aim(state.controls.bounds or DEFAULT_BOUNDS, state.controls.heights)
         self._panel.show(state.controls)
+        self._server.flush()  # viser would wait for further messages for 17 ms
         if wait is not None or self._panel.unsettled or self._contents.unsettled:
             later = partial(self._loop.call_later, max(wait or 0.0, SETTLE_S), self._changed.set)
             self._loop.call_soon_threadsafe(later)

@@ -12,6 +12,7 @@ import os
 import socket
 import tempfile
 from collections.abc import Awaitable, Callable
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -22,13 +23,16 @@ import websockets.asyncio.server
 import websockets.datastructures
 import websockets.exceptions
 import zstandard
+from viser import _assignable_props_api as _props
 from viser.infra import _infra
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
 from server.scenes.message_buffer import MessageBuffer
 from server.scenes.visitors import VISITOR_HEADER, visitor_of_connection
 
-ZSTD_LEVEL = 6  #: of what is sent to browsers
+ZSTD_LEVEL = 6  #: of messages to browsers,
+QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes a fifth of the time and 1.1 × the bytes
+QUICK_BYTES = 1 << 18
 
 
 def _serve(
@@ -50,12 +54,21 @@ def _serve(
     return unix_serve(of_visitor, sock=bound, **options)
 
 
-def _compressor(level: int) -> zstandard.ZstdCompressor:
+class Compressor:
     """Replacement of ``zstandard.ZstdCompressor``: viser's level 1 makes the files of voxels a quarter longer."""
-    return zstandard.ZstdCompressor(level=max(level, ZSTD_LEVEL))
+
+    def __init__(self, level: int) -> None:
+        del level
+        self._small, self._large = (zstandard.ZstdCompressor(level=one) for one in (ZSTD_LEVEL, QUICK_LEVEL))
+
+    def compress(self, data: bytes) -> bytes:
+        """Return ``data`` as one frame."""
+        return (self._large if len(data) > QUICK_BYTES else self._small).compress(data)
 
 
-_infra.zstandard = SimpleNamespace(ZstdCompressor=_compressor)  # type: ignore[assignment,attr-defined]
+# viser finds the types of a node's fields again for each node, which takes half of the time that a node takes.
+_props.get_type_hints = cache(_props.get_type_hints)  # type: ignore[assignment,attr-defined]
+_infra.zstandard = SimpleNamespace(ZstdCompressor=Compressor)  # type: ignore[assignment,attr-defined]
 _infra.AsyncMessageBuffer = MessageBuffer  # type: ignore[attr-defined]
 _infra.websockets = SimpleNamespace(  # type: ignore[assignment,attr-defined] # a stand-in for the module
     asyncio=SimpleNamespace(server=SimpleNamespace(serve=_serve, ServerConnection=ServerConnection)),

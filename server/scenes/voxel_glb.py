@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.volume.faces import triangles_of
-from server.scenes.chunk_glb import LIGHT, glb_bytes, linear_of
+from mapper.volume.textbook_chunks import linear_of
+from server.scenes.chunk_glb import LIGHT, glb_bytes
 
 
 def face_colors(palette: NDArray[np.uint8], *, by_side: bool = False) -> NDArray[np.uint8]:

@@ -87,6 +87,7 @@ class SessionHost:
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
+        self._is_draw_due = False  #: whether a layer is to be drawn that nobody watched before
         self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
         self._deferred_due = 0.0
         self._requests = ReplacingRequests(clock)
@@ -100,7 +101,7 @@ class SessionHost:
     def start(self, model: SessionModel) -> None:
         """Start running ``model``."""
         self.model = model
-        self.hub = Hub(model.layers, self._clock, self._traffic)
+        self.hub = Hub(model.layers, self._clock, self._traffic, self._draw_on_demand)
         self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock)
         for message in model.messages():
             self.hub.set_slot(message)
@@ -242,6 +243,10 @@ class SessionHost:
         """Return the present limits of the session's grids."""
         return self._limits(self)
 
+    def _draw_on_demand(self) -> None:
+        self._is_draw_due = True
+        self._wake.set()
+
     def _publish_frame(self) -> None:
         frame, scan = frame_fields_of(self.model), self.model.scan()
         running = self.model.playback.playing and self.watched
@@ -256,7 +261,7 @@ class SessionHost:
             ticking = playback.playing and self.is_seen
             if self._is_deferred_work_due():
                 await self._run_deferred_work()
-            elif not self._queue and self._caught_up.is_set():
+            elif not (self._queue or self._is_draw_due) and self._caught_up.is_set():
                 await self._wait(self._idle_s(last + TICK_S if ticking else None))
             if self.closed:
                 return
@@ -264,8 +269,9 @@ class SessionHost:
             last = last if ticking else now - TICK_S  # time without playback does not count
             due = playback.playing and self.is_seen and now - last >= TICK_S
             commands = self._queue.waiting()
-            if not (commands or due) and self._caught_up.is_set():
+            if not (commands or due or self._is_draw_due) and self._caught_up.is_set():
                 continue
+            self._is_draw_due = False
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
             await self._tick(commands, dt)
@@ -283,6 +289,7 @@ class SessionHost:
             rest = result.rest
             self._tick_failed = False
             self.deliver(result)
+            await asyncio.sleep(0)  # a listener that reads the model has its turn before the next tick
         except Exception:  # noqa: BLE001 - the session stops with an error instead of failing 30 times a second
             _log.exception("a tick failed")
             self._note_catching_up(is_catching_up=False)

@@ -49,8 +49,11 @@ class Hub:
         layers: Sequence[Layer],
         clock: Callable[[], float] = time.monotonic,
         traffic: Traffic | None = None,
+        draw_on_demand: Callable[[], None] = lambda: None,
     ) -> None:
+        """``draw_on_demand`` is called when a layer that is written only while it is watched has to be drawn."""
         self.clock = clock
+        self._draw_on_demand = draw_on_demand
         self.layers: tuple[Layer, ...] = ()
         self.clients: set[Client] = set()
         self.traffic = traffic or Traffic()
@@ -78,6 +81,15 @@ class Hub:
     def leave(self, client: Client) -> None:
         """Remove a client."""
         self.clients.discard(client)
+        self.note_watched()
+
+    def note_watched(self) -> None:
+        """Tell each layer whether a client is sent it."""
+        for number, layer in enumerate(self.layers):
+            was_watched = layer.is_watched
+            layer.is_watched = any(client.wants(layer.name, is_first=number == 0) for client in self.clients)
+            if layer.is_on_demand and layer.is_watched and not was_watched:
+                self._draw_on_demand()
 
     def set_layers(self, layers: Sequence[Layer]) -> None:
         """Set the layers, in this order. Raises :class:`ValueError` if two have one name."""
@@ -91,6 +103,7 @@ class Hub:
         self.set_slot({"type": "layers", "layers": [layer.info(number) for layer, number in ids.items()]})
         for client in self.clients:
             client.keep_only(layers)
+        self.note_watched()
 
     def _new_id(self) -> int:
         self._ids_given += 1
@@ -207,7 +220,12 @@ class Client:
         """Send only the layers of these names from now on; a name takes effect when a layer has it."""
         self._wanted = frozenset(names)
         self.keep_only([layer for layer in self.hub.layers if layer.name in self._wanted])
+        self.hub.note_watched()
         self.notify()
+
+    def wants(self, name: str, *, is_first: bool) -> bool:
+        """Return whether the client is sent the layer of this name, or the first one before it has subscribed."""
+        return is_first if self._wanted is None else name in self._wanted
 
     def keep_only(self, layers: Sequence[Layer]) -> None:
         """Remove the cursors of all other layers."""

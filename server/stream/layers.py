@@ -86,6 +86,8 @@ class Layer(ABC):
         self.style = style
         self.columns = tuple(columns)
         self.codec = CODECS[self.kind]
+        self.is_watched = False  #: whether a client is sent the layer (set on the event loop)
+        self.is_on_demand = False  #: whether it is written only while it is watched
 
     def info(self, layer: int) -> dict[str, Any]:
         """Return the entry of the message ``layers`` for the layer, whose id is ``layer``."""

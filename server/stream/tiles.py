@@ -8,6 +8,7 @@ updates; it then gets a new revision when the update is published, so clients th
 from __future__ import annotations
 
 import itertools
+import threading
 
 import numpy as np
 import zstandard
@@ -24,6 +25,17 @@ ZSTD_LEVEL = 1
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
 _EPOCHS = itertools.count(1)  # of the process: a new picture never has the epoch of an earlier one
+
+
+_kept = threading.local()
+
+
+def _compressor() -> zstandard.ZstdCompressor:
+    """Return this thread's compressor: its tables stay in the processor's cache, and no picture has some of its own."""
+    kept: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
+    if kept is None:
+        kept = _kept.compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL, write_content_size=True)
+    return kept
 
 
 def picture_range(config: MappingConfig) -> tuple[float, float]:
@@ -50,7 +62,6 @@ class TilePicture:
         self.revision: NDArray[np.uint32] = np.zeros(tiles, dtype=np.uint32)
         self._changed: NDArray[np.bool_] = np.zeros(tiles, dtype=np.bool_)
         self._payloads: dict[tuple[int, int], TilePayload] = {}
-        self._compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL, write_content_size=True)
 
     def shows(self, geometry: GridGeometry, low: float, high: float) -> bool:
         """Whether the picture has this geometry and range of values: if not, a new epoch has to begin."""
@@ -121,7 +132,7 @@ class TilePicture:
             whole = np.full((TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
             whole[: tile.shape[0], : tile.shape[1]] = tile
             tile = whole
-        payload = TilePayload(tx, ty, revision, compressed(self._compressor, np.ascontiguousarray(tile).data))
+        payload = TilePayload(tx, ty, revision, compressed(_compressor(), np.ascontiguousarray(tile).data))
         self._payloads[ty, tx] = payload
         return payload
 

@@ -134,6 +134,8 @@ class Scheduler:
 
     def _work(self, turn: Turn) -> None:
         """Compute a turn's task, then those of the turns that are granted next, on this thread of their pool."""
+        if turn not in self._running:  # the pool had no thread for it at first, and it was given up
+            return
         following: Turn | None = turn
         while following is not None and (task := following.task) is not None:
             _current.scheduler, _current.turn = self, following

@@ -19,6 +19,7 @@ from tests.agreement.asking import (
     provenance_of_sweeps_by_kernel,
     provenance_of_sweeps_by_textbook,
 )
+from tests.agreement.chunks import parts_by_kernel, parts_by_textbook
 from tests.agreement.costmap import (
     costmap_cases,
     inflated_by_kernel,
@@ -292,6 +293,8 @@ TABLE = (
     Row("signed distances of depth images", depths_in_tsdf_by_kernel, depths_in_tsdf_by_textbook, depth_cases()),
     Row("signed distances of beams", beams_in_tsdf_by_kernel, beams_in_tsdf_by_textbook, beam_cases()),
     Row("mesh of signed distances", mesh_by_kernel, mesh_by_textbook, field_cases(), tolerance=1e-5),
+    # A colour of 255 may be rounded to the one beside it.
+    Row("parts of a mesh and their light", parts_by_kernel, parts_by_textbook, field_cases(), tolerance=0.005),
     Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),

@@ -23,6 +23,7 @@ from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.mapping.provenance import provenance
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.tools.bench import bench_map
+from tests.bench.chunk_files import chunk_files
 from tests.bench.costmap import costmap
 from tests.bench.doctor import doctor
 from tests.bench.feel import feel
@@ -220,6 +221,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "costmap": costmap,
     "volume": volume,
     "tsdf": tsdf,
+    "chunks": chunk_files,
     "terrain": terrain,
     "size": size,
     "sensors": lambda: sensors(hall(1000, 720)),

@@ -72,7 +72,7 @@ async def _last_triangles(scene: Client, least: int) -> float:
                 await scene.until(lambda _, known=known: len(scene.of_type("GlbMessage")) > known)
         except TimeoutError:
             return last
-        last = time.perf_counter()
+        last = scene.received_at
 
 
 async def _read(page: Watcher) -> None:

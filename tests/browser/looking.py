@@ -161,7 +161,7 @@ def end_session(page: Page) -> None:
 def open_group(page: Page, title: str) -> Locator:
     """Open a group of a dock, and before it the section that it is in; return its panel."""
     # A tab may have a number or "on" behind its title; titles may begin and end alike.
-    name = re.compile(rf"^{re.escape(title)}(?! (?!on$)[a-z])")
+    name = re.compile(rf"^{re.escape(title)}(?! ?(?!on$)[a-z])")
     tab = page.get_by_role("tab", name=name)
     # The hint of a section's tab has the titles of its groups.
     section = page.locator(".dock-tabs").get_by_title(re.compile(rf"(^|, ){re.escape(title)}(, |$)"))
@@ -230,6 +230,14 @@ _PAINTED = """async () => {
 def painted(page: Page) -> None:
     """Wait until the pictures of a standing map have come to rest."""
     page.evaluate(_PAINTED)
+
+
+def frames(page: Page, n: int) -> None:
+    """Let the page draw ``n`` animation frames, at most 60 in a second: what moves by itself moves in them.
+
+    On a busy machine they take longer; a wait of so many milliseconds could end there before the page has done a thing.
+    """
+    page.evaluate("async (n) => { for (let i = 0; i < n; i++) await new Promise(requestAnimationFrame); }", n)
 
 
 def still(locator: Locator) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any
+from zlib import crc32
 
 from playwright.sync_api import ElementHandle, Error, Locator, Page
 
@@ -193,9 +194,10 @@ class Screen:
 
 @dataclass
 class Turns:
-    """Whose turn it is: each control, by its name, is used at one of the sizes, or at all of them."""
+    """Whose turn it is: each control, by its name, is used at one of the sizes, or one in ``every`` of them."""
 
     sizes_left: int
+    every: int = 1
     used: set[str] = field(default_factory=set)
     gone: set[str] = field(default_factory=set)
 
@@ -221,4 +223,5 @@ class Turns:
 
     def _fresh(self, controls: Locator) -> list[tuple[int, str]]:
         names: list[str] = controls.evaluate_all(f"(all) => all.map({_NAME})")
-        return [(i, name) for i, name in enumerate(names) if name not in self.used]
+        mine = [(i, name) for i, name in enumerate(names) if crc32(name.encode()) % self.every == self.every - 1]
+        return [(i, name) for i, name in mine if name not in self.used]

@@ -1,6 +1,7 @@
 """axe-core finds no violation on any page in any state, and every slider has a name and a value text.
 
-``make test`` looks at a wide window in light colours and at a phone in dark ones, ``make test-long`` at all pairs.
+``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages in one of the two, and
+``make test-long`` at all pairs.
 
 axe-core is read from node_modules: nothing is downloaded.
 """
@@ -26,6 +27,7 @@ READY = {
     "/lecture.html?present": ".on-slide .slide-question",  # the first step; test_slides.py looks at every slide
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
+    "/puzzles.html": ".puzzles-card",
 }
 MODELS = ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting", "fixed_increments")
 
@@ -87,20 +89,24 @@ def dressed(page: Page, request: pytest.FixtureRequest) -> Page:
     return page
 
 
+LOOKS = (("desktop", "light"), ("phone", "dark"), ("desktop", "dark"), ("phone", "light"))
 each_look = pytest.mark.parametrize(
     ("context", "dressed"),
-    [
-        ("desktop", "light"),
-        ("phone", "dark"),
-        pytest.param("desktop", "dark", marks=pytest.mark.long),
-        pytest.param("phone", "light", marks=pytest.mark.long),
-    ],
+    [pytest.param(*look, marks=pytest.mark.long if i > 1 else ()) for i, look in enumerate(LOOKS)],
     indirect=True,
+)
+each_page = pytest.mark.parametrize(
+    ("path", "context", "dressed"),
+    [
+        pytest.param(path, *look, marks=() if i == n % 2 else pytest.mark.long)
+        for n, path in enumerate(READY)
+        for i, look in enumerate(LOOKS)
+    ],
+    indirect=["context", "dressed"],
 )
 
 
-@each_look
-@pytest.mark.parametrize("path", READY)
+@each_page
 def test_axe_finds_nothing(dressed: Page, server: str, path: str) -> None:
     page = dressed
     page.goto(server + path)
@@ -140,12 +146,12 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
         page.evaluate("model => gridbloom.connection.store.setParameter('model', model)", model)
         settled_digest(page)
         told_sliders(page)
-        nothing_wrong(page, ".lab")
+        nothing_wrong(page, ".lab-curve, .dock")
     open_group(page, "Steps").get_by_text("cell", exact=True).click()
     page.get_by_role("button", name="Forward one cell").click()
     expect(page.locator(".steps-note")).to_be_visible()
     nothing_wrong(page, ".lab")
-    open_group(page, "World")
+    open_group(page, "Draw")
     page.get_by_role("button", name="Draw furniture").click()
     nothing_wrong(page, ".lab")
     open_group(page, "Path")

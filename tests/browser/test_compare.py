@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import BASE64, await_true, drag, frame, open_group, settled_digest, until
+from tests.browser.looking import BASE64, await_true, drag, frame, frames, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_wrong, told_sliders
 
 # The states of both maps on the lattice of B: 0 free, 1 occupied, 2 unknown; and the bytes of each.
@@ -213,7 +213,7 @@ def test_a_map_with_kept_settings_is_compared_with_the_present_one(viewer: Page,
     look_by(viewer, "Blink")
     viewer.locator("body").press("b")
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "b")
-    viewer.wait_for_timeout(1300)
+    frames(viewer, 80)
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "b")
     viewer.locator("body").press("b")
     expect(viewer.locator(".compare-name")).to_have_attribute("data-side", "a")

@@ -49,7 +49,7 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 
 
 def test_a_wall_and_a_box_are_drawn_and_met_by_beams(lab: Page) -> None:
-    open_group(lab, "World")
+    open_group(lab, "Draw")
     lab.get_by_role("button", name="Draw furniture").click()
     expect(lab.locator(".plate").first).to_contain_text("Drag to draw a box")
     stroke(lab, [5.0, 5.0], [5.6, 5.4])
@@ -76,7 +76,7 @@ def test_a_wall_and_a_box_are_drawn_and_met_by_beams(lab: Page) -> None:
 
 
 def test_erasing_and_taking_it_back(lab: Page) -> None:
-    open_group(lab, "World")
+    open_group(lab, "Draw")
     lab.get_by_role("button", name="Erase").click()
     before = lab.evaluate("() => gridbloom.connection.store.world.peek().polygons.length")
     lab.mouse.click(*pixel(lab, [0.6, 0.6]))  # the plant in the corner
@@ -95,7 +95,7 @@ def test_erasing_and_taking_it_back(lab: Page) -> None:
 
 
 def test_the_keyboard_draws_and_erases(lab: Page) -> None:
-    open_group(lab, "World")
+    open_group(lab, "Draw")
     lab.get_by_role("button", name="Draw furniture").click()
     picture = lab.locator(".picture").first
     picture.focus()
@@ -120,7 +120,7 @@ def test_a_teleport_and_a_world_are_taken_back(open_lab: Callable[..., Page]) ->
     settled_digest(lab)
     pose = frame(lab)["pose"]
     send_robot(lab, [8.5, 5.0])
-    open_group(lab, "World")
+    open_group(lab, "Draw")
     lab.get_by_role("button", name="Undo").click()
     until("the robot to be back", lambda: abs(frame(lab)["pose"][0] - pose[0]) < 1e-3)
     assert frame(lab)["pose"] == pytest.approx(pose, abs=1e-3)

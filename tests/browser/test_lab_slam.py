@@ -26,8 +26,8 @@ def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> Non
     expect(off).to_have_text(re.compile(r"\d"))
     page.get_by_role("switch", name="SLAM while driving").check()
     until("SLAM", lambda: page.evaluate(NODES) > 20 and page.evaluate(ERROR) < 0.15)
-    until("its graph to grow", lambda: page.evaluate(NODES) > 60)
-    assert page.evaluate(ERROR) < 0.15
+    # On a slow machine seconds of the drive pass between two frames, and a turn is corrected some scans later.
+    until("its graph to grow", lambda: page.evaluate(NODES) > 60 and page.evaluate(ERROR) < 0.15)
     expect(page.locator(".slam-facts")).to_contain_text("Scans matched")
     # The layers end with the switch.
     page.get_by_role("switch", name="SLAM while driving").uncheck()

@@ -78,7 +78,6 @@ def test_a_slider_ends_a_fault_and_undo_brings_it_back(lab: Page) -> None:
     switch = lab.get_by_role("switch", name="Laser mounted at an angle")
     switch.click()
     expect(switch).to_have_attribute("aria-checked", "true")
-    lab.wait_for_timeout(800)  # a later change of the same parameter is one of its own
     lab.evaluate("() => gridbloom.connection.store.setParameter('mount_yaw', 0.05)")
     expect(switch).to_have_attribute("aria-checked", "false")
     lab.keyboard.press("Control+z")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import LOOKS
+from tests.browser.conftest import SIZES
 from tests.browser.lecturing import open_section
 from tests.browser.looking import await_true, until
 
@@ -20,6 +21,13 @@ WITHIN = """section => Math.max(...[...section.querySelectorAll(":not(svg *)")].
 # Of each section: whether its figure is still awaited, and the height that it takes.
 PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
   place => [place.classList.contains("figure-awaited"), place.offsetHeight])"""
+
+
+#: A size and a colour scheme: `make test` opens the lecture twice, `make test-long` in all other pairs.
+LOOKS = [
+    pytest.param(*look, marks=() if look in (("desktop", "dark"), ("phone", "light")) else pytest.mark.long)
+    for look in product(SIZES, ("light", "dark"))
+]
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])

@@ -8,7 +8,7 @@ from pathlib import Path
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import numbers, open_section
-from tests.browser.looking import await_map, drag, until
+from tests.browser.looking import await_map, drag, frames, until
 from tests.mapper.io.contents.recorded_robot import robot
 from tests.mapper.io.logs import recorded
 
@@ -87,7 +87,7 @@ def test_a_figure_off_screen_is_paused(page: Page, server: str) -> None:
 
     def stands() -> bool:
         before = caption.inner_text()
-        page.wait_for_timeout(600)  # of ten scans a second
+        frames(page, 36)  # of which there are six for each scan
         return caption.inner_text() == before
 
     until("the figure to stand", stands)
@@ -99,7 +99,7 @@ def test_with_reduced_motion_the_table_is_removed_in_steps(page: Page, server: s
     section = open_section(page, server, "forgetting")
     section.get_by_role("button", name="Remove the table").click()
     caption = section.locator("figcaption")
-    page.wait_for_timeout(400)
+    frames(page, 24)
     expect(caption).to_contain_text("0 scans since it was removed")
     section.get_by_role("button", name="Forward one scan").click()
     expect(caption).to_contain_text("1 scan since it was removed")

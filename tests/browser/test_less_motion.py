@@ -6,14 +6,14 @@ import re
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, frame, map_digest, open_group, painted, settled_digest, until
+from tests.browser.looking import await_map, frame, frames, map_digest, open_group, painted, settled_digest, until
 
 
 def stands(page: Page) -> None:
     """Nothing moves: neither the session nor anything that the page animates."""
     digest, at = settled_digest(page), frame(page)["stamp"]
     painted(page)
-    page.wait_for_timeout(500)
+    frames(page, 30)
     assert not frame(page)["playing"]
     assert (frame(page)["stamp"], map_digest(page)) == (at, digest)
     assert page.evaluate("() => document.getAnimations().filter(one => one.playState === 'running').length") == 0
@@ -48,7 +48,7 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
     until("the front page's robot to stand", lambda: not frame(page)["playing"])
     settled_digest(page)
     before = facts.inner_text()
-    page.wait_for_timeout(500)
+    frames(page, 30)
     assert facts.inner_text() == before
     page.get_by_role("button", name="Forward 10 scans").click()
     expect(facts).not_to_have_text(before)
@@ -80,7 +80,7 @@ def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:
             expect(figure.get_by_role("button", name="Continue")).to_have_count(0)
         words = figure.locator(told)
         before = words.inner_text()
-        page.wait_for_timeout(600)
+        frames(page, 36)
         assert words.inner_text() == before
         figure.get_by_role("button", name=step, exact=True).click()
         expect(words).not_to_have_text(before)

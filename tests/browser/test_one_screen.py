@@ -1,7 +1,7 @@
 """Cause and effect on one screen: what one uses and the part of the map that it changes are in the viewport together.
 
-Of the lab, the log page and the front page, at four sizes. ``make test`` uses each control at one of the sizes, in
-turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay in place and are
+Of the lab, the log page and the front page, at four sizes. ``make test`` uses every third control at one of the sizes,
+in turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay in place and are
 not covered is looked at in every group at every size.
 """
 
@@ -42,6 +42,11 @@ LINES = """() => [".dock-tabs", ".dock-subtabs"].map((list) => new Set([
 BEFORE_GROUP = {"Why": EXPLAIN}
 
 
+def turns_at(looks: Looks) -> Turns:
+    """Return whose turn it is: at all of the sizes together every third control, at one of them each one."""
+    return Turns(len(looks), every=3 if len(looks) > 1 else 1)
+
+
 def empty_scene(route: Route) -> None:
     """Answer for the canvas of the 3D view, which test_scene.py looks at: it takes seconds to set up."""
     route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
@@ -72,7 +77,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
     prepare(page)
     open_lab(scans=15)
     screen = Screen(page, ".lab .picture", ".dock-group")
-    turns = Turns(len(looks))
+    turns = turns_at(looks)
     for size, scheme in looks:
         screen.resize(size, scheme)
         profile = page.locator("figure.profile")
@@ -86,7 +91,7 @@ def test_of_the_lab(page: Page, open_lab: Callable[..., Page], looks: Looks) -> 
         page.evaluate("() => gridbloom.connection.store.editing.take(null)")
         page.evaluate("() => gridbloom.connection.store.send({ type: 'compare', values: null })")
         turns.sizes_left -= 1
-    assert screen.changes > 8
+    assert screen.changes > 2
 
 
 @each_look
@@ -99,7 +104,7 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
     await_map(page)
     expect(page.get_by_role("tab", name="Check")).to_be_visible()
     screen = Screen(page, ".viewer .picture", ".dock-group, .viewer-transport, .viewer-map")
-    turns = Turns(len(looks))
+    turns = turns_at(looks)
     for size, scheme in looks:
         screen.resize(size, scheme)
         box = page.locator(".viewer-map").bounding_box()
@@ -111,7 +116,7 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
         page.evaluate(PAUSE)
         use_groups(page, screen, turns)
         turns.sizes_left -= 1
-    assert screen.changes > 2
+    assert screen.changes > 0
 
 
 @each_look
@@ -121,7 +126,7 @@ def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
     await_map(page)
     page.get_by_role("button", name="Forward 10 scans").click()
     screen = Screen(page, ".hero .picture")
-    turns = Turns(len(looks))
+    turns = turns_at(looks)
     for size, scheme in looks:
         screen.resize(size, scheme)
         screen.at_hand(page.locator("figure.profile").get_by_role("slider"))
@@ -129,7 +134,7 @@ def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
         more = page.get_by_role("link", name="One cell, the lecture, your own log")
         expect(more).to_be_in_viewport(ratio=1)
         turns.sizes_left -= 1
-    assert screen.changes > 1
+    assert screen.changes > 0
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)

@@ -15,7 +15,7 @@ FITS = "() => document.documentElement.scrollWidth <= document.documentElement.c
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
-@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html"])
+@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/puzzles.html"])
 def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)
     page.goto(server + path)
@@ -24,6 +24,7 @@ def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme)
         "/lecture.html": ".lesson-figure",
         "/lab.html": ".picture canvas",
         "/logs.html": ".log-card",
+        "/puzzles.html": ".puzzles-card",
     }[path]
     expect(page.locator(what).first).to_be_visible()
     if path == "/lab.html":
@@ -73,7 +74,7 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
 def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
     await_map(page)
-    open_group(page, "3D")
+    open_group(page, "Scene")
     scene = page.frame_locator("iframe.scene")
     expect(scene.locator("canvas").first).to_be_visible()
     # The parameters stand in viser's own panel, under the same labels.

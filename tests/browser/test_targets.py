@@ -56,13 +56,19 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
     found["lecture"] = small(page)
     page.route("**/scenes/*/plain/**", lambda route: route.fulfill(content_type="text/html", body="<!doctype html>"))
     open_lab(scans=15)
-    for place in ("lab", "log"):
+    for place in ("lab", "log", "puzzle"):
         if place == "log":
             page.goto(f"{server}/logs.html")
             card = page.locator(".log-card", has_text="sample")
             card.wait_for()
             found["logs"] = small(page)
             card.get_by_role("button", name="Open map").click()
+            await_map(page)
+        elif place == "puzzle":
+            page.goto(f"{server}/puzzles.html")
+            page.locator(".puzzles-card").first.wait_for()
+            found["puzzles"] = small(page)
+            page.get_by_role("button", name="Open The thick walls").click()
             await_map(page)
         for title in open_groups(page):
             page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")

@@ -256,7 +256,7 @@ def test_a_finger_draws_erases_and_moves_the_table(page: Page, open_lab: Callabl
     def added() -> list[list[object]]:
         return list(page.evaluate("() => gridbloom.connection.store.world.peek().edits.added"))
 
-    open_group(page, "World")
+    open_group(page, "Draw")
     page.get_by_role("button", name="Draw a wall").tap()
     page.locator(".picture").first.scroll_into_view_if_needed()
     before = scrolled(page)

@@ -65,7 +65,7 @@ def quantise(
                 scaled = (value - low) * scale
                 scaled = max(scaled, 0.0)
                 scaled = min(scaled, 254.0)
-                q: int32 = int32(scaled + 0.5) - int32(127)
+                q = int32(scaled + 0.5) - int32(127)
                 is_free, is_occupied = value < free_below, value > occupied_above
                 least = int32(-127) if is_free else (occupied if is_occupied else first)
                 most = free if is_free else (int32(127) if is_occupied else last)
@@ -78,6 +78,6 @@ def quantise(
                 shown[c] = new
             if differing > 0:
                 changed[r // tile, start // tile] = True
-                count += differing
+                count += int(differing)
             start = stop
     return count

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any
 
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
 from server.http.routes.trajectories import update_sessions
@@ -26,6 +26,11 @@ class Other(BaseModel):
 
     log: str = Field(max_length=64, description="Id of the other log.")
     topic: str | None = Field(None, max_length=400, description="Sensor of it, if it has several.")
+    cut: dict[str, FiniteFloat] | None = Field(
+        None,
+        max_length=20,
+        description="How its scans are cut out of clouds and depth images, see /api/parameters; else as here.",
+    )
 
 
 @router.post("/{session_id}/merge", status_code=202)
@@ -33,10 +38,12 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
     """Begin to align the session's log and another one of the same place, as a job.
 
     Each is corrected by SLAM, their maps are laid on one another, and their scans joined in one graph. Both logs then
-    have a trajectory ``merged`` in one frame, and one more log has the scans of both along it.
+    have a trajectory ``merged`` in one frame, and one more log has the scans of both along it, with a trajectory
+    ``SLAM`` that has their pose graph. Scans of clouds and depth images are cut as in the session.
     """
     of_log = writable_session(sessions, session_id)
-    owner, first = of_log.owner, (of_log.log_id, of_log.recording.view().topic)
+    view = of_log.recording.view()
+    owner, first = of_log.owner, (of_log.log_id, view.topic)
 
     async def tell() -> None:
         with suppress(MapperError):  # a log was deleted meanwhile
@@ -48,7 +55,8 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
         _tasks.add(task)
         task.add_done_callback(_tasks.discard)
 
-    return await library.merges.begin(owner, first, (wanted.log, wanted.topic), done)
+    cuts = (view.cut, view.cut if wanted.cut is None else wanted.cut)
+    return await library.merges.begin(owner, first, (wanted.log, wanted.topic), done, cuts=cuts)
 
 
 @router.get("/{session_id}/merge")

@@ -159,3 +159,4 @@ class LabNavigation(Navigation):
             self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, are_new=are_new)
             result.changed = True
             result.slot(self._path.message())
+        result.changed |= self._path.draw()

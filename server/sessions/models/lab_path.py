@@ -39,12 +39,13 @@ class LabPath:
         self._limit_words: str | None = None
         self._line = TableLayer("plan", "Path", "plan", ("x", "y"), "path")
         self._potential = GridLayer("potential", "Potential", "potential")
-        self._is_shown = False
+        self._potential.is_on_demand = True
+        self._geometry: GridGeometry | None = None  #: of the costs in which there was a path first; None before
 
     @property
     def layers(self) -> tuple[Layer, ...]:
         """The path, and the potential while there is one."""
-        return (self._line, self._potential) if self._is_shown else (self._line,)
+        return (self._line,) if self._geometry is None else (self._line, self._potential)
 
     def head_for(self, goal: Goal | None, *, drives: bool) -> None:
         """Set the goal in map metres; None for no goal."""
@@ -104,21 +105,22 @@ class LabPath:
         self._plan_ms = 1e3 * (time.perf_counter() - started)
         path = self._path
         self._line.set(np.zeros((2, 0)) if path is None else path.points.T)
-        self._show_potential(None if path is None else path.potential, geometry)
+        if path is not None or self._geometry is not None:
+            self._geometry = geometry
 
-    def _show_potential(self, potential: Float64Array | None, geometry: GridGeometry) -> None:
-        """Write the potential into its layer, unless it is there already; None for none."""
-        if potential is self._shown:
-            return
+    def draw(self) -> bool:
+        """Write the potential into its layer if somebody watches it and it is another one; return whether it was."""
+        potential = None if self._path is None else self._path.potential
+        if self._geometry is None or not self._potential.is_watched or potential is self._shown:
+            return False
         self._shown = potential
-        shares = np.full(geometry.shape, 255, dtype=np.uint8)
+        shares = np.full(self._geometry.shape, 255, dtype=np.uint8)
         if potential is not None:
             known = potential < math.inf
             scale = 254.0 / max(float(potential.max(where=known, initial=0.0)), 1.0)
             np.multiply(potential, scale, out=shares, where=known, casting="unsafe")
-            self._is_shown = True
-        if self._is_shown:
-            self._potential.set_bytes(geometry, shares)
+        self._potential.set_bytes(self._geometry, shares)
+        return True
 
     def control(self, pose: PoseTuple, parameters: LabParameters) -> tuple[float, float] | None:
         """Return the velocities (m/s, rad/s) of a robot that drives along the path; None where it does not drive."""

@@ -100,12 +100,12 @@ class LogNavigation(Navigation):
             self._is_new, self._is_stale = False, True
             costmap.update(robot.scan.stamp_ns * 1e-9, robot.pose)
         self._is_stale |= self._path.limit(costmap.speed_limit(robot.pose), None)
-        if not self._is_stale:
-            return
-        self._is_stale = False
-        self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
-        result.changed = True
-        result.slot(self._path.message())
+        if self._is_stale:
+            self._is_stale = False
+            self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
+            result.changed = True
+            result.slot(self._path.message())
+        result.changed |= self._path.draw()
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""

@@ -89,8 +89,9 @@ CLASS_COLOURS = np.array(
 
 def ramp_of(values: NDArray[Any], low: float, high: float, ramp: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return the colours (n, 3) of values (n,) between ``low`` and ``high``."""
-    share = (values - low) / max(high - low, 1e-9)
-    return ramp[np.clip(np.nan_to_num(share) * len(ramp), 0, len(ramp) - 1).astype(np.int64)]
+    share = (values - low) * (len(ramp) / max(high - low, 1e-9))
+    # The maximum is 0 for NaN, too.
+    return ramp.take(np.fmin(np.fmax(share, 0.0), len(ramp) - 1.0).astype(np.intp), axis=0)
 
 
 def normal_colors(normals: NDArray[np.int8]) -> NDArray[np.uint8]:

@@ -15,12 +15,13 @@ from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.volume import TsdfConfig, surface_mesh
+from mapper.volume.chunk_mesh import STEPS, ChunkMesh, cut_between
 from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.mesh_files import glb_bytes, ply_bytes
 from mapper.volume.occupancy import centres_of, keys_of
 from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import ScanSequence
-from mapper.volume.surface_chunks import STEPS, ChunkKey, ChunkMesh, SurfaceChunks, cut_between
+from mapper.volume.surface_chunks import ChunkKey, SurfaceChunks
 from mapper.volume.surface_questions import first_surface, why_surface
 from mapper.volume.tsdf import CENTRE
 from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
@@ -37,6 +38,12 @@ if TYPE_CHECKING:
 MESH_S = 0.05  #: of meshing chunks, after which the others wait for the next tick
 MOST_TRIANGLES = 4_000_000  #: that are drawn
 FINEST_M = 0.02  #: of the voxels at first
+
+
+def height_colors(key: ChunkKey, mesh: ChunkMesh, size: float, low: float, look: Look) -> NDArray[np.uint8]:
+    """Return the colours (n, 3) of a chunk's vertices by their heights; ``low`` is that of the first colour, metres."""
+    heights = (CHUNK * key[2] - CENTRE + 0.5 + mesh.places[:, 2] / STEPS) * size
+    return ramp_of(heights, low, low + COLOURS * look.band, HEIGHT_RAMP)
 
 
 class VolumeSurface:
@@ -128,8 +135,7 @@ class VolumeSurface:
         def colors(key: ChunkKey, mesh: ChunkMesh) -> NDArray[np.uint8]:
             if by_normal:
                 return normal_colors(mesh.normals)
-            heights = (CHUNK * key[2] - CENTRE + 0.5 + mesh.places[:, 2] / STEPS) * size
-            return ramp_of(heights, low, low + COLOURS * look.band, HEIGHT_RAMP)
+            return height_colors(key, mesh, size, low, look)
 
         chunks = {} if self._problem else self._cut(look)
         return Surface(

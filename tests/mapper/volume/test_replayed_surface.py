@@ -13,15 +13,16 @@ import trimesh
 from mapper.core.errors import ConfigError
 from mapper.sensors.camera import Intrinsics
 from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
+from mapper.volume.chunk_mesh import STEPS, cut_between, shaded
 from mapper.volume.depth_sequence import DepthSequence, GatheredDepth
 from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import UPS, ScanSequence
-from mapper.volume.surface_chunks import STEPS, SurfaceChunks, cut_between
+from mapper.volume.surface_chunks import SurfaceChunks
 from mapper.volume.surface_questions import first_surface, why_surface
 from mapper.volume.tsdf import CENTRE
 from server.scenes.chunk_glb import LIGHT
-from server.scenes.surface_glb import shades_of, surface_glb
+from server.scenes.surface_glb import surface_glb
 
 CAMERA = Intrinsics(80, 60, 70.0, 70.0, 39.5, 29.5)
 AHEAD = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
@@ -130,7 +131,7 @@ def test_a_chunk_is_cut_and_written_as_another_reader_takes_it() -> None:
     np.testing.assert_array_equal(read.vertices, mesh.places)
     # A normal along an axis has the light of a voxel's face of that side.
     axes = np.array([(-127, 0, 0), (127, 0, 0), (0, -127, 0), (0, 127, 0), (0, 0, -127), (0, 0, 127)], np.int8)
-    white = shades_of(np.full((6, 3), 255, np.uint8), axes)
+    white = shaded(np.full((6, 3), 255, np.uint8), axes, LIGHT.astype(np.float32))
     np.testing.assert_allclose(white[:, 0] / 255.0, LIGHT**2.2, atol=0.005)
 
 

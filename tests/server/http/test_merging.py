@@ -9,6 +9,7 @@ import httpx
 import pytest
 
 from mapper.core.errors import ConfigError
+from server.library.library import Library
 from server.library.merge_job import MergeJob, MergeOutcome
 from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
@@ -69,6 +70,9 @@ def test_both_logs_have_the_merged_poses_and_their_maps_are_compared(service: Se
     # The scans of both are a log of their own.
     assert once_read(http, result["log"])["name"] == result["name"] == "first and second, merged.mcap"
     assert http.post("/api/sessions", json={"kind": "log", "log": result["log"]}).json()["count"] == 12
+    # They have the graph of both.
+    both = service.begin(kind="log", log=result["log"], trajectory="SLAM", playing=False)
+    assert len(http.get(f"/api/sessions/{both}/graph").json()["graph"]["loops"]) == 1
     for log_id in logs:
         other = service.begin(kind="log", log=log_id, trajectory="merged", playing=False)
         assert ys(http, other) == [2.0] * 6
@@ -103,3 +107,24 @@ def test_a_merge_is_cancelled(service: Service, logs: tuple[str, str], monkeypat
     until(lambda: service.http.get(address).json()["stage"] == "loops")
     assert service.http.post(address, json={"log": logs[0]}).json()["code"] == "merge.too_many"
     assert service.http.delete(address).json()["state"] == "cancelled"
+
+
+def test_scans_are_cut_as_in_the_session(
+    service: Service, logs: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cuts: list[float] = []
+    load = Library.load
+
+    async def seen(self: Library, owner: str, log_id: str, topic: str | None = None, cut: Any = None) -> Any:
+        cuts.append(cut.values["min_height"])
+        return await load(self, owner, log_id, topic, cut)
+
+    http, low = service.http, {"min_height": 0.3}
+    session = service.begin(kind="log", log=logs[0], cut=low, playing=False)
+    monkeypatch.setattr(Library, "load", seen)
+    monkeypatch.setattr("server.library.merge_job.do_merge_job", apart)
+    address = f"/api/sessions/{session}/merge"
+    assert http.post(address, json={"log": logs[1], "cut": {"height": 1.0}}).status_code in (400, 422)
+    http.post(address, json={"log": logs[1]})
+    assert ended(http, session)["state"] == "failed"
+    assert cuts[:2] == [0.3, 0.3]

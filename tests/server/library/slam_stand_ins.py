@@ -14,7 +14,8 @@ from mapper.core.errors import ConfigError
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
 from server.library.graph_file import graph_bytes
-from server.library.merge_job import ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
+from server.library.merge_job import BOTH, ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
+from server.library.merge_job import GRAPH as MERGED_GRAPH
 from server.library.slam_job import GRAPH, TUM, SlamJob, SlamOutcome
 from tests.server.library.small_logs import carmen, tum
 
@@ -82,6 +83,8 @@ def quick_merge(job: MergeJob) -> MergeOutcome:
     for ending, start in zip(ENDINGS, (0, SECOND_START), strict=True):
         Path(job.out + ending).write_bytes(tum(6, 2.0, start))
     Path(job.out + LOG).write_bytes(carmen(12, 0))
+    Path(job.out + BOTH).write_bytes(tum(12, 2.0))
+    Path(job.out + MERGED_GRAPH).write_bytes(graph_bytes(*chain(12)))
     return MergeOutcome(7, 9, 0.8, 0.5)
 
 

@@ -8,10 +8,12 @@ import asyncio
 import hashlib
 import multiprocessing
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
-from server.library import Library, Record, StorageError
+from mapper.core.errors import LimitError
+from server.library import Library, Record, StorageError, jobs
 from server.library.jobs import MOST_ATTEMPTS
 from server.library.log_reader import Reader
 from server.settings import Settings
@@ -132,3 +134,36 @@ async def test_a_log_that_crashes_the_service_is_not_read_again_and_again(
     await library.start()
     library.read_again("ann", record.id)
     assert (await ready(library, record.id)).state == "ready", "its owner may ask for it"
+
+
+async def test_a_reading_without_disk_is_repeated_by_itself(
+    library: Library, make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Twice in the same run, and once more after a restart."""
+    failures = [
+        OSError(28, "No space left on device"),  # no process begins
+        LimitError("log.storage", "The log cannot be read now: the server's disk may be full."),
+    ]
+    read = Reader.read
+
+    async def full_at_first(self: Reader, *arguments: Any, **named: Any) -> Any:
+        if failures:
+            raise failures.pop(0)
+        return await read(self, *arguments, **named)
+
+    monkeypatch.setattr(Reader, "read", full_at_first)
+    monkeypatch.setattr(jobs, "RETRY_S", 0.05)
+    again = await library.put("ann", "again.log", in_pieces(OLD))
+    await eventually(lambda: library.get("ann", again.id).state == "ready")
+    assert failures == []
+
+    monkeypatch.setattr(jobs, "RETRY_S", 1e6)
+    failures.append(LimitError("log.storage", "The log cannot be read now: the server's disk may be full."))
+    later = await library.put("ann", "later.log", in_pieces(NEW))
+    failed = await ready(library, later.id)
+    assert failed.error is not None
+    assert (failed.state, failed.error.code) == ("failed", "log.storage")
+    await library.close()
+    restarted = make_library()
+    await restarted.start()
+    assert (await ready(restarted, later.id)).state == "ready"

@@ -12,9 +12,10 @@ from mapper.io.logs import open_log
 from mapper.io.trajectories import read_tum
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog
-from mapper.slam import merged_log
+from mapper.slam import merge_logs, merged_graph, merged_log
+from server.library.graph_file import read_graph
 from server.library.log_pack import write_pack
-from server.library.merge_job import ENDINGS, LOG, STAGE, MergeJob, _merge
+from server.library.merge_job import BOTH, ENDINGS, GRAPH, LOG, STAGE, MergeJob, _merge
 from tests.mapper.slam.test_merge import FIRST, SECOND, WIDE, in_frame
 from tests.mapper.slam.worlds import along, drive
 
@@ -43,6 +44,27 @@ def test_it_leaves_a_trajectory_of_each_log_in_one_frame(tmp_path: Path) -> None
     np.testing.assert_array_equal(both.ranges, second.ranges)
     np.testing.assert_allclose(both.trajectory().poses, poses[1].poses, atol=1e-5)
     assert both.mount == second.mount
+    # Its graph has the scans of both logs, the second one's behind the first one's.
+    graph, tried = read_graph((tmp_path / f"out{GRAPH}").read_bytes())
+    whole = read_tum(tmp_path / f"out{BOTH}")
+    np.testing.assert_allclose(graph.poses, whole.poses[graph.nodes], atol=1e-5)
+    assert len(whole.poses) == first.n_scans + second.n_scans
+    between = (graph.nodes[graph.i] < first.n_scans) & (graph.nodes[graph.j] >= first.n_scans)
+    assert between.sum() == outcome.loops <= tried.accepted.sum()
+
+
+def test_the_graph_of_both_follows_the_order_of_their_times() -> None:
+    first = drive("loop", along([*FIRST, (22.7, 1.25)], 0.4))
+    second = drive("loop", along(SECOND, 0.4), seed=8)
+    later = replace(first, stamps_ns=first.stamps_ns + 10**13)
+    merged = merge_logs(first, second, guess=np.zeros(3))
+    graph, _ = merged_graph((first, second), merged)
+    turned, tried = merged_graph((later, second), merged)
+    np.testing.assert_array_equal(turned.nodes, np.sort(turned.nodes))
+    both, _ = merged_log((later, second), merged.poses)
+    np.testing.assert_allclose(turned.poses, both.trajectory().poses[turned.nodes], atol=1e-9)
+    assert sorted(turned.residual) == sorted(graph.residual)
+    assert (turned.nodes[tried.j] < second.n_scans).any()
 
 
 def test_alike_lidars_become_one_sensor() -> None:

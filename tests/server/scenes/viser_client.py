@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -56,6 +57,7 @@ class Client:
         self.socket = socket
         self.seen: list[dict[str, Any]] = []
         self.received = 0  #: bytes
+        self.received_at = 0.0  #: of the newest frame, seconds of :func:`time.perf_counter`
 
     async def send(self, **message: Any) -> None:
         await self.socket.send(msgspec.msgpack.encode(message))
@@ -68,6 +70,7 @@ class Client:
         async with asyncio.timeout(PATIENCE_S):
             while True:
                 frame = await self.socket.recv()
+                self.received_at = time.perf_counter()
                 assert isinstance(frame, bytes)
                 self.received += len(frame)
                 messages = unpack(frame)

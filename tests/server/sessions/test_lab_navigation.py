@@ -18,8 +18,11 @@ from server.sessions import SessionRegistry
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.tick import TickResult
+from server.stream.layers import GridLayer
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_simulation
+from tests.server.service import eventually
+from tests.server.sessions.conftest import obeyed
 
 ALL = [
     "costmap",
@@ -319,3 +322,24 @@ async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:
     assert (lab.path["goal"], lab.path["drives"]) == ([BEYOND[0], BEYOND[1]], True)
     with pytest.raises(ProtocolError, match="A story cannot hold the command 'drive'"):
         lab.model.resume({"navigation": [{"type": "drive", "linear": 1, "angular": 0}]})
+
+
+async def test_the_potential_is_written_only_while_it_is_watched(registry: SessionRegistry) -> None:
+    session = await new_simulation(registry, "me", "office", 3, playing=False)
+    client = session.join()
+    client.subscribe(["map", "plan"])
+    await obeyed(session, type="costmap", value=True)
+    await obeyed(session, type="goal", x=BEYOND[0], y=BEYOND[1])
+    layer = next(one for one in session.hub.layers if one.name == "potential")
+    assert isinstance(layer, GridLayer)
+    assert (layer.is_watched, layer.picture) == (False, None)
+    client.subscribe(["map", "potential"])  # nothing else wakes a session that is paused
+    await eventually(lambda: layer.picture is not None)
+    assert layer.picture is not None
+    first = layer.picture.newest
+    client.subscribe(["map"])
+    await obeyed(session, type="goal", x=7.0, y=7.0)
+    await obeyed(session, type="teleport", x=6.0, y=6.0, yaw=0.0)
+    assert layer.picture.newest == first
+    session.leave(client)
+    assert not any(one.is_watched for one in session.hub.layers)

@@ -1,9 +1,8 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { framed, type SharedView } from "../../render/view";
-import { connect } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { useTool } from "../../tools/navigation/mapTool";
@@ -11,12 +10,12 @@ import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
 import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
-import { Button } from "../../ui/Button";
 import { Dock } from "../../ui/Dock";
 import { Icon } from "../../ui/Icon";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { toast } from "../../ui/Toast";
-import { exposeHook } from "../debugHook";
+import { SessionEnded } from "../SessionEnded";
+import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
@@ -46,13 +45,8 @@ interface ViewerProps {
 
 /** The view of one log: its map, playback, parameters, downloads. */
 export function Viewer({ session, onClose, onGone, reopens = false, onSensor = () => undefined, guest }: ViewerProps) {
-  const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
-  useEffect(() => {
-    exposeHook(connection, () => picture.current);
-    connection.start();
-    return () => connection.stop();
-  }, [connection]);
+  const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, guest !== undefined);
@@ -84,9 +78,6 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
     if (frame.index === 0 && !frame.playing) store.send({ type: "seek", index: frame.count });
   });
   const hello = store.hello.value;
-  useEffect(() => {
-    if (hello) document.title = `${hello.title} · Gridbloom`;
-  }, [hello]);
 
   useEffect(() => applySharedView(store, picture, guest?.view ?? null), [connection]);
   const ended = status.value === "gone";
@@ -96,16 +87,13 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
 
   if (ended) {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This session has ended</h1>
-        <p class="prose">The server ends sessions that are idle. The log is still there.</p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={onGone}>
-            Open the log again
-          </Button>
-          {onClose && <Button onClick={onClose}>All logs</Button>}
-        </div>
-      </div>
+      <SessionEnded
+        left="The log is still there."
+        again="Open the log again"
+        onAgain={onGone}
+        back="All logs"
+        onBack={onClose}
+      />
     );
   }
   /** The visitor's view, if they moved it: otherwise the link shows everything on any screen. */

@@ -1,7 +1,6 @@
-import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
-import { connect } from "../../store/connect";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
@@ -11,13 +10,14 @@ import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
 import { Dock, type DockGroup } from "../../ui/Dock";
 import { toast } from "../../ui/Toast";
-import { exposeHook } from "../debugHook";
 import { Compare } from "../logs/compare/Compare";
 import { BothMaps, useComparison } from "../logs/compare/useComparison";
 import { Doctor, findingsBadge, useDoctor } from "../logs/Doctor";
 import { Settings } from "../logs/Settings";
 import { Transport } from "../logs/Transport";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
+import { SessionEnded } from "../SessionEnded";
+import { useConnected } from "../useConnected";
 import { CaseGroup } from "./CaseGroup";
 import { type Attempt, ask } from "./puzzles";
 
@@ -32,18 +32,13 @@ interface PuzzleViewerProps {
 
 /** The view of one puzzle: its map, the task, and the tools of the log page that find and repair its fault. */
 export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewerProps) {
-  const connection = useMemo(() => connect(session), [session]);
+  const attempt = useSignal<Attempt | null>(null);
   const picture = useRef<Picture | null>(null);
-  useEffect(() => {
-    exposeHook(connection, () => picture.current);
-    connection.start();
-    return () => connection.stop();
-  }, [connection]);
+  const connection = useConnected(session, { picture, title: attempt.value?.title ?? "Puzzle" });
   const { store, status, trouble } = connection;
   const comparison = useComparison(session, store);
   const doctor = useDoctor(store, session, true);
   const openGroup = useOpenGroup(store, "case");
-  const attempt = useSignal<Attempt | null>(null);
   const isChecking = useSignal(false);
   const load = async (): Promise<void> => {
     try {
@@ -57,13 +52,6 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
   useEffect(() => {
     if (isSolved) onSolved(attempt.peek()?.points ?? 0);
   }, [isSolved]);
-  useSignalEffect(() => {
-    const notice = store.notice.value;
-    if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
-  });
-  useEffect(() => {
-    document.title = `${attempt.value?.title ?? "Puzzle"} · Gridbloom`;
-  }, [attempt.value?.title]);
   const check = async (): Promise<void> => {
     isChecking.value = true;
     try {
@@ -75,16 +63,14 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
   };
   if (status.value === "gone") {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This attempt has ended</h1>
-        <p class="prose">The server ends sessions that are idle. The puzzle can be begun again.</p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={onGone}>
-            Begin again
-          </Button>
-          {onClose && <Button onClick={onClose}>All puzzles</Button>}
-        </div>
-      </div>
+      <SessionEnded
+        what="attempt"
+        left="The puzzle can be begun again."
+        again="Begin again"
+        onAgain={onGone}
+        back="All puzzles"
+        onBack={onClose}
+      />
     );
   }
   const now = attempt.value;

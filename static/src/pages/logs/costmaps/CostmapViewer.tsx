@@ -1,6 +1,4 @@
 import { useSignal } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
-import { connect } from "../../../store/connect";
 import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/navigation/CostFiles";
 import { BeliefView } from "../../../tools/picture/BeliefView";
@@ -8,12 +6,13 @@ import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
-import { exposeHook } from "../../debugHook";
 import { Transport } from "../Transport";
 import { CostReadout } from "./CostReadout";
 import { MEANINGS } from "./meanings";
 import "../../../tools/navigation/navigation.css";
 import "./costmaps.css";
+import { SessionEnded } from "../../SessionEnded";
+import { useConnected } from "../../useConnected";
 
 interface CostmapViewerProps {
   readonly session: string;
@@ -24,30 +23,19 @@ interface CostmapViewerProps {
 
 /** The costmaps of a recording, one after the other. */
 export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) {
-  const connection = useMemo(() => connect(session), [session]);
-  useEffect(() => {
-    exposeHook(connection, () => null);
-    connection.start();
-    return () => connection.stop();
-  }, [connection]);
+  const connection = useConnected(session);
   const { store, status, trouble } = connection;
   const openGroup = useSignal("costmap");
   const hello = store.hello.value;
-  useEffect(() => {
-    if (hello) document.title = `${hello.title} · Gridbloom`;
-  }, [hello]);
   if (status.value === "gone") {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This session has ended</h1>
-        <p class="prose">The server ends sessions that are idle. The recording is still there.</p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={onGone}>
-            Open the recording again
-          </Button>
-          <Button onClick={onClose}>All logs</Button>
-        </div>
-      </div>
+      <SessionEnded
+        left="The recording is still there."
+        again="Open the recording again"
+        onAgain={onGone}
+        back="All logs"
+        onBack={onClose}
+      />
     );
   }
   return (

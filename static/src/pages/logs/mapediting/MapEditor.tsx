@@ -1,7 +1,6 @@
-import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../../render/picture/Picture";
-import { connect } from "../../../store/connect";
 import type { Store } from "../../../store/store";
 import { MapView } from "../../../tools/mapediting/MapView";
 import { Tools, WholeMap } from "../../../tools/mapediting/Tools";
@@ -9,8 +8,8 @@ import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
-import { toast } from "../../../ui/Toast";
-import { exposeHook } from "../../debugHook";
+import { SessionEnded } from "../../SessionEnded";
+import { useConnected } from "../../useConnected";
 import { MapReadout } from "./MapReadout";
 import { Saving } from "./Saving";
 
@@ -23,38 +22,21 @@ interface MapEditorProps {
 
 /** A map that is edited: painted, cropped, turned, and kept as a new map. */
 export function MapEditor({ session, onClose, onGone }: MapEditorProps) {
-  const connection = useMemo(() => connect(session), [session]);
   const picture = useRef<Picture | null>(null);
-  useEffect(() => {
-    exposeHook(connection, () => picture.current);
-    connection.start();
-    return () => connection.stop();
-  }, [connection]);
+  const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const openGroup = useSignal("edit");
-  useSignalEffect(() => {
-    const notice = store.notice.value;
-    if (notice) toast(notice.message, notice.kind);
-  });
   useEffect(() => listenForUndo(store), [store]);
   const hello = store.hello.value;
-  useEffect(() => {
-    if (hello) document.title = `${hello.title} · Gridbloom`;
-  }, [hello]);
   if (status.value === "gone") {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This session has ended</h1>
-        <p class="prose">
-          The server ends sessions that are idle. The map is still there; edits that were not saved are lost.
-        </p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={onGone}>
-            Open the map again
-          </Button>
-          <Button onClick={onClose}>All logs</Button>
-        </div>
-      </div>
+      <SessionEnded
+        left="The map is still there; edits that were not saved are lost."
+        again="Open the map again"
+        onAgain={onGone}
+        back="All logs"
+        onBack={onClose}
+      />
     );
   }
   return (

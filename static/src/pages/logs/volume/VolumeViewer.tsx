@@ -1,13 +1,11 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
-import { connect } from "../../../store/connect";
 import { ComputingMap } from "../../../tools/picture/ComputingMap";
 import { VolumeStage } from "../../../tools/volume/VolumeStage";
 import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/Dock";
 import { Icon } from "../../../ui/Icon";
-import { toast } from "../../../ui/Toast";
-import { exposeHook } from "../../debugHook";
+import { SessionEnded } from "../../SessionEnded";
+import { useConnected } from "../../useConnected";
 import { Transport } from "../Transport";
 import { VolumeFacts } from "./VolumeFacts";
 import { volumeGroups } from "./volumeGroups";
@@ -26,37 +24,22 @@ interface VolumeViewerProps {
 
 /** A map in 3D: of point clouds, depth images or an octree. */
 export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }: VolumeViewerProps) {
-  const connection = useMemo(() => connect(session), [session]);
-  useEffect(() => {
-    exposeHook(connection, () => null);
-    connection.start();
-    return () => connection.stop();
-  }, [connection]);
+  const connection = useConnected(session);
   const { store, status, trouble } = connection;
   const openGroup = useSignal("look");
   const hello = store.hello.value;
-  useEffect(() => {
-    if (hello) document.title = `${hello.title} · Gridbloom`;
-  }, [hello]);
-  useSignalEffect(() => {
-    const notice = store.notice.value;
-    if (notice) toast(notice.message, notice.kind);
-  });
   useSignalEffect(() => {
     if (store.voxel.value?.centre || store.surface.voxel.value?.centre) openGroup.value = "why";
   });
   if (status.value === "gone") {
     return (
-      <div class="viewer-message" role="alert">
-        <h1>This session has ended</h1>
-        <p class="prose">The server ends sessions that are idle. The file is still there.</p>
-        <div class="actions">
-          <Button kind="primary" icon="restart" onClick={onGone}>
-            Open it again
-          </Button>
-          <Button onClick={onClose}>All logs</Button>
-        </div>
-      </div>
+      <SessionEnded
+        left="The file is still there."
+        again="Open it again"
+        onAgain={onGone}
+        back="All logs"
+        onBack={onClose}
+      />
     );
   }
   const count = store.frame.value?.count ?? 1;
