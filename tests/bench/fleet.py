@@ -39,7 +39,7 @@ def fleet() -> None:
         dask: dict[int, Measured] = {}
         empty = (0.0, 0.0)
         for n in COUNTS:
-            with LocalCluster(n_workers=n, threads_per_worker=1, dashboard_address=None) as cluster:
+            with LocalCluster(n_workers=n, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
                 dask[n] = _measured(paths, folder, cluster.scheduler_address, n)
                 if n == COUNTS[0]:
                     empty = _empty_task_s(cluster)

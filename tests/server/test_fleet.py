@@ -122,7 +122,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Sec
     security = Security.temporary()
     with LocalCluster(
         n_workers=1, threads_per_worker=2, processes=False, security=security, protocol="tls://",
-        dashboard_address=None, host="127.0.0.1",
+        dashboard_address="127.0.0.1:0", host="127.0.0.1",
     ) as running:  # fmt: skip
         yield running.scheduler_address, security
 
