@@ -275,6 +275,7 @@ class SessionHost:
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
             await self._tick(commands, dt)
+            await asyncio.sleep(0)  # a listener that reads the model has its turn before the next tick
 
     async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
         """Compute a tick with ``commands``, the first ones of the queue, and send its result."""
@@ -289,7 +290,6 @@ class SessionHost:
             rest = result.rest
             self._tick_failed = False
             self.deliver(result)
-            await asyncio.sleep(0)  # a listener that reads the model has its turn before the next tick
         except Exception:  # noqa: BLE001 - the session stops with an error instead of failing 30 times a second
             _log.exception("a tick failed")
             self._note_catching_up(is_catching_up=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,10 +13,20 @@ from tests.browser.looking import await_true
 from tests.server.library.small_logs import carmen
 
 
+@pytest.fixture
+def two_logs(logs_dir: Path) -> Iterator[None]:
+    """Two logs in the folder of the service, one of them without scans, which other tests do not see."""
+    yard, empty = logs_dir / "fleet-yard.log", logs_dir / "fleet-empty.log"
+    yard.write_bytes(carmen(40))
+    empty.write_text("# CARMEN Logfile\nODOM 0 0 0 0 0 0 1 a 1\n")
+    yield
+    yard.unlink()
+    empty.unlink()
+
+
+@pytest.mark.usefixtures("two_logs")
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
-def test_one_press_maps_all_logs(page: Page, server: str, logs_dir: Path) -> None:
-    (logs_dir / "fleet-yard.log").write_bytes(carmen(40))
-    (logs_dir / "fleet-empty.log").write_text("# CARMEN Logfile\nODOM 0 0 0 0 0 0 1 a 1\n")
+def test_one_press_maps_all_logs(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
     page.get_by_role("link", name="Map all logs").click()
     yard = page.locator(".fleet-card", has_text="fleet-yard.log")

@@ -219,7 +219,12 @@ def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_aw
     )
     first = page.evaluate(surface)
     expect(page.locator(".volume-facts")).to_contain_text(f"{first['triangles']:,} triangles of 1 scan")
-    until("the triangles are in the browser", lambda: sum(received) - before > 2 * first["triangles"])
+
+    def arrived() -> bool:
+        page.evaluate("() => true")  # what the page received is told here only while Playwright is called
+        return sum(received) - before > 2 * int(first["triangles"])
+
+    until("the triangles are in the browser", arrived)
 
     # The curve is grabbed with the keyboard: other triangles, made of the same image.
     handle = page.get_by_role("slider", name="Truncation").first

@@ -70,7 +70,13 @@ def test_no_port_answers_another_sites_page_without_the_token(guarded: tuple[int
     ).json()["id"]
     scene = f"/scenes/{session_id}/"
     with connect(
-        f"ws://127.0.0.1:{port}{scene}", subprotocols=[VISER], additional_headers=headers, max_size=None, proxy=None
+        f"ws://127.0.0.1:{port}{scene}",
+        subprotocols=[VISER],
+        additional_headers=headers,
+        max_size=None,
+        max_queue=None,  # with a limit the answer to a ping lies behind what the test does not read
+        ping_interval=None,
+        proxy=None,
     ) as view:
         assert view.recv(timeout=PATIENCE_S)
         ports = listening_ports(pid)

@@ -52,7 +52,9 @@ export function Map3dGroup({ store, session }: GroupProps) {
         <Scene session={session} hasColumns={false} />
       </div>
       <Difference store={store} />
-      <VoxelWhy store={store} />
+      <div class="map3d-why">
+        <VoxelWhy store={store} />
+      </div>
       <div class="map3d-settings">
         <ParameterRows rows={map} values={values} set={set} />
       </div>

@@ -15,18 +15,17 @@ export function VoxelWhy({ store }: { readonly store: Store }) {
   const ofSurface = store.surface.voxel.value;
   return (
     <Panel title="Why is this voxel so?">
-      {ofSurface?.centre ? (
-        <SurfaceWhy now={ofSurface} centre={ofSurface.centre} />
-      ) : now?.centre ? (
-        <Answer now={now} centre={now.centre} hasScans={store.volume.value?.has_scans ?? true} />
-      ) : (
-        <p class="quiet">Click a voxel in the picture, or enter a place:</p>
-      )}
+      <p class="quiet">Click a voxel in the picture, or enter a place:</p>
       <Place store={store} />
       {(now?.centre || ofSurface?.centre) && (
         <div class="actions">
           <Button onClick={() => store.send({ type: "voxel" })}>Choose none</Button>
         </div>
+      )}
+      {ofSurface?.centre ? (
+        <SurfaceWhy now={ofSurface} centre={ofSurface.centre} />
+      ) : (
+        now?.centre && <Answer now={now} centre={now.centre} hasScans={store.volume.value?.has_scans ?? true} />
       )}
     </Panel>
   );
