@@ -63,7 +63,7 @@ class Settings(BaseSettings):
     fleet_workers: int = Field(
         default_factory=lambda: max(1, (os.cpu_count() or 2) - 1),
         ge=1,
-        description="Number of logs that are read, examined and mapped at once for the page Fleet.",
+        description="Number of logs that are read, examined and mapped at once by the page /fleet.html.",
     )
     logs_dir: Path | None = Field(default=None, description="Folder of logs that all visitors see, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Maximum number of concurrent sessions.")
