@@ -43,13 +43,13 @@ def count_cells(
     ``sums`` (4,): the entropy in bits of a and of b over the cells that either observed, and sum and greatest of
     |ℓ_b − ℓ_a| over those that both did.
     """
-    keys = np.zeros(SLOTS, dtype=np.int32)
+    keys = np.zeros(SLOTS, dtype=np.uint32)
     kept = np.zeros(SLOTS, dtype=np.float64)
     kept[0] = _entropy(0.0)  # whose bits are all zero; every other key differs from what an empty place holds
     rows, cols = place[0], place[1]
     free_below, occupied_above = thresholds[0], thresholds[1]
     values = np.empty(2, dtype=np.float32)
-    bits = values.view(np.int32)
+    bits = values.view(np.uint32)
     seen[3] = seen[4] = -1
     for r in range(rows):
         row_a, row_b = r - place[2], r - place[4]

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from math import exp, inf, log, log1p
 
-from numpy import float64
+from numpy import float64, uint64
 
 from mapper.core.jit import jit
 
-SLOTS = 4096  #: entries of such a table, a power of two
+SLOTS = 4096  #: entries of such a table: 2 ** 12
+_GOLDEN = uint64(0x9E3779B9)  #: 2 ** 32 divided by the golden ratio
 _LN2 = log(2.0)
 
 
@@ -28,5 +29,9 @@ def _entropy(log_odds: float) -> float:
 
 @jit
 def _slot(bits: int) -> int:
-    """Return the slot, 0 … SLOTS − 1, of log-odds whose float32 representation is ``bits``; that of 0.0 is 0."""
-    return (bits ^ (bits >> 12) ^ (bits >> 20)) & (SLOTS - 1)
+    """Return the slot, 0 … SLOTS − 1, of log-odds whose float32 representation is ``bits``, uint32; that of 0.0 is 0.
+
+    Multiplicative hashing: the upper twelve of the product's lower 32 bits (Knuth, The Art of Computer Programming 3,
+    section 6.4).
+    """
+    return ((uint64(bits) * _GOLDEN) >> uint64(20)) & uint64(SLOTS - 1)

@@ -1,20 +1,18 @@
 """Counts and entropy sums of one map, in one pass over its cells.
 
-A map holds few distinct values, and neighbouring cells often the same one. The pass counts how often each value occurs,
-in a table; entropy and state are computed once for each value, and again for one that another replaced in its slot.
+A map holds few distinct values. The pass counts how often each value occurs, in a table; entropy and state are computed
+once for each value, and again for one that another replaced in its slot.
 """
 
 from __future__ import annotations
 
 from math import isnan
 
-from numpy import float32, float64, int32, int64, uint64, zeros
+from numpy import float32, float64, int64, uint32, uint64, zeros
 
 from mapper.core.array_types import Float32Array, Float64Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.entropy import SLOTS, _entropy, _slot
-
-_ALL_OBSERVED = uint64(0x0101010101010101)  #: eight cells of the array of bool
 
 
 @jit
@@ -57,27 +55,21 @@ def sum_map(
     """
     n = len(log_odds)
     whole = n - n % 8
-    bits = log_odds.view(int32)
-    eights, pairs = observed[:whole].view(uint64), log_odds[:whole].view(uint64)
+    bits = log_odds.view(uint32)
+    eights = observed[:whole].view(uint64)
     values = zeros(SLOTS, dtype=float32)
-    keys = values.view(int32)
+    keys = values.view(uint32)
     cells = zeros(SLOTS, dtype=int64)
     for start in range(0, n, 8):
-        stop, each = min(start + 8, n), 1
-        if start < whole:
-            eight, at = eights[start // 8], start // 2
-            if eight == 0:
-                continue
-            same = pairs[at] == pairs[at + 1] and pairs[at] == pairs[at + 2] and pairs[at] == pairs[at + 3]
-            if eight == _ALL_OBSERVED and same and bits[start] == bits[start + 1]:
-                stop, each = start + 1, 8  # one lookup for eight equal cells
-        for i in range(start, stop):
+        if start < whole and eights[start // 8] == 0:
+            continue
+        for i in range(start, min(start + 8, n)):
             key = bits[i]
             slot = _slot(key)
             if keys[slot] != key:
                 _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)
                 keys[slot], cells[slot] = key, 0
-            cells[slot] += each * observed[i]  # without a branch: a cell that is not observed adds nothing
+            cells[slot] += observed[i]  # without a branch: a cell that is not observed adds nothing
     for slot in range(SLOTS):
         if cells[slot]:
             _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)
