@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 import zstandard
@@ -20,7 +21,11 @@ from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import TilePayload
 
-ZSTD_LEVEL = 1
+#: Level 1 for so few bytes, with smaller tables, which cost less to clear, and matches of at least seven bytes, which
+#: are found sooner: tiles are 2 % smaller and take less time than with the level's own numbers.
+ZSTD_PARAMETERS = zstandard.ZstdCompressionParameters(
+    strategy=zstandard.STRATEGY_FAST, window_log=12, hash_log=9, min_match=7, write_content_size=True
+)
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
@@ -34,7 +39,7 @@ def _compressor() -> zstandard.ZstdCompressor:
     """Return this thread's compressor: its tables stay in the processor's cache, and no picture has some of its own."""
     kept: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
     if kept is None:
-        kept = _kept.compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL, write_content_size=True)
+        kept = _kept.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
     return kept
 
 
@@ -121,20 +126,25 @@ class TilePicture:
             self._changed[:] = False
         return count
 
+    def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:
+        """Yield ``tiles`` (n, 2), (ty, tx), at their present revisions; each is compressed once for all clients."""
+        rows, cols = self.geometry.shape
+        places, kept = tiles.tolist(), self._payloads
+        for (ty, tx), revision in zip(places, self.revision[tiles[:, 0], tiles[:, 1]].tolist(), strict=True):
+            known = kept.get((ty, tx))
+            if known is None or known.revision != revision:
+                top, left = ty * TILE, tx * TILE
+                tile = self.cells[top : top + TILE, left : left + TILE]
+                if top + TILE > rows or left + TILE > cols:  # the last tiles of a grid that is not whole tiles
+                    whole = np.full((TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
+                    whole[: tile.shape[0], : tile.shape[1]] = tile
+                    tile = whole
+                known = kept[ty, tx] = TilePayload(tx, ty, revision, compressed(_compressor(), tile.tobytes()))
+            yield known
+
     def payload(self, ty: int, tx: int) -> TilePayload:
-        """Return a tile at its present revision; it is compressed once for all clients."""
-        revision = int(self.revision[ty, tx])
-        known = self._payloads.get((ty, tx))
-        if known is not None and known.revision == revision:
-            return known
-        tile = self.cells[ty * TILE : (ty + 1) * TILE, tx * TILE : (tx + 1) * TILE]
-        if tile.shape != (TILE, TILE):  # the last tiles of a grid that is not whole tiles
-            whole = np.full((TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
-            whole[: tile.shape[0], : tile.shape[1]] = tile
-            tile = whole
-        payload = TilePayload(tx, ty, revision, compressed(_compressor(), np.ascontiguousarray(tile).data))
-        self._payloads[ty, tx] = payload
-        return payload
+        """Return a tile, as :meth:`payloads`."""
+        return next(self.payloads(np.array([[ty, tx]])))
 
     def message(self, layer: int) -> dict[str, object]:
         """Return the ``geometry`` message for the layer of this id."""
