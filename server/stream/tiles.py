@@ -15,7 +15,6 @@ import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
-from mapper.core.zstd import compressed
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.parameters import BY_NAME, MappingConfig
@@ -28,6 +27,10 @@ ZSTD_PARAMETERS = zstandard.ZstdCompressionParameters(
 )
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
+
+MOST_AT_ONCE = 32  #: tiles that are compressed in one call
+#: Where each of so many tiles begins in one array, and its size, as python-zstandard takes them.
+_SEGMENTS = np.array([(i * TILE * TILE, TILE * TILE) for i in range(MOST_AT_ONCE)], dtype=np.uint64).tobytes()
 
 _EPOCHS = itertools.count(1)  # of the process: a new picture never has the epoch of an earlier one
 
@@ -128,19 +131,31 @@ class TilePicture:
 
     def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:
         """Yield ``tiles`` (n, 2), (ty, tx), at their present revisions; each is compressed once for all clients."""
+        kept = self._payloads
+        for first in range(0, len(tiles), MOST_AT_ONCE):
+            some = tiles[first : first + MOST_AT_ONCE]
+            revisions = self.revision[some[:, 0], some[:, 1]].tolist()
+            found = [kept.get((ty, tx)) for ty, tx in some.tolist()]
+            old = [i for i, one in enumerate(found) if one is None or one.revision != revisions[i]]
+            for i, data in zip(old, self._compressed(some[old]), strict=True):
+                ty, tx = some[i].tolist()
+                found[i] = kept[ty, tx] = TilePayload(tx, ty, revisions[i], data)
+            yield from (one for one in found if one is not None)
+
+    def _compressed(self, tiles: NDArray[np.intp]) -> list[bytes]:
+        """Return ``tiles`` (n, 2), (ty, tx), each compressed."""
+        if len(tiles) == 0:
+            return []
         rows, cols = self.geometry.shape
-        places, kept = tiles.tolist(), self._payloads
-        for (ty, tx), revision in zip(places, self.revision[tiles[:, 0], tiles[:, 1]].tolist(), strict=True):
-            known = kept.get((ty, tx))
-            if known is None or known.revision != revision:
-                top, left = ty * TILE, tx * TILE
-                tile = self.cells[top : top + TILE, left : left + TILE]
-                if top + TILE > rows or left + TILE > cols:  # the last tiles of a grid that is not whole tiles
-                    whole = np.full((TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
-                    whole[: tile.shape[0], : tile.shape[1]] = tile
-                    tile = whole
-                known = kept[ty, tx] = TilePayload(tx, ty, revision, compressed(_compressor(), tile.tobytes()))
-            yield known
+        cells = self.cells
+        if rows % TILE or cols % TILE:  # the last tiles of a grid that is not whole tiles
+            cells = np.full((-(-rows // TILE) * TILE, -(-cols // TILE) * TILE), NEVER_OBSERVED, dtype=np.int8)
+            cells[:rows, :cols] = self.cells
+        by_tile = cells.reshape(cells.shape[0] // TILE, TILE, cells.shape[1] // TILE, TILE).swapaxes(1, 2)
+        # All in one call: each one gives the interpreter's lock away and has to wait for it again.
+        parts = zstandard.BufferWithSegments(by_tile[tiles[:, 0], tiles[:, 1]].data, _SEGMENTS[: 16 * len(tiles)])
+        packed = _compressor().multi_compress_to_buffer(parts)
+        return [packed[i].tobytes() for i in range(len(tiles))]
 
     def payload(self, ty: int, tx: int) -> TilePayload:
         """Return a tile, as :meth:`payloads`."""

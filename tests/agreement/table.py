@@ -34,6 +34,7 @@ from tests.agreement.costmap import (
     voxels_by_kernel,
     voxels_by_textbook,
 )
+from tests.agreement.decimals import readings, text_by_encoder, text_by_kernel
 from tests.agreement.driving import driven_by_kernel, driven_by_textbook, drives
 from tests.agreement.grids import (
     merged_by_core,
@@ -302,6 +303,7 @@ TABLE = (
     Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
+    Row("readings as text", text_by_kernel, text_by_encoder, readings()),
     Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),

@@ -49,7 +49,7 @@ NOTHING, PATH, VELOCITIES = 0, 1, 2
 
 
 @jit
-def hypot(x: float, y: float) -> float:
+def _hypot(x: float, y: float) -> float:
     """Return √(x² + y²), rounded correctly but in rare cases, as Python's ``math.hypot`` does.
 
     Source: Borges, An improved algorithm for hypot(a, b), 2019, as CPython 3.11 has it. The C library's function
@@ -93,7 +93,7 @@ def _added(total: float, rest: float, value: float) -> tuple[float, float]:
 
 
 @jit
-def half_turned(angle: float) -> float:
+def _half_turned(angle: float) -> float:
     """Return the same direction in [−π, π] for an angle within ±3π: IEEE 754's remainder by 2π, which is exact here."""
     if angle > math.pi:
         return angle - 2.0 * math.pi
@@ -141,30 +141,30 @@ def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
     heading = yaw + 0.5 * angular * STEP
     to_x, to_y = x + linear * STEP * math.cos(heading), y + linear * STEP * math.sin(heading)
     to_x, to_y, touched = _kept_free(segments, radius, x, y, to_x, to_y)
-    moved = hypot(to_x - x, to_y - y) / STEP
+    moved = _hypot(to_x - x, to_y - y) / STEP
     if touched and moved < STALLED * abs(linear):
         linear = math.copysign(moved, linear)  # pushing against a wall stops the wheels
     state[LINEAR], state[ANGULAR] = linear, angular
     state[BEFORE_X], state[BEFORE_Y], state[BEFORE_YAW] = x, y, yaw
-    state[X], state[Y], state[YAW] = to_x, to_y, half_turned(yaw + angular * STEP)
+    state[X], state[Y], state[YAW] = to_x, to_y, _half_turned(yaw + angular * STEP)
 
 
 @jit
 def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
     """Note how far the robot got at ``time``, seconds; return whether it needs another path."""
     x, y = state[X], state[Y]
-    if hypot(x - state[PROGRESS_X], y - state[PROGRESS_Y]) > 0.1:
+    if _hypot(x - state[PROGRESS_X], y - state[PROGRESS_Y]) > 0.1:
         state[PROGRESS_X], state[PROGRESS_Y], state[PROGRESS_TIME] = x, y, time
     first, n = int(state[FIRST]), path.shape[0]
     if first >= n or time - state[PROGRESS_TIME] > STUCK_AFTER:
         return True
     near, least = first, np.inf
     for i in range(first, min(first + SEARCHED_POINTS, n)):
-        away = hypot(path[i, 0] - x, path[i, 1] - y)
+        away = _hypot(path[i, 0] - x, path[i, 1] - y)
         if away < least:
             near, least = i, away
     state[FIRST] = near
-    return n - near < GOAL_POINTS and hypot(path[n - 1, 0] - x, path[n - 1, 1] - y) < ARRIVED
+    return n - near < GOAL_POINTS and _hypot(path[n - 1, 0] - x, path[n - 1, 1] - y) < ARRIVED
 
 
 @jit
@@ -179,8 +179,8 @@ def _steer(segments: Float64Array, radius: float, path: Float64Array, state: Flo
     if target == 0:
         target = min(1, ahead)
     target_x, target_y = left[target, 0], left[target, 1]
-    bearing = half_turned(math.atan2(target_y - y, target_x - x) - yaw)
-    distance = max(0.3, hypot(target_x - x, target_y - y))
+    bearing = _half_turned(math.atan2(target_y - y, target_x - x) - yaw)
+    distance = max(0.3, _hypot(target_x - x, target_y - y))
     clearance = nearest_edge(segments, x, y, np.zeros(2))
     speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / 0.5))
     # A power whose exponent the compiler does not know, as Python's: a product differs in the last bit now and then.
