@@ -7,6 +7,7 @@ order of the log: scans one after another, and beams of a scan from the first to
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.custom_model import add_with_model
 from mapper.mapping.joint_scans import PlannedBatch, SensorOrder, planned_parts, turns_of
+from mapper.mapping.one_scan import is_simple, update_with_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import scan_batch_of_scan, scan_batches_of_log
 from mapper.mapping.scan_batch import ScanBatch
@@ -157,8 +159,13 @@ def integrate_scan(
     grow too large; the grid is then unchanged.
     """
     pose = np.asarray(sensor_pose, dtype=np.float64)
-    check_poses(pose, (3,), grid.geometry.limits)
+    if not _is_within(sensor_pose, grid.geometry.limits.max_pose):
+        check_poses(pose, (3,), grid.geometry.limits)
     plan = plan_update(config, scan.range_min, scan.range_max)
+    if model is None and is_simple(scan, plan):
+        touched = update_with_scan(grid, scan, pose.tolist(), plan)
+        if touched is not None:
+            return _change(*touched)
     batch = scan_batch_of_scan(scan, pose, plan)
     if model is not None:
         count, box, grown = add_with_model(grid, batch, plan, model)
@@ -166,6 +173,14 @@ def integrate_scan(
     grown = grid.grow_to_include(*batch.bounds(plan.reading_filter, fields=plan.sees_fields))
     change = _add(grid, batch, plan)
     return Change(change.box, grown, change.cells_updated)
+
+
+def _is_within(pose: ArrayLike, most: float) -> bool:
+    """Return whether a pose is a tuple of three finite numbers, the first two within ±``most``: a live robot's is."""
+    if not (isinstance(pose, tuple) and len(pose) == 3):
+        return False
+    x, y, yaw = pose
+    return abs(x) <= most and abs(y) <= most and math.isfinite(yaw)
 
 
 def integrate_scans(

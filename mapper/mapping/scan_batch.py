@@ -35,7 +35,7 @@ class ScanBatch:
     @cached_property
     def beams(self) -> NDArray[np.float64]:
         """(n_beams, 2): cosine and sine of the bearings."""
-        return _directions(self.angles.tobytes())
+        return directions(self.angles.tobytes())
 
     def headings(self, geometry: GridGeometry) -> NDArray[np.float64]:
         """Return the cosine and sine (n_scans, 2) of the sensor's heading along the lattice."""
@@ -73,7 +73,7 @@ class ScanBatch:
 
 
 @lru_cache(maxsize=32)  # the scans of a live robot, and of all of one kind, have the same bearings
-def _directions(angles: bytes) -> NDArray[np.float64]:
+def directions(angles: bytes) -> NDArray[np.float64]:
     """Return the cosine and sine (n, 2) of float64 angles, radians. It is shared: nobody may write to it."""
     radians = np.frombuffer(angles)
     return np.column_stack([np.cos(radians), np.sin(radians)])

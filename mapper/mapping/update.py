@@ -20,7 +20,7 @@ from mapper.mapping.thin_update import draw_beam_evidence
 from mapper.mapping.turns import Turns
 from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 
-_WORTH_SHARING = 1 << 12  # readings: below this a second thread costs more time than it saves
+WORTH_SHARING = 1 << 12  #: readings: below this a second thread costs more time than it saves
 _ONE_MISS, _ONE_HIT = (
     LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
     for miss in (1.0, 0.0)
@@ -46,7 +46,7 @@ def update_in_turns(grid: OccupancyGrid, plan: UpdatePlan, chunks: Sequence[Turn
     """
     for length in {one.beam_length for turns in chunks for _, one in turns.sensors}:
         check_beam_length(length, grid.geometry.resolution)
-    threads = cores() if sum(turns.readings for turns in chunks) >= _WORTH_SHARING else 1
+    threads = cores() if sum(turns.readings for turns in chunks) >= WORTH_SHARING else 1
     rows, cols = grid.geometry.shape
     box = np.array([rows, 0, cols, 0], dtype=np.int64)
     cell_statistics.begin(grid, plan.strategy)

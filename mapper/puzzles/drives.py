@@ -17,11 +17,12 @@ from mapper.sensors.timed_poses import TimedPoses
 from mapper.simulation.edits import Drawn, Edits, edited
 from mapper.simulation.faults import lengthened, with_lengthened
 from mapper.simulation.floor_plans import WORLDS
+from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.kernels.raycast import cast_rays
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 from mapper.simulation.odometry import drifting_odometry
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.simulation import STEP, Simulation
+from mapper.simulation.simulation import Simulation
 
 LIDAR = SensorConfig(n_beams=360, range_max=8.0, range_noise=0.01, scan_rate=2.5)
 SHORT_LIDAR = SensorConfig(n_beams=360, range_max=4.0, range_noise=0.01, scan_rate=2.5)

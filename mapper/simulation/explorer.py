@@ -1,12 +1,11 @@
-"""The explorer: chooses where the robot drives next, and steers it there.
+"""The explorer: chooses where the robot drives next, and the path there.
 
 Goals are places that the robot has not been near for the longest time; the path there keeps to the middle of free
-space where it can; pure pursuit follows it.
+space where it can. :mod:`mapper.simulation.kernels.driving` follows it.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -14,23 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
-from mapper.simulation.kernels.raycast import arc_clearance, chord_clearance, farthest_in_sight, nearest_edge
+from mapper.simulation.kernels.driving import ARRIVED, CAREFUL, MARGIN
+from mapper.simulation.kernels.raycast import chord_clearance
 from mapper.simulation.kernels.shortest_paths import shortest_paths
-from mapper.simulation.robot import MAX_ANGULAR, PoseTuple, Robot
+from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import Float64Array, World, clearance_lattice
 
-CRUISE, CAREFUL = 0.9, 0.6  # m/s in the open and between walls
-LOOKAHEAD = 0.7  # metres
 VISITED_RADIUS = 1.1  # metres around the robot that count as visited
-MARGIN = 0.03  # metres beyond the radius that a path needs everywhere
-SPARE = 0.005  # metres beyond the radius that the next half second needs
 COMFORT = 0.55  # metres of clearance beyond which a path gains nothing
 GOAL_CLEARANCE = 0.15  # metres beyond the radius that a goal needs
 GOALS_TRIED = 48
 ENTRIES_TRIED = 32  # cells from which a path may begin
-ARRIVED = 0.7  # metres before a goal at which the next is chosen, so that the robot does not halt
-STUCK_AFTER = 2.5  # seconds without progress after which the goal is given up
-SPACING = 0.1  # metres between the points of a path
+SPACING = 0.1  # metres between the points of a path, which the lookahead counts
 
 
 @lru_cache(maxsize=16)
@@ -73,7 +67,7 @@ def _passable(world: World, radius: float) -> _Passable:
 
 @dataclass(slots=True)
 class Explorer:
-    """Steers one robot through one world. ``rng`` chooses between goals.
+    """Plans the paths of one robot in one world. ``rng`` chooses between goals.
 
     ``visited`` (rows, cols) is the time in seconds at which each cell of the world's lattice was last near the robot.
     """
@@ -82,7 +76,8 @@ class Explorer:
     rng: np.random.Generator
     visited: Float64Array = field(init=False)
     path: Float64Array = field(init=False)  #: (n, 2), metres, the rest of the path; empty before the first goal
-    _progress: tuple[float, float, float] = field(init=False, default=(0.0, 0.0, 0.0))
+    #: The place (m) and the time (s) at which the robot last got on.
+    progress: tuple[float, float, float] = field(init=False, default=(0.0, 0.0, 0.0))
     _centres: Float64Array = field(init=False)
 
     def __post_init__(self) -> None:
@@ -110,57 +105,10 @@ class Explorer:
         near = np.hypot(*(self._centres[rows, cols] - pose[:2]).transpose(2, 0, 1)) <= VISITED_RADIUS
         self.visited[rows, cols][near] = time
 
-    def velocities(self, robot: Robot, time: float) -> tuple[float, float]:
-        """Return the linear and angular velocity, m/s and rad/s, with which the robot follows its path."""
-        x, y, yaw = robot.pose
-        if math.hypot(x - self._progress[0], y - self._progress[1]) > 0.1:
-            self._progress = (x, y, time)
-        if not len(self.path) or time - self._progress[2] > STUCK_AFTER or self._left(x, y) < ARRIVED:
-            self.path = self._plan(robot, time)
-            self._progress = (x, y, time)
-            if not len(self.path):
-                return 0.0, 0.6  # no goal: turn on the spot
-        target_x, target_y = self._target(robot)
-        bearing = math.remainder(math.atan2(target_y - y, target_x - x) - yaw, 2.0 * math.pi)
-        distance = max(0.3, math.hypot(target_x - x, target_y - y))
-        clearance = nearest_edge(self.world.segments, x, y, np.zeros(2))
-        speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / 0.5))
-        # Pure pursuit (Coulter 1992): the arc through the target has curvature 2 sin(α) / distance.
-        facing = max(0.0, math.cos(bearing)) ** 2 if abs(bearing) < 1.2 else 0.0
-        linear = speed * facing
-        curvature = 2.0 * math.sin(bearing) / distance
-        if facing > 0.0 and abs(curvature) * linear > MAX_ANGULAR:
-            linear = MAX_ANGULAR / abs(curvature)
-        angular = linear * curvature if facing > 0.3 else 2.0 * bearing
-        angular = max(-MAX_ANGULAR, min(MAX_ANGULAR, angular))
-        needed = min(robot.radius + SPARE, clearance) - 1e-6
-        for _ in range(3):
-            if arc_clearance(self.world.segments, x, y, yaw, linear, angular, 0.5, 5) >= needed:
-                return linear, angular
-            linear *= 0.5
-        return 0.0, 2.0 * bearing
-
-    def _left(self, x: float, y: float) -> float:
-        """Drop what is behind from the path; return about how far its end still is, in metres."""
-        away = [math.hypot(px - x, py - y) for px, py in self.path[:20].tolist()]
-        near = away.index(min(away))
-        if near:
-            self.path = self.path[near:]
-        if len(self.path) >= 2 * ARRIVED / SPACING:
-            return math.inf
-        end_x, end_y = self.path[-1].tolist()
-        return math.hypot(end_x - x, end_y - y)
-
-    def _target(self, robot: Robot) -> tuple[float, float]:
-        """Return the farthest point of the path within the lookahead that the robot can reach in a straight line."""
-        x, y, _ = robot.pose
-        ahead = min(len(self.path) - 1, int(LOOKAHEAD / SPACING))
-        for spare in (0.1, MARGIN / 2):
-            i = farthest_in_sight(self.world.segments, x, y, self.path, ahead, robot.radius + spare)
-            if i > 0:
-                return float(self.path[i, 0]), float(self.path[i, 1])
-        i = min(1, ahead)
-        return float(self.path[i, 0]), float(self.path[i, 1])
+    def plan(self, robot: Robot, time: float) -> None:
+        """Choose a goal and the path to it, which is empty where there is none."""
+        self.path = self._plan(robot, time)
+        self.progress = (*robot.pose[:2], time)
 
     def _plan(self, robot: Robot, time: float) -> Float64Array:
         """Return a path (n, 2), metres, to the goal with the greatest gain less cost; empty where there is none."""

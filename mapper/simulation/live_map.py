@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
-from mapper.core.se2 import compose
+from mapper.core.se2 import compose_one
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.mapping.integrate import Change, geometry_for, integrate_parts, integrate_scan
 from mapper.mapping.parameters import MappingConfig
@@ -296,18 +296,18 @@ class LiveMap:
             raise RuntimeError("there is no newest scan")
         if not self._mapping:
             return Change(None, geometry_changed=False, cells_updated=0)
-        change = integrate_scan(self.grid, reported, compose(self.believed_pose, mount), self.config)
+        change = integrate_scan(self.grid, reported, compose_one(self.believed_pose, mount), self.config)
         second = self.second
         if second is not None:
             seen, at = (reported, self.believed_pose) if second.with_faults else (scan, self.newest_pose)
-            second.add(integrate_scan(second.grid, seen, compose(at, mount), second.config))
+            second.add(integrate_scan(second.grid, seen, compose_one(at, mount), second.config))
             if self.vanishing is not None:
                 self.vanishing.look(self.grid, second.grid)
         return change
 
     def _lengthened(self, pose: PoseTuple) -> NDArray[np.float16]:
         simulation = self.simulation
-        return lengthened(simulation.world, simulation.sensor, compose(pose, simulation.mount))
+        return lengthened(simulation.world, simulation.sensor, compose_one(pose, simulation.mount))
 
     # -- what a person changes --------------------------------------------------------------------------------------
 

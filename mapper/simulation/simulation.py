@@ -8,16 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.core.se2 import compose
+from mapper.core.se2 import compose, compose_one
 from mapper.sensors.scan import LaserScan
 from mapper.simulation.explorer import Explorer
+from mapper.simulation.kernels import driving
+from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import Float64Array, World
 
-STEP = 0.02  #: seconds of one physics step
-CONTROL_STEPS = 2  # physics steps between two decisions of the explorer
-NOTE_STEPS = 25  # physics steps between two notes of where the robot was
 DRIVE_SECONDS = 0.5  #: for how long a velocity given by hand holds
 ROBOT_RADIUS = 0.2  #: metres
 
@@ -113,33 +112,55 @@ class Simulation:
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ConfigError("simulation.time", f"Time advances by a finite number of seconds ≥ 0, not {dt!r}.")
         self._rest += dt
-        taken = []
+        count = 0
         while self._rest >= STEP - 1e-9:
             self._rest = max(0.0, self._rest - STEP)
-            self._step()
+            count += 1
+        taken = []
+        while count:
+            count -= self._drive_on(count)
             if self._steps * STEP >= self._next_scan - 1e-9:
                 taken.append(self._scan())
         return taken
 
-    def _step(self) -> None:
+    def _drive_on(self, most: int) -> int:
+        """Take some physics steps, at least one and at most so many; return how many."""
         now = self._steps * STEP
-        if self._auto:
-            if self._steps % CONTROL_STEPS == 0:
-                self._control = self.explorer.velocities(self.robot, now)
-            wanted = self._control
-        else:
-            wanted = self._drive if now < self._drive_until else (0.0, 0.0)
-        self._before = self.robot.pose
-        self.robot.step(self.world, *wanted, STEP)
-        if self._steps % NOTE_STEPS == 0:
-            self.explorer.note(self.robot.pose, now)
-        self._steps += 1
+        if not self._auto:
+            self._control = self._drive if now < self._drive_until else (0.0, 0.0)
+            return self._move(1, driving.VELOCITIES)
+        done = self._move(most, driving.NOTHING)
+        if not done:
+            self.explorer.plan(self.robot, now)
+            if len(self.explorer.path):
+                return self._move(most, driving.PATH)
+            self._control = (0.0, 0.6)  # no goal: turn on the spot
+            return self._move(1, driving.VELOCITIES)
+        return done
+
+    def _move(self, most: int, known: int) -> int:
+        robot, explorer = self.robot, self.explorer
+        state = np.array(
+            (*robot.pose, robot.linear, robot.angular, *self._control, *explorer.progress, *self._before, 0.0)
+        )
+        segments, path = self.world.segments, explorer.path
+        done = driving.drive(segments, robot.radius, path, state, self._steps, most, self._next_scan, known, 2.0)
+        x, y, yaw, robot.linear, robot.angular, *rest = state.tolist()
+        wanted_linear, wanted_angular, progress_x, progress_y, progress_time, *before, first = rest
+        robot.pose, self._before = (x, y, yaw), (before[0], before[1], before[2])
+        self._control = (wanted_linear, wanted_angular)
+        explorer.progress = (progress_x, progress_y, progress_time)
+        explorer.path = path[int(first) :]
+        self._steps += done
+        if done and (self._steps - 1) % driving.NOTE_STEPS == 0:
+            explorer.note(robot.pose, (self._steps - 1) * STEP)
+        return done
 
     def _scan(self) -> tuple[LaserScan, PoseTuple]:
         now = self._steps * STEP
         self._next_scan = max(self._next_scan + 1.0 / self.sensor.scan_rate, now)
         pose = self.robot.pose
-        laser = compose(pose, self.mount)
+        laser = compose_one(pose, self.mount)
         return measure(self.world, self.sensor, laser, self._noise, round(now * 1e9)), pose
 
     def drive(self, linear: float, angular: float) -> None:

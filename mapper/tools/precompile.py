@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import mapper
+from mapper.core.kernels.decimals import write_thousandths
 from mapper.costmap import DecayConfig, InflationConfig, Observation, ObstacleConfig, VoxelConfig
 from mapper.costmap.build import DEFAULT, build_costmap
 from mapper.costmap.inflation import inflate, squared_distances
@@ -45,7 +46,7 @@ from mapper.sensors.camera import Intrinsics
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.simulation import WORLDS, Recording, Simulation
 from mapper.simulation.faults import reflected_away
-from mapper.simulation.kernels.raycast import arc_clearance
+from mapper.simulation.kernels.raycast import arc_clearance, farthest_in_sight, nearest_edge
 from mapper.simulation.live_map import LiveMap
 from mapper.simulation.sensors_3d import Sensor3D, measure_3d
 from mapper.slam import SlamConfig, slam_log
@@ -105,6 +106,8 @@ def precompile() -> None:
     for scan, pose in simulation.advance(SECONDS):
         recording.append(scan, pose)
     arc_clearance(world.segments, *world.start, 0.5, 0.1, 0.5, 5)
+    nearest_edge(world.segments, *world.start[:2], np.empty(2))
+    farthest_in_sight(world.segments, *world.start[:2], np.zeros((1, 2)), 0, 0.1)
     reflected_away(world, np.full(2, 1.0), np.zeros(2), world.start)
     measure_3d(world, Sensor3D(), world.start, np.random.default_rng(0))
     replay = Replay(recording.as_log(), MappingConfig(resolution=0.1))
@@ -132,6 +135,8 @@ def precompile() -> None:
     _assess_terrain()
     pose = replay.log.sensor_poses()[0]
     config = MappingConfig(resolution=0.1)
+    integrate_scan(grid.emptied(), replay.log.scan(0), pose, config)
+    write_thousandths(replay.log.ranges[0], 0.0, 1.0, np.empty(1 << 14, dtype=np.uint8))
     for traversal in BY_NAME["traversal"].choices:
         integrate_scan(grid.emptied(), replay.log.scan(0), pose, replace(config, traversal=traversal), _NoEvidence())
 

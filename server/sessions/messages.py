@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import numpy as np
 
+from mapper.core.kernels.decimals import MOST_BYTES, TOO_LARGE, write_thousandths
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, OccupancyGrid, probability
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import RangeScan, SonarScan
@@ -89,11 +91,19 @@ def _rounded(pose: Pose) -> list[float]:
     return [round(value, 4) for value in pose]
 
 
-def _ranges(scan: RangeScan) -> list[float | None]:
-    """Return the scan's readings in metres, None for no return and for an invalid reading."""
+def _ranges(scan: RangeScan) -> msgspec.Raw:
+    """Return the scan's readings in metres as JSON, null for no return and for an invalid reading."""
+    text = np.empty(2 + MOST_BYTES * len(scan.ranges), dtype=np.uint8)
+    low, high = (float(np.float32(limit)) for limit in (scan.range_min, scan.range_max))  # as NumPy compares them
+    size = write_thousandths(scan.ranges, low, high, text)
+    return msgspec.Raw(msgspec.json.encode(readings(scan)) if size == TOO_LARGE else text[:size].tobytes())
+
+
+def readings(scan: RangeScan) -> list[float | None]:
+    """Return the scan's readings in metres, rounded, None for no return and for an invalid reading."""
     ranges = scan.ranges
     measured = (ranges >= scan.range_min) & (ranges <= scan.range_max) & np.isfinite(ranges)
-    readings: list[float | None] = np.round(ranges.astype(np.float64), 3).tolist()
+    rounded: list[float | None] = np.round(ranges.astype(np.float64), 3).tolist()
     for i in np.flatnonzero(~measured).tolist():
-        readings[i] = None
-    return readings
+        rounded[i] = None
+    return rounded

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,7 @@ Columns = NDArray[np.float32]  #: (columns, rows of the table)
 C = TypeVar("C")
 
 
-@dataclass(frozen=True, slots=True)
-class TilePayload:
+class TilePayload(NamedTuple):
     """One compressed tile as it is sent, shared by all clients."""
 
     tx: int
@@ -71,8 +70,8 @@ class Frame:
 
 def _encode_tiles(tiles: Sequence[TilePayload]) -> tuple[int, list[bytes]]:
     parts = []
-    for tile in tiles:
-        parts += [TILE_HEADER.pack(tile.tx, tile.ty, tile.revision, len(tile.data)), tile.data]
+    for tx, ty, revision, data in tiles:
+        parts += [TILE_HEADER.pack(tx, ty, revision, len(data)), data]
     return len(tiles), parts
 
 

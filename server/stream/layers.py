@@ -211,7 +211,7 @@ class GridCursor(Cursor):
         picture = self._follow()
         if picture is None or self._complete == (picture.epoch, picture.newest):
             return False
-        if np.any(picture.revision != self._has):
+        if (picture.revision != self._has).any():
             return True
         self._complete = (picture.epoch, picture.newest)
         return False
@@ -261,32 +261,35 @@ def _next_tiles(
     layer: GridLayer, picture: TilePicture, has: NDArray[np.uint32], share: int, focus_xy: Point, *, always: bool
 ) -> tuple[Body | None, NDArray[np.uint32]]:
     """Return the next tiles of a client with the revisions ``has``, as :meth:`Cursor.take`, and what it has then."""
-    has = has.copy()
+    order = _nearest_first(picture, picture.revision != has, focus_xy)
     tiles: list[TilePayload] = []
     size = 0
-    for ty, tx in _nearest_first(picture, picture.revision != has, focus_xy).tolist():
-        tile = picture.payload(ty, tx)
+    for tile in picture.payloads(order):
         size += len(tile.data)
         if size > share and (tiles or not always):
             break
         tiles.append(tile)
-        has[ty, tx] = tile.revision
+    has = has.copy()
     if not tiles:
         return None, has
+    ty, tx = order[: len(tiles)].T
+    has[ty, tx] = [tile.revision for tile in tiles]
     count, parts = layer.codec.encode(tiles)
-    return Body(picture.epoch, count, parts, not bool(np.any(picture.revision != has)), count), has
+    return Body(picture.epoch, count, parts, not (picture.revision != has).any(), count), has
 
 
 def _nearest_first(picture: TilePicture, dirty: NDArray[np.bool_], focus_xy: Point) -> NDArray[np.intp]:
     """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, nearest to ``focus_xy`` first, at most those of one frame."""
-    tiles = np.argwhere(dirty)
+    rows, cols = dirty.nonzero()
+    tiles = np.empty((len(rows), 2), dtype=np.intp)
+    tiles[:, 0], tiles[:, 1] = rows, cols
     if len(tiles) > 1:
-        at = np.array(to_lattice(*focus_xy, picture.geometry.frame)) / TILE - 0.5
-        away = np.square(tiles - at[::-1]).sum(axis=1)
+        u, v = to_lattice(*focus_xy, picture.geometry.frame)
+        away = (rows - (v / TILE - 0.5)) ** 2 + (cols - (u / TILE - 0.5)) ** 2
         if len(tiles) > MAX_FRAME_TILES:
             nearest = np.argpartition(away, MAX_FRAME_TILES)[:MAX_FRAME_TILES]
             tiles, away = tiles[nearest], away[nearest]
-        tiles = tiles[np.argsort(away, kind="stable")]
+        tiles = tiles[away.argsort(kind="stable")]
     return tiles
 
 

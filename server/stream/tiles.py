@@ -9,20 +9,28 @@ from __future__ import annotations
 
 import itertools
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 import zstandard
 from numpy.typing import NDArray
 
-from mapper.core.zstd import compressed
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import TilePayload
 
-ZSTD_LEVEL = 1
+#: Level 1 for so few bytes, with smaller tables, which cost less to clear, and matches of at least seven bytes, which
+#: are found sooner: tiles are 2 % smaller and take less time than with the level's own numbers.
+ZSTD_PARAMETERS = zstandard.ZstdCompressionParameters(
+    strategy=zstandard.STRATEGY_FAST, window_log=12, hash_log=9, min_match=7, write_content_size=True
+)
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
+
+MOST_AT_ONCE = 32  #: tiles that are compressed in one call
+#: Where each of so many tiles begins in one array, and its size, as python-zstandard takes them.
+_SEGMENTS = np.array([(i * TILE * TILE, TILE * TILE) for i in range(MOST_AT_ONCE)], dtype=np.uint64).tobytes()
 
 _EPOCHS = itertools.count(1)  # of the process: a new picture never has the epoch of an earlier one
 
@@ -34,7 +42,7 @@ def _compressor() -> zstandard.ZstdCompressor:
     """Return this thread's compressor: its tables stay in the processor's cache, and no picture has some of its own."""
     kept: zstandard.ZstdCompressor | None = getattr(_kept, "compressor", None)
     if kept is None:
-        kept = _kept.compressor = zstandard.ZstdCompressor(level=ZSTD_LEVEL, write_content_size=True)
+        kept = _kept.compressor = zstandard.ZstdCompressor(compression_params=ZSTD_PARAMETERS)
     return kept
 
 
@@ -121,20 +129,37 @@ class TilePicture:
             self._changed[:] = False
         return count
 
+    def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:
+        """Yield ``tiles`` (n, 2), (ty, tx), at their present revisions; each is compressed once for all clients."""
+        kept = self._payloads
+        for first in range(0, len(tiles), MOST_AT_ONCE):
+            some = tiles[first : first + MOST_AT_ONCE]
+            revisions = self.revision[some[:, 0], some[:, 1]].tolist()
+            found = [kept.get((ty, tx)) for ty, tx in some.tolist()]
+            old = [i for i, one in enumerate(found) if one is None or one.revision != revisions[i]]
+            for i, data in zip(old, self._compressed(some[old]), strict=True):
+                ty, tx = some[i].tolist()
+                found[i] = kept[ty, tx] = TilePayload(tx, ty, revisions[i], data)
+            yield from (one for one in found if one is not None)
+
+    def _compressed(self, tiles: NDArray[np.intp]) -> list[bytes]:
+        """Return ``tiles`` (n, 2), (ty, tx), each compressed."""
+        if len(tiles) == 0:
+            return []
+        rows, cols = self.geometry.shape
+        cells = self.cells
+        if rows % TILE or cols % TILE:  # the last tiles of a grid that is not whole tiles
+            cells = np.full((-(-rows // TILE) * TILE, -(-cols // TILE) * TILE), NEVER_OBSERVED, dtype=np.int8)
+            cells[:rows, :cols] = self.cells
+        by_tile = cells.reshape(cells.shape[0] // TILE, TILE, cells.shape[1] // TILE, TILE).swapaxes(1, 2)
+        # All in one call: each one gives the interpreter's lock away and has to wait for it again.
+        parts = zstandard.BufferWithSegments(by_tile[tiles[:, 0], tiles[:, 1]].data, _SEGMENTS[: 16 * len(tiles)])
+        packed = _compressor().multi_compress_to_buffer(parts)
+        return [packed[i].tobytes() for i in range(len(tiles))]
+
     def payload(self, ty: int, tx: int) -> TilePayload:
-        """Return a tile at its present revision; it is compressed once for all clients."""
-        revision = int(self.revision[ty, tx])
-        known = self._payloads.get((ty, tx))
-        if known is not None and known.revision == revision:
-            return known
-        tile = self.cells[ty * TILE : (ty + 1) * TILE, tx * TILE : (tx + 1) * TILE]
-        if tile.shape != (TILE, TILE):  # the last tiles of a grid that is not whole tiles
-            whole = np.full((TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
-            whole[: tile.shape[0], : tile.shape[1]] = tile
-            tile = whole
-        payload = TilePayload(tx, ty, revision, compressed(_compressor(), np.ascontiguousarray(tile).data))
-        self._payloads[ty, tx] = payload
-        return payload
+        """Return a tile, as :meth:`payloads`."""
+        return next(self.payloads(np.array([[ty, tx]])))
 
     def message(self, layer: int) -> dict[str, object]:
         """Return the ``geometry`` message for the layer of this id."""

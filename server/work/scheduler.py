@@ -18,8 +18,10 @@ import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeVar, cast
+
+from server.work.waiting_turns import WaitingTurns
 
 T = TypeVar("T")
 
@@ -86,12 +88,19 @@ class Turn:
     owner: JobOwner
     interactive: bool
     number: int
-    granted: Future[None] = field(default_factory=_uncancellable)
+    request: Future[None] | None = None  #: done when the turn is granted; None while nobody waits for that
     began: float = 0.0  #: when the slice began
     computed_s: float = 0.0
     was_deferred: bool = False  #: whether the slice was granted while urgent jobs waited or ran
     granted_before: bool = False  #: whether a slice of it was granted
     task: _Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: whoever requested it computes
+
+    @property
+    def granted(self) -> Future[None]:
+        """Done once the turn is held. A turn that was requested for a task has it after its first slice only."""
+        if self.request is None:
+            raise RuntimeError("nobody waits for this turn")
+        return self.request
 
 
 class Scheduler:
@@ -100,7 +109,7 @@ class Scheduler:
     def __init__(self, slots: int, slice_s: float = SLICE_S, clock: Callable[[], float] = time.monotonic) -> None:
         self._slots, self._slice_s, self._clock = slots, slice_s, clock
         self._lock = threading.Lock()
-        self._waiting: list[Turn] = []
+        self._urgent, self._deferrable = WaitingTurns(), WaitingTurns()  #: turns that wait
         self._running: list[Turn] = []
         #: Number of the last turn of each address and visitor.
         self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()
@@ -129,8 +138,9 @@ class Scheduler:
 
     def _withdraw(self, turn: Turn) -> None:
         with self._lock:
-            if turn in self._waiting and not turn.granted_before:
-                self._waiting.remove(turn)
+            waiting = self._queue_of(turn)
+            if turn in waiting and not turn.granted_before:
+                waiting.remove(turn)
 
     def _work(self, turn: Turn) -> None:
         """Compute a turn's task, then those of the turns that are granted next, on this thread of their pool."""
@@ -186,8 +196,8 @@ class Scheduler:
         """Return a new turn, which is held once its ``granted`` is done."""
         with self._lock:
             self._count += 1
-            turn = Turn(owner, interactive, self._count, task=task)
-            self._waiting.append(turn)
+            turn = Turn(owner, interactive, self._count, None if task else _uncancellable(), task=task)
+            self._queue_of(turn).add(turn)
             self._grant_free()
         self._start()
         return turn
@@ -195,8 +205,9 @@ class Scheduler:
     def release(self, turn: Turn) -> None:
         """End a held turn, or withdraw a waiting one."""
         with self._lock:
-            if turn in self._waiting:
-                self._waiting.remove(turn)
+            waiting = self._queue_of(turn)
+            if turn in waiting:
+                waiting.remove(turn)
             elif turn in self._running:
                 self._end_slice(turn)
             self._grant_free()
@@ -206,8 +217,8 @@ class Scheduler:
         """Return whether a held turn should be yielded now."""
         lasted = self._clock() - turn.began
         if lasted >= self._slice_s:
-            return bool(self._waiting)
-        return not turn.was_deferred and not self._is_urgent(turn) and any(map(self._is_urgent, self._others(turn)))
+            return bool(self._urgent or self._deferrable)
+        return not turn.was_deferred and not self._is_urgent(turn) and self._has_urgent_besides(turn)
 
     def yield_turn(self, turn: Turn) -> None:
         """Yield a held turn to the next job, and request another one, which may be granted at once."""
@@ -231,12 +242,16 @@ class Scheduler:
 
     def _request_again(self, turn: Turn) -> None:
         self._count += 1
-        turn.granted, turn.number = _uncancellable(), self._count
-        self._waiting.append(turn)
+        turn.request, turn.number = _uncancellable(), self._count
+        self._queue_of(turn).add(turn)
         self._grant_free()
 
-    def _others(self, turn: Turn) -> list[Turn]:
-        return [other for other in (*self._running, *self._waiting) if other is not turn]
+    def _queue_of(self, turn: Turn) -> WaitingTurns:
+        """Return the queue of a turn that does not run: its computing time grows only while it runs."""
+        return self._urgent if self._is_urgent(turn) else self._deferrable
+
+    def _has_urgent_besides(self, turn: Turn) -> bool:
+        return bool(self._urgent) or any(self._is_urgent(other) for other in self._running if other is not turn)
 
     def _is_urgent(self, turn: Turn) -> bool:
         running_s = self._clock() - turn.began if turn in self._running else 0.0
@@ -253,11 +268,11 @@ class Scheduler:
     def _grant_free(self) -> None:
         """Grant free turns to waiting jobs that may run."""
         while len(self._running) < self._slots and (turn := self._next()) is not None:
-            self._waiting.remove(turn)
+            self._queue_of(turn).remove(turn)
             self._running.append(turn)
             turn.began = self._clock()
             if not self._is_urgent(turn):
-                turn.was_deferred = any(map(self._is_urgent, self._others(turn)))
+                turn.was_deferred = self._has_urgent_besides(turn)
                 self._urgent_s = 0.0
             self._count += 1
             for key in ((turn.owner.address,), (turn.owner.address, turn.owner.visitor)):
@@ -268,17 +283,21 @@ class Scheduler:
             if turn.task is not None and not turn.granted_before:
                 self._startable.append(turn)
             turn.granted_before = True
-            turn.granted.set_result(None)
+            if turn.request is not None:
+                turn.request.set_result(None)
 
     def _next(self) -> Turn | None:
         """Return the next turn to grant: None if no job waits, or only deferred ones."""
-        urgent = [turn for turn in self._waiting if self._is_urgent(turn)]
-        others = [turn for turn in self._waiting if turn not in urgent]
-        if others and (self._urgent_s >= DEFERRED_EVERY_S or not (urgent or any(map(self._is_urgent, self._running)))):
-            return self._fairest(others)
-        return self._fairest(urgent) if urgent else None
+        if self._deferrable and (
+            self._urgent_s >= DEFERRED_EVERY_S or not (self._urgent or any(map(self._is_urgent, self._running)))
+        ):
+            return self._fairest(self._deferrable)
+        return self._fairest(self._urgent) if self._urgent else None
 
-    def _fairest(self, turns: list[Turn]) -> Turn:
+    def _fairest(self, turns: WaitingTurns) -> Turn:
+        firsts = turns.firsts()  # an owner's turns differ in their numbers only
+        if len(firsts) == 1:
+            return firsts[0]
         addresses = Counter(turn.owner.address for turn in self._running)
         visitors = Counter(turn.owner for turn in self._running)
 
@@ -287,7 +306,7 @@ class Scheduler:
             served = (self._served.get((owner.address,), 0), self._served.get((owner.address, owner.visitor), 0))
             return (addresses[owner.address], served[0], visitors[owner], served[1], turn.number)
 
-        return min(turns, key=order)
+        return min(firsts, key=order)
 
 
 _current = threading.local()

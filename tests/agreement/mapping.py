@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from mapper.core.se2 import transform_points
+from mapper.grid import OccupancyGrid
 from mapper.mapping import textbook
-from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.integrate import bounds_of_log, geometry_for, integrate_log, integrate_scan
 from mapper.sensors.scan import RangeScan
 from tests.agreement.asking import beams_and_poses
 from tests.agreement.inputs import MappingCase
@@ -21,8 +22,30 @@ def map_by_kernel(case: MappingCase) -> tuple[Any, ...]:
     return grid.log_odds, grid.observed, count
 
 
-def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+def grid_of_all(case: MappingCase) -> OccupancyGrid:
+    """The grid of a case, grown so that no scan reaches beyond it."""
     grid = case.grid()
+    grid.grow_to_include(*bounds_of_log(case.log, case.config))
+    return grid
+
+
+def map_of_single_scans(case: MappingCase) -> tuple[Any, ...]:
+    """The map as a live robot makes it, scan by scan."""
+    grid, count = grid_of_all(case), 0
+    for t, pose in enumerate(case.log.sensor_poses()):
+        count += integrate_scan(grid, case.log.scan(t), tuple(pose.tolist()), case.config).cells_updated
+    return grid.log_odds, grid.observed, count
+
+
+def map_of_single_scans_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    return updated_by_textbook(grid_of_all(case), case)
+
+
+def map_by_textbook(case: MappingCase) -> tuple[Any, ...]:
+    return updated_by_textbook(case.grid(), case)
+
+
+def updated_by_textbook(grid: OccupancyGrid, case: MappingCase) -> tuple[Any, ...]:
     count = 0
     for scan, pose in zip(case.scans(), case.sensor_poses(), strict=True):
         count += textbook.occupancy_grid_mapping(grid, scan, pose, case.config)

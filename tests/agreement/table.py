@@ -34,6 +34,8 @@ from tests.agreement.costmap import (
     voxels_by_kernel,
     voxels_by_textbook,
 )
+from tests.agreement.decimals import readings, text_by_encoder, text_by_kernel
+from tests.agreement.driving import driven_by_kernel, driven_by_textbook, drives
 from tests.agreement.grids import (
     merged_by_core,
     merged_by_textbook,
@@ -81,6 +83,8 @@ from tests.agreement.mapping import (
     bounds_of_sweeps_by_textbook,
     map_by_kernel,
     map_by_textbook,
+    map_of_single_scans,
+    map_of_single_scans_by_textbook,
     statistics_by_kernel,
     statistics_by_textbook,
     sweeps_by_textbook,
@@ -190,6 +194,7 @@ TABLE = (
     Row("bresenham", line_by_kernel, line_by_textbook, lines()),
     Row("exact traversal", ray_by_kernel, ray_by_textbook, rays()),
     Row("per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam")),
+    Row("scan by scan", map_of_single_scans, map_of_single_scans_by_textbook, mapping_cases("per_beam")),
     Row("per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan")),
     Row("smooth ramp per beam", map_by_kernel, map_by_textbook, mapping_cases("per_beam", RAMP), ROUNDING),
     Row("smooth ramp per scan", map_by_kernel, map_by_textbook, mapping_cases("per_scan", RAMP), ROUNDING),
@@ -298,6 +303,8 @@ TABLE = (
     Row("faces of voxels", faces_by_kernel, faces_by_textbook, volume_cases()),
     Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
+    Row("readings as text", text_by_kernel, text_by_encoder, readings()),
+    Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )

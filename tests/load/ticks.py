@@ -20,20 +20,19 @@ import structlog
 from mapper.simulation import explorer as exploring
 from mapper.simulation import faults as faulty
 from mapper.simulation import lidar, live_map, recording, simulation
-from mapper.simulation.robot import Robot
+from mapper.simulation.kernels import driving
 from server.sessions import SessionRegistry, host, robot_report
 from server.sessions.models.simulation_kind import simulation_plan
 from server.settings import Settings
 from server.stream.hub import Client, Hub
 from server.stream.layers import GridLayer
-from server.stream.tiles import TilePicture
 from server.work.scheduler import Scheduler
 from tests.load.spans import Spans
 
 SECONDS = 10.0
 PERIOD_S = 0.1  #: between two looks of a viewer
 PARTS = (
-    "cast", "noise and scan", "polished walls", "physics", "explorer", "record", "integrate", "quantise",
+    "cast", "noise and scan", "polished walls", "physics, steering", "explorer", "record", "integrate", "quantise",
     "messages", "JSON", "tiles", "scheduler", "tick, the rest", "event loop, hand-over",
 )  # fmt: skip
 
@@ -44,8 +43,8 @@ def _counted(spans: Spans) -> None:
     spans.count("noise and scan", simulation, "measure")
     spans.count("polished walls", live_map, "lengthened")
     spans.count("polished walls", faulty, "reflected_away")
-    spans.count("physics", Robot, "step")
-    spans.count("explorer", exploring.Explorer, "velocities")
+    spans.count("physics, steering", driving, "drive")
+    spans.count("explorer", exploring.Explorer, "plan")
     spans.count("explorer", exploring.Explorer, "note")
     spans.count("record", recording.Recording, "append")
     spans.count("integrate", live_map, "integrate_scan")
@@ -54,7 +53,6 @@ def _counted(spans: Spans) -> None:
     spans.count("messages", robot_report, "scan_fields")
     spans.count("JSON", Hub, "publish")
     spans.count("JSON", Hub, "frame_text")
-    spans.count("tiles", TilePicture, "payload")
     spans.count("tiles", Client, "take")
     spans.count("scheduler", Scheduler, "request")
     spans.count("scheduler", Scheduler, "release")

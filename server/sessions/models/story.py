@@ -13,9 +13,9 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Faults, SensorConfig
 from mapper.simulation.healing import Corrector
+from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.robot import PoseTuple
-from mapper.simulation.simulation import STEP
 from server.sessions.hosting import ModelHost
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
 from server.sessions.models.story_cost import story_seconds

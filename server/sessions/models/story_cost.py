@@ -6,7 +6,7 @@ from typing import Any
 
 from mapper.core.errors import LimitError, MapperError
 from mapper.simulation import SensorConfig
-from mapper.simulation.simulation import STEP
+from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.sonar import rays_of_cone
 
 # Processor time in seconds, measured in the largest world on one core of a small server.

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.simulation import WORLDS, SensorConfig, Simulation
-from mapper.simulation.robot import BRAKING, MAX_ANGULAR, MAX_LINEAR
+from mapper.simulation.kernels.driving import BRAKING, MAX_ANGULAR, MAX_LINEAR
 from mapper.simulation.simulation import ROBOT_RADIUS
 from mapper.simulation.worlds import clearance_lattice
 

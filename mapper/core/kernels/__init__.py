@@ -1,0 +1,1 @@
+"""Compiled kernels that belong to no field of their own."""

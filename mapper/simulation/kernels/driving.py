@@ -1,0 +1,233 @@
+"""The motion of the simulated robot: physics steps, and the steering along a path between two plans, in one call.
+
+Twin of :mod:`mapper.simulation.textbook_driving`, to the last bit: the paths of recorded stories depend on it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.jit import jit
+from mapper.simulation.kernels.raycast import arc_clearance, farthest_in_sight, nearest_edge
+
+Float64Array = NDArray[np.float64]
+
+STEP = 0.02  #: seconds of one physics step
+CONTROL_STEPS = 2  #: physics steps between two decisions of the explorer
+NOTE_STEPS = 25  #: physics steps between two notes of where the robot was
+
+MAX_LINEAR = 1.0  #: m/s
+MAX_ANGULAR = 1.5  #: rad/s
+LINEAR_ACCELERATION = 1.2  #: m/s²
+BRAKING = 2.0  #: m/s²
+ANGULAR_ACCELERATION = 5.0  #: rad/s²
+STALLED = 0.3  #: share of the commanded speed below which the robot stops at a wall instead of sliding along it
+SKIN = 1e-4  #: metres kept from every wall, so that rounding never lets the robot touch
+
+CRUISE, CAREFUL = 0.9, 0.6  #: m/s in the open and between walls
+MARGIN = 0.03  #: metres beyond the radius that a path needs everywhere
+SPARE = 0.005  #: metres beyond the radius that the next half second needs
+LOOKAHEAD_POINTS = 6  #: points of a path, 0.1 m from one to the next, within the lookahead
+SEARCHED_POINTS = 20  #: of a path, among which the nearest to the robot is sought
+GOAL_POINTS = 14  #: points before its end at which a path is not looked at yet
+ARRIVED = 0.7  #: metres before a goal at which the next is chosen, so that the robot does not halt
+STUCK_AFTER = 2.5  #: seconds without progress after which the goal is given up
+
+#: The state of a robot that :func:`drive` changes: ``T_map_base`` (m, m, rad) now and a step ago, velocities (m/s,
+#: rad/s), those that are wanted, the place and the time (s) at which it last got on, and the first point of the path
+#: that is not behind it.
+(
+    X, Y, YAW, LINEAR, ANGULAR, WANTED_LINEAR, WANTED_ANGULAR, PROGRESS_X, PROGRESS_Y, PROGRESS_TIME,
+    BEFORE_X, BEFORE_Y, BEFORE_YAW, FIRST,
+) = range(14)  # fmt: skip
+
+#: What of the steering is known at the first step: nothing, the path is new, or the velocities that are wanted.
+NOTHING, PATH, VELOCITIES = 0, 1, 2
+
+
+@jit
+def _hypot(x: float, y: float) -> float:
+    """Return √(x² + y²), rounded correctly but in rare cases, as Python's ``math.hypot`` does.
+
+    Source: Borges, An improved algorithm for hypot(a, b), 2019, as CPython 3.11 has it. The C library's function
+    differs in the last bit in one of two hundred cases.
+    """
+    x, y = abs(x), abs(y)
+    greatest = max(x, y)
+    if greatest == 0.0 or not math.isfinite(greatest):
+        return greatest
+    shift = 2.0**600 if greatest < 2.0**-500 else 1.0  # the scale of the least numbers would be infinite
+    x, y, greatest = x * shift, y * shift, greatest * shift
+    scale = 2.0 ** -math.frexp(greatest)[1]
+    total, rest_1, rest_2, rest_3 = 1.0, 0.0, 0.0, 0.0
+    for value in (x * scale, y * scale):
+        high, low = _halves(value)
+        total, rest_1 = _added(total, rest_1, high * high)
+        total, rest_2 = _added(total, rest_2, 2.0 * high * low)
+        rest_3 += low * low
+    root = math.sqrt(total - 1.0 + (rest_1 + rest_2 + rest_3))
+    high, low = _halves(root)
+    total, rest_1 = _added(total, rest_1, -high * high)
+    total, rest_2 = _added(total, rest_2, -2.0 * high * low)
+    total, rest_3 = _added(total, rest_3, -low * low)
+    error = total - 1.0 + (rest_1 + rest_2 + rest_3)
+    return (root + error / (2.0 * root)) / scale / shift
+
+
+@jit
+def _halves(value: float) -> tuple[float, float]:
+    """Return a number as the sum of two with half of its digits each (Veltkamp)."""
+    t = value * 134217729.0
+    high = t - (t - value)
+    return high, value - high
+
+
+@jit
+def _added(total: float, rest: float, value: float) -> tuple[float, float]:
+    """Return ``total`` + ``value``, rounded, and what rounding left out, added to ``rest``; |total| ≥ |value|."""
+    after = total + value
+    return after, rest + ((total - after) + value)
+
+
+@jit
+def _half_turned(angle: float) -> float:
+    """Return the same direction in [−π, π] for an angle within ±3π: IEEE 754's remainder by 2π, which is exact here."""
+    if angle > math.pi:
+        return angle - 2.0 * math.pi
+    return angle + 2.0 * math.pi if angle < -math.pi else angle
+
+
+@jit
+def _clip(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
+
+
+@jit
+def _kept_free(
+    segments: Float64Array, radius: float, x: float, y: float, to_x: float, to_y: float
+) -> tuple[float, float, bool]:
+    """Return a place near (to_x, to_y) where the robot fits, and whether a wall blocked the motion from (x, y)."""
+    least = radius + SKIN
+    nearest = np.zeros(2)
+    touched = False
+    for _ in range(3):  # a corner has two walls; a place that three corrections do not free is too tight
+        clearance = nearest_edge(segments, to_x, to_y, nearest)
+        if clearance >= least:
+            return to_x, to_y, touched
+        touched = True
+        if clearance <= 0.0:
+            break
+        push = (least - clearance + 1e-9) / clearance
+        to_x += (to_x - nearest[0]) * push
+        to_y += (to_y - nearest[1]) * push
+    if nearest_edge(segments, to_x, to_y, nearest) >= least:
+        return to_x, to_y, True
+    return x, y, True
+
+
+@jit
+def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
+    """Move for a :data:`STEP` towards the wanted velocities: see :func:`mapper.simulation.textbook_driving.step`."""
+    before, wanted = state[LINEAR], state[WANTED_LINEAR]
+    slowing = abs(wanted) < abs(before) or wanted * before < 0.0
+    rate = BRAKING if slowing else LINEAR_ACCELERATION
+    linear = before + _clip(_clip(wanted, MAX_LINEAR) - before, rate * STEP)
+    angular = state[ANGULAR]
+    angular += _clip(_clip(state[WANTED_ANGULAR], MAX_ANGULAR) - angular, ANGULAR_ACCELERATION * STEP)
+    x, y, yaw = state[X], state[Y], state[YAW]
+    heading = yaw + 0.5 * angular * STEP
+    to_x, to_y = x + linear * STEP * math.cos(heading), y + linear * STEP * math.sin(heading)
+    to_x, to_y, touched = _kept_free(segments, radius, x, y, to_x, to_y)
+    moved = _hypot(to_x - x, to_y - y) / STEP
+    if touched and moved < STALLED * abs(linear):
+        linear = math.copysign(moved, linear)  # pushing against a wall stops the wheels
+    state[LINEAR], state[ANGULAR] = linear, angular
+    state[BEFORE_X], state[BEFORE_Y], state[BEFORE_YAW] = x, y, yaw
+    state[X], state[Y], state[YAW] = to_x, to_y, _half_turned(yaw + angular * STEP)
+
+
+@jit
+def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
+    """Note how far the robot got at ``time``, seconds; return whether it needs another path."""
+    x, y = state[X], state[Y]
+    if _hypot(x - state[PROGRESS_X], y - state[PROGRESS_Y]) > 0.1:
+        state[PROGRESS_X], state[PROGRESS_Y], state[PROGRESS_TIME] = x, y, time
+    first, n = int(state[FIRST]), path.shape[0]
+    if first >= n or time - state[PROGRESS_TIME] > STUCK_AFTER:
+        return True
+    near, least = first, np.inf
+    for i in range(first, min(first + SEARCHED_POINTS, n)):
+        away = _hypot(path[i, 0] - x, path[i, 1] - y)
+        if away < least:
+            near, least = i, away
+    state[FIRST] = near
+    return n - near < GOAL_POINTS and _hypot(path[n - 1, 0] - x, path[n - 1, 1] - y) < ARRIVED
+
+
+@jit
+def _steer(segments: Float64Array, radius: float, path: Float64Array, state: Float64Array, two: float) -> None:
+    """Set the velocities that follow the path: see :func:`mapper.simulation.textbook_driving.velocities`."""
+    x, y, yaw = state[X], state[Y], state[YAW]
+    left = path[int(state[FIRST]) :]
+    ahead = min(left.shape[0] - 1, LOOKAHEAD_POINTS)
+    target = farthest_in_sight(segments, x, y, left, ahead, radius + 0.1)
+    if target == 0:
+        target = farthest_in_sight(segments, x, y, left, ahead, radius + MARGIN / 2)
+    if target == 0:
+        target = min(1, ahead)
+    target_x, target_y = left[target, 0], left[target, 1]
+    bearing = _half_turned(math.atan2(target_y - y, target_x - x) - yaw)
+    distance = max(0.3, _hypot(target_x - x, target_y - y))
+    clearance = nearest_edge(segments, x, y, np.zeros(2))
+    speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / 0.5))
+    # A power whose exponent the compiler does not know, as Python's: a product differs in the last bit now and then.
+    facing = max(0.0, math.cos(bearing)) ** two if abs(bearing) < 1.2 else 0.0
+    linear = speed * facing
+    curvature = 2.0 * math.sin(bearing) / distance
+    if facing > 0.0 and abs(curvature) * linear > MAX_ANGULAR:
+        linear = MAX_ANGULAR / abs(curvature)
+    angular = linear * curvature if facing > 0.3 else 2.0 * bearing
+    angular = max(-MAX_ANGULAR, min(MAX_ANGULAR, angular))
+    needed = min(radius + SPARE, clearance) - 1e-6
+    for _ in range(3):
+        if arc_clearance(segments, x, y, yaw, linear, angular, 0.5, 5) >= needed:
+            state[WANTED_LINEAR], state[WANTED_ANGULAR] = linear, angular
+            return
+        linear *= 0.5
+    state[WANTED_LINEAR], state[WANTED_ANGULAR] = 0.0, 2.0 * bearing
+
+
+@jit
+def drive(
+    segments: Float64Array,
+    radius: float,
+    path: Float64Array,
+    state: Float64Array,
+    steps: int,
+    count: int,
+    next_scan: float,
+    known: int,
+    two: float,
+) -> int:
+    """Take up to ``count`` physics steps, ``steps`` having been taken before; return how many were taken.
+
+    ``segments`` (n, 4) as in :mod:`mapper.simulation.kernels.raycast`, ``radius`` metres, ``path`` (n, 2) metres;
+    ``state`` (14,) is changed. It ends early before a decision for which the robot needs another path, after a step
+    after which a scan is due at ``next_scan`` seconds, and after one after which the explorer notes where the robot is.
+    ``known`` is what of the first decision is known; ``two`` is 2.
+    """
+    for done in range(count):
+        number = steps + done
+        if number % CONTROL_STEPS == 0 and known != VELOCITIES:
+            if known == NOTHING and _needs_plan(path, number * STEP, state):
+                return done
+            _steer(segments, radius, path, state, two)
+        if known == PATH:
+            known = NOTHING
+        _step(segments, radius, state)
+        if number % NOTE_STEPS == 0 or (number + 1) * STEP >= next_scan - 1e-9:
+            return done + 1
+    return count
