@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mapper.grid import OccupancyGrid
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
@@ -66,7 +67,10 @@ def test_with_a_hint_and_an_amcl_yaml(run: Run, files, tmp_path: Path):
     [
         (["--initial-pose", "1,2"], "--initial-pose needs three numbers"),
         (["--initial-pose", "900,2,0"], "is outside the map, which goes from"),
+        (["--initial-pose", "nan,2,0"], "three finite numbers"),
         (["--set", "sigma_hit=0"], "sigma_hit"),
+        (["--set", "z_hit=nan"], "must be a finite number, not nan"),
+        (["--set", "z_hit=0", "--set", "z_rand=0"], "every pose would fit alike"),
         (["--set", "speed=1"], "There is no localization parameter 'speed'"),
         (["--set", "speed"], "--set needs NAME=VALUE"),
         (["--trajectory", "tf"], "The log has no trajectory 'tf'"),
@@ -84,3 +88,31 @@ def test_a_map_that_is_missing(run: Run, files):
     status, _, err = run("localize", files[0], "--map", "no.yaml")
     assert status == 2
     assert "There is no file 'no.yaml'" in err
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
+        ("z_hit: .nan", "(z_hit) must be a finite number"),
+        ("max_particles: -5", "max_particles"),
+        ("robot_model_type: tank", "robot_model_type must be one of"),
+    ],
+)
+def test_an_amcl_yaml_with_an_error(run: Run, files, tmp_path: Path, line: str, said: str):
+    params = tmp_path / "amcl.yaml"
+    params.write_text(f"amcl:\n  ros__parameters:\n    {line}\n")
+    status, out, err = run("localize", files[0], "--map", files[1], "--params", params)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+
+
+def test_a_map_without_free_cells(run: Run, files, tmp_path: Path):
+    grid = OccupancyGrid(office()[0].geometry)
+    grid.log_odds[:], grid.observed[:] = 3.5, True
+    full = save_map(grid, tmp_path / "full", "trinary")[0]
+    out = tmp_path / "poses.tum"
+    status, printed, err = run("localize", files[0], "--map", full, "--out", out)
+    assert (status, printed) == (2, "")
+    assert "The map has no free cells" in err
+    assert not out.exists()

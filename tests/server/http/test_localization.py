@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mapper.grid import OccupancyGrid
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
@@ -210,6 +211,36 @@ def test_amcl_yamls_go_in_and_come_out(service: Service) -> None:
     refused = http.put("/api/localization/parameters", content="amcl:\n  ros__parameters:\n    alpha1: -2\n")
     assert refused.status_code == 422
     assert "alpha1" in refused.json()["message"]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
+        ("z_hit: .nan", "(z_hit) must be a finite number"),
+        ("min_particles: 5000", "must be at most max_particles"),
+    ],
+)
+def test_an_amcl_yaml_with_an_error_is_refused(service: Service, line: str, said: str) -> None:
+    refused = service.http.put("/api/localization/parameters", content=f"amcl:\n  ros__parameters:\n    {line}\n")
+    assert refused.status_code == 422
+    assert said in refused.json()["message"]
+
+
+def test_a_map_without_free_cells_ends_the_job_with_a_sentence(service: Service, session: str, tmp_path: Path) -> None:
+    grid = OccupancyGrid(office()[0].geometry)
+    grid.log_odds[:], grid.observed[:] = 3.5, True
+    save_map(grid, tmp_path / "full", "trinary")
+    http, address = service.http, f"/api/sessions/{session}/localization"
+    before = http.get(f"/api/sessions/{session}/trajectories/localized").text
+    assert (
+        choose(service, session, tarred(tmp_path / "full.yaml", tmp_path / "full.pgm"), "full.yaml").status_code == 200
+    )
+    http.post(address, json={})
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]["code"]) == ("failed", "localization.no_free_cells")
+    assert "The map has no free cells" in state["error"]["message"]
+    assert http.get(f"/api/sessions/{session}/trajectories/localized").text == before
 
 
 def test_a_simulation_is_not_localized_here(service: Service) -> None:
