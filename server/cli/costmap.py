@@ -87,6 +87,8 @@ def costmap(
         f"  {facts['lethal']} lethal, {facts['inscribed']} inscribed, {facts['inflated']} inflated, "
         f"{facts['free']} free, {facts['no_information']} no information"
     )
+    if parameters.unused:
+        typer.echo(f"  parameters that change no cost here: {', '.join(parameters.unused)}")
     if built.unmasked:
         typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
     if built.given:

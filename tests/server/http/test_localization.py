@@ -207,7 +207,8 @@ def test_amcl_yamls_go_in_and_come_out(service: Service) -> None:
     values = {"alpha1": 0.4, "laser_model_type": "beam"}
     text = http.post("/api/localization/amcl.yaml", json=values).text
     assert text == amcl_yaml(LocalizationConfig().with_values(values))
-    assert http.put("/api/localization/parameters", content=text).json() == {"values": values, "ignored": []}
+    read = http.put("/api/localization/parameters", content=text).json()
+    assert read == {"values": values, "layout": "nav2", "others": {}}
     refused = http.put("/api/localization/parameters", content="amcl:\n  ros__parameters:\n    alpha1: -2\n")
     assert refused.status_code == 422
     assert "alpha1" in refused.json()["message"]
@@ -241,6 +242,19 @@ def test_a_map_without_free_cells_ends_the_job_with_a_sentence(service: Service,
     assert (state["state"], state["error"]["code"]) == ("failed", "localization.no_free_cells")
     assert "The map has no free cells" in state["error"]["message"]
     assert http.get(f"/api/sessions/{session}/trajectories/localized").text == before
+
+
+def test_what_changes_nothing_in_an_amcl_yaml_comes_out_as_it_went_in(service: Service) -> None:
+    text = "odom_alpha1: 0.4\nodom_frame_id: wheels\ninitial_pose_x: 2.5\n"
+    read = service.http.put("/api/localization/parameters", content=text).json()
+    assert read["layout"] == "ros1"
+    assert read["others"] == {"odom_frame_id": "wheels", "initial_pose_x": 2.5}
+    wanted = read["values"] | read["others"]
+    saved = service.http.post("/api/localization/amcl.yaml", params={"layout": "ros1"}, json=wanted)
+    assert service.http.put("/api/localization/parameters", content=saved.text).json() == read
+    refused = service.http.post("/api/localization/amcl.yaml", json={"robot": 1})
+    assert refused.status_code == 422
+    assert "'robot'" in refused.json()["message"]
 
 
 def test_a_simulation_is_not_localized_here(service: Service) -> None:
