@@ -70,6 +70,7 @@ class MonteCarloLocalizer:
         self.log_evidence = 0.0  #: log p(z | the scans before) of the newest scan, up to the constant of all poses
         self._longest = longest
         self._odometry: tuple[float, float, float] | None = None  # at the last scan that was used
+        self._due: dict[int, bool] = {}  # of each sensor, whether its next scan is used
         self._steps = 0
         self._kept = 1.0  # share of effective particles that the stages of the newest scan but the last have left
         if initial_pose is not None:
@@ -111,7 +112,7 @@ class MonteCarloLocalizer:
         self.particles = particles
         self.weights = np.full(len(particles), 1.0 / len(particles)) if weights is None else weights
         self.weighed = self.particles.copy(), self.weights
-        self._odometry = None
+        self._odometry, self._due = None, {}
         clusters = find_clusters(self.particles, self.weights)
         self.estimate = estimate_of(clusters, 0.0, was_converged=False, is_updated=False)
         self._recovery = Recovery(self.config, is_searched=not self.estimate.is_converged)
@@ -126,8 +127,11 @@ class MonteCarloLocalizer:
         """
         return self.update_beams(odometry, scan_beams(scan, self.mount, self.config))
 
-    def update_beams(self, odometry: ArrayLike, scan: ScanBeams) -> Estimate:
-        """As :meth:`update`, of a scan whose beams are chosen (:func:`scan_beams`)."""
+    def update_beams(self, odometry: ArrayLike, scan: ScanBeams, sensor: int = 0) -> Estimate:
+        """As :meth:`update`, of a scan whose beams are chosen (:func:`scan_beams`), by one of several sensors.
+
+        Once the robot moved far enough, the next scan of each ``sensor`` is used. Source: AMCL, laserReceived.
+        """
         now = np.asarray(odometry, dtype=np.float64)
         if now.shape != (3,) or not np.isfinite(now).all():
             raise ConfigError(
@@ -136,9 +140,12 @@ class MonteCarloLocalizer:
         here: tuple[float, float, float] = tuple(now.tolist())
         if self._odometry is not None:
             moved = between_one(self._odometry, here)
-            if math.hypot(moved[0], moved[1]) < self.config.update_min_d and abs(moved[2]) < self.config.update_min_a:
+            if math.hypot(moved[0], moved[1]) >= self.config.update_min_d or abs(moved[2]) >= self.config.update_min_a:
+                self._due = dict.fromkeys(self._due, True)
+            if not self._due.get(sensor, True):
                 return self._carried(moved)
             self.predict(np.array(self._odometry), now)
+        self._due[sensor] = False
         self._odometry = here
         self.correct(scan)
         return self.estimate

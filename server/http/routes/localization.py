@@ -17,7 +17,6 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions
 from server.http.session_access import session_of_log, writable_session
-from server.library.localize_job import check_one_sensor
 from server.library.localize_jobs import NAME, parameter_table
 
 if TYPE_CHECKING:
@@ -158,11 +157,10 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
     """
     of_log = writable_session(sessions, session_id)
     owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
-    check_one_sensor(of_log.recording.log)
     await library.maps.get(owner, log_id)
     values = {"values": wanted.parameters, "initial_pose": wanted.initial_pose}
-    topic = of_log.recording.view().topic
-    state = await library.localization.begin(owner, log_id, topic, wanted.odometry, values)
+    view = of_log.recording.view()
+    state = await library.localization.begin(owner, log_id, view.topic, wanted.odometry, values, view.cut)
     follow(session, library.localization, log_id, NAME, lambda report: {"report": report})
     tell_at_end(library, sessions, library.localization, owner, log_id)
     return state

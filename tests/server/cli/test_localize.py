@@ -2,17 +2,19 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mapper.grid import OccupancyGrid
+from mapper.io.export import write_mcap
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
-from tests.mapper.localization.rooms import office
+from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.running import Run
 from tests.server.cli.test_slam import carmen
 
@@ -60,6 +62,19 @@ def test_with_a_hint_and_an_amcl_yaml(run: Run, files, tmp_path: Path):
     assert status == 0, err
     assert "converged at scan 0" in out or "converged at scan 1" in out
     assert "these say nothing about where the robot is: base_frame_id" in out
+
+
+def test_the_scans_of_two_lidars(run: Run, files, tmp_path: Path):
+    _, grid, drive = files
+    path, out = tmp_path / "run.mcap", tmp_path / "poses.tum"
+    with path.open("wb") as file:
+        write_mcap(file, two_lidars(replace(drive, trajectories={"true": drive.trajectory("true")})))
+    both = ("--topic", "/left", "--topic", "/right")
+    status, printed, err = run("localize", path, "--map", grid, *both, "--out", out, "--json", "--seed", "1", *FEW)
+    assert status == 0, err
+    assert json.loads(printed)["scans"] == 2 * drive.n_scans
+    off = read_tum(out).poses - np.repeat(drive.trajectory("true").poses, 2, axis=0)
+    assert np.hypot(*off[-10:, :2].T).max() < 0.4
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import tarfile
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 from mapper.grid import OccupancyGrid
+from mapper.io.export import write_mcap
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
@@ -20,7 +22,7 @@ from mapper.sensors.scan import ScanLog
 from server.library import given_map_job, localize_job
 from server.library.course_file import read_course
 from server.sessions.parts import Recording
-from tests.mapper.localization.rooms import office
+from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.service import Service, once_read, running, settings_for, until
@@ -138,6 +140,28 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
         service.state.sessions.get(session).enqueue({"type": "trajectory", "name": name})
         until(partial(lambda name: recording.trajectory == name, name))
         assert model.localization.message()["is_on"] is is_on
+
+
+def test_a_log_is_localized_by_two_lidars(service: Service, files: Path, drive: ScanLog) -> None:
+    out = io.BytesIO()
+    both = two_lidars(replace(drive, trajectories={"true": drive.trajectory("true")}))
+    write_mcap(out, both)
+    http = service.http
+    log_id = str(http.put("/api/logs", params={"name": "run.mcap"}, content=out.getvalue()).json()["id"])
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, topic="/right + /left", playing=False)
+    assert choose(service, session, tarred(files / "office.yaml", files / "office.pgm")).status_code == 200
+    address = f"/api/sessions/{session}/localization"
+    assert http.post(address, json={"parameters": FEW}).status_code == 202
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]) == ("done", None)
+    recording = recording_of(service, session)
+    until(lambda: recording.trajectory == "localized")
+    assert recording.log.n_scans == 2 * drive.n_scans
+    off = recording.log.trajectory("localized").poses - both.trajectory("true").poses
+    assert np.hypot(*off[-10:, :2].T).max() < 0.4
+    course = http.get(f"{address}/course").json()["course"]
+    assert len(course["scans"]) == 2 * drive.n_scans
 
 
 def test_the_course_has_the_particles_of_each_scan_that_was_used(
