@@ -58,15 +58,24 @@ class BuiltCostmap:
     given: Mapping[str, GivenLayer] = field(default_factory=dict)
 
 
-def load_masks(parameters: Nav2Costmap, folder: Path) -> dict[str, Mask]:
+def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) -> dict[str, Mask]:
     """Return the masks of the parameters' filters by the names of the filters; file names are relative to ``folder``.
 
-    Raises :class:`mapper.core.errors.ReadError` for a mask that cannot be read.
+    A mask may have another resolution and origin than the map. ``frame`` is the map's, where it is known. Raises
+    :class:`mapper.core.errors.ReadError` for a mask that cannot be read, and :class:`ConfigError` for one whose file
+    states another frame: how that lies in the map's frame is not known.
     """
     masks = {}
     for one in parameters.filters:
         if one.mask is not None and one.kind != "binary":
             loaded = load_map(folder / one.mask)
+            stated = loaded.description.frame
+            if frame is not None and stated is not None and frame.strip("/") != stated.strip("/"):
+                raise ConfigError(
+                    "costmap.frame",
+                    f"The mask {one.mask!r:.80} of {one.name} is in the frame {stated!r:.80}, the map in "
+                    f"{frame!r:.80}: all layers must be in one frame.",
+                )
             masks[one.name] = Mask(loaded.grid.geometry, loaded.values)
     return masks
 

@@ -6,7 +6,7 @@ Source: the Nav2 documentation, Costmap 2D.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeAlias
 
 import yaml
@@ -53,14 +53,16 @@ _OF_STATIC = (
 )  # fmt: skip
 #: Names that Nav2 has and that do not change costs: topics, rates, frames, sizes.
 _WITHOUT_EFFECT = frozenset((
-    "resolution", "width", "height", "origin_x", "origin_y", "rolling_window", "update_frequency",
+    "width", "height", "origin_x", "origin_y", "rolling_window", "update_frequency",
     "publish_frequency", "global_frame", "robot_base_frame", "transform_tolerance", "always_send_full_costmap",
     "map_vis_z", "use_sim_time", "map_topic", "initial_transform_timeout", "subscribe_to_stamped_footprint",
-    "footprint_topic", "service_introspection_mode", "introspection_mode", "bond_heartbeat_period", "plugins",
-    "filters", "plugin", "observation_sources", "topic", "sensor_frame", "observation_persistence",
+    "footprint_topic", "service_introspection_mode", "introspection_mode", "bond_heartbeat_period", "topic",
+    "sensor_frame", "observation_persistence",
     "expected_update_rate", "data_type", "map_subscribe_transient_local", "subscribe_to_updates",
     "restore_cleared_footprint", "tf_filter_tolerance", "publish_voxel_map", "qos_overrides", "transport_type",
 ))  # fmt: skip
+#: What a file is put together by, which has an effect, and is written anew.
+_STRUCTURE = frozenset(("plugins", "filters", "plugin", "resolution"))
 MAX_LAYERS = 20
 
 
@@ -77,7 +79,8 @@ class Nav2Costmap:
     """A costmap of a Nav2 parameter file.
 
     ``layers`` are in the order of its plugins, bottom first. ``footprint`` is None for a robot given by its radius.
-    ``unused`` are the names of parameters that change no cost here. ``filters`` are its costmap filters.
+    ``filters`` are its costmap filters. ``others`` are parameters that change no cost here, by their path below the
+    node, which :func:`nav2_yaml` writes again: (name,) of the costmap, (layer, name), (layer, source, name).
     """
 
     node: str
@@ -85,7 +88,12 @@ class Nav2Costmap:
     footprint: Footprint | None
     layers: tuple[NamedLayer, ...]
     filters: tuple[NamedFilter, ...] = ()
-    unused: tuple[str, ...] = ()
+    others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """The names of the parameters that change no cost here."""
+        return tuple(".".join((self.node, *path)) for path in self.others)
 
     @property
     def outline(self) -> Footprint:
@@ -108,7 +116,7 @@ def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
         raise ReadError("nav2.no_costmap", f"The parameter file has no costmap: no {wanted} with ros__parameters.")
     name, given = found
     names = _names(given, "plugins", name)
-    unused: list[str] = []
+    others: dict[tuple[str, ...], Any] = {}
     own = {**given}
     blocks = {key: own.pop(key) for key in names if key in own}
     filters = [named_filter(root, key, own.get(key), f"{name}.{key}", None) for key in _names(given, "filters", name)]
@@ -116,7 +124,7 @@ def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
         del own[key]  # a layer that is described, but not in the list of those in use
     footprint = _footprint(own.pop("footprint", None), name)
     of_static = {key: own.pop(key) for key in _OF_STATIC if key in own}
-    general = _config(CostmapConfig(), COSTMAP_PARAMETERS, own, name, unused)
+    general = _config(CostmapConfig(), COSTMAP_PARAMETERS, own, (name,), others)
     layers: list[NamedLayer] = []
     for key in names:
         block = blocks.get(key)
@@ -125,13 +133,13 @@ def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
         if is_filter(block):
             filters.append(named_filter(root, key, block, f"{name}.{key}", len(layers)))
             continue
-        layers.append(NamedLayer(key, _layer(block, of_static, f"{name}.{key}", unused)))
-    return Nav2Costmap(name, general, footprint, tuple(layers), tuple(filters), tuple(unused))
+        layers.append(NamedLayer(key, _layer(block, of_static, (name, key), others)))
+    return Nav2Costmap(name, general, footprint, tuple(layers), tuple(filters), others)
 
 
 def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
     """Return a parameter file with a costmap, as :func:`parse_nav2_costmap` reads it; ``resolution`` in m per cell."""
-    general: dict[str, Any] = {
+    general: dict[str, Any] = _below(costmap.others, ()) | {
         "resolution": resolution,
         "track_unknown_space": costmap.general.track_unknown_space,
         "footprint_padding": costmap.general.footprint_padding,
@@ -145,7 +153,7 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
         values = {field.name: getattr(layer.config, field.name) for field in fields(layer.config)}
         kind = next(name for name, (config, _) in _PLUGINS.items() if config is type(layer.config))
         package = "gridbloom" if kind in _OWN else "nav2_costmap_2d"
-        block: dict[str, Any] = {"plugin": f"{package}::{kind}"}
+        block: dict[str, Any] = {"plugin": f"{package}::{kind}"} | _below(costmap.others, (layer.name,))
         if isinstance(layer.config, StaticConfig):
             for key in _OF_STATIC:
                 value = values.pop(key)
@@ -153,7 +161,7 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
         if isinstance(layer.config, ObstacleConfig):
             values["combination_method"] = COMBINATIONS.index(layer.config.combination_method)
             source = {key: values.pop(key) for key in _OF_SOURCE}
-            block |= {"observation_sources": "scan", "scan": {"topic": "/scan", "data_type": "LaserScan", **source}}
+            block |= _sources(costmap.others, layer.name, source)
         blocks[layer.name] = block | {key: int(value) if key in _WHOLE else value for key, value in values.items()}
     plugins, filters = [layer.name for layer in costmap.layers], []
     servers: dict[str, Any] = {}
@@ -167,6 +175,20 @@ def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
     parameters = general | {"plugins": plugins} | ({"filters": filters} if filters else {}) | blocks
     root = {costmap.node: {costmap.node: {"ros__parameters": parameters}}} | servers
     return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
+
+
+def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict[str, Any]:
+    return {one[-1]: value for one, value in others.items() if one[:-1] == path}
+
+
+def _sources(others: Mapping[tuple[str, ...], Any], layer: str, source: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sources of observations of a layer; the first one has the values of ``source``."""
+    names = dict.fromkeys(path[1] for path in others if len(path) == 3 and path[0] == layer)
+    blocks = {name: _below(others, (layer, name)) for name in names}
+    if not blocks:
+        blocks = {"scan": {"topic": "/scan", "data_type": "LaserScan"}}
+    next(iter(blocks.values())).update(source)
+    return {"observation_sources": " ".join(blocks), **blocks}
 
 
 _WHOLE = frozenset(("lethal_cost_threshold", "unknown_cost_value", "z_voxels", "mark_threshold", "unknown_threshold"))
@@ -185,7 +207,10 @@ def _names(given: Mapping[str, Any], key: str, where: str) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _layer(block: Mapping[str, Any], of_static: Mapping[str, Any], where: str, unused: list[str]) -> LayerConfig:
+def _layer(
+    block: Mapping[str, Any], of_static: Mapping[str, Any], path: tuple[str, str], others: dict[tuple[str, ...], Any]
+) -> LayerConfig:
+    where = ".".join(path)
     kind = str(block["plugin"]).replace("/", "::").split("::")[-1]
     if kind not in _PLUGINS:
         known = ", ".join(_PLUGINS)
@@ -199,7 +224,7 @@ def _layer(block: Mapping[str, Any], of_static: Mapping[str, Any], where: str, u
         if not isinstance(sources, str):
             raise ConfigError("nav2.source", f"{where}.observation_sources must be names with spaces between them.")
         blocks = [(source, values.pop(source, {})) for source in sources.split()]
-        values.update(_of_source(blocks, where))
+        values.update(_of_source(blocks, path, others))
         # Nav2's own default of a source: what it sees marks, and clears only where the file says so.
         values.setdefault("clearing", False)
         method = values.pop("combination_method", None)
@@ -207,12 +232,15 @@ def _layer(block: Mapping[str, Any], of_static: Mapping[str, Any], where: str, u
             if method not in (0, 1, 2):
                 raise ConfigError("nav2.value", f"{where}.combination_method must be 0, 1 or 2, not {method!r:.40}.")
             values["combination_method"] = COMBINATIONS[method]
-    made: LayerConfig = _config(config(), table, values, where, unused)
+    made: LayerConfig = _config(config(), table, values, path, others)
     return made
 
 
-def _of_source(blocks: list[tuple[str, Any]], where: str) -> dict[str, Any]:
-    """Return the parameters of the first source of observations; others must not differ."""
+def _of_source(
+    blocks: list[tuple[str, Any]], path: tuple[str, str], others: dict[tuple[str, ...], Any]
+) -> dict[str, Any]:
+    """Return the parameters of the first source of observations; those of further sources have no effect."""
+    where = ".".join(path)
     found: dict[str, Any] = {}
     for k, (source, block) in enumerate(blocks):
         if not isinstance(block, dict):
@@ -223,10 +251,19 @@ def _of_source(blocks: list[tuple[str, Any]], where: str) -> dict[str, Any]:
             raise ConfigError("nav2.unknown", f"{where}.{source}: There is no parameter {unknown[0]!r:.80}.")
         if k == 0:
             found = known
+        without_effect = block if k else {name: block[name] for name in block if name not in known}
+        others.update({(path[1], source, name): value for name, value in without_effect.items()})
     return found
 
 
-def _config(config: Any, table: tuple[Parameter, ...], given: Mapping[str, Any], where: str, unused: list[str]) -> Any:  # noqa: ANN401
+def _config(
+    config: Any,  # noqa: ANN401 - one of the configurations
+    table: tuple[Parameter, ...],
+    given: Mapping[str, Any],
+    path: tuple[str, ...],
+    others: dict[tuple[str, ...], Any],
+) -> Any:  # noqa: ANN401
+    where = ".".join(path)
     rows = {row.name: row for row in table}
     values = {}
     for key, value in given.items():
@@ -236,8 +273,8 @@ def _config(config: Any, table: tuple[Parameter, ...], given: Mapping[str, Any],
             except ConfigError as error:
                 raise ConfigError("nav2.value", f"{where}.{key}: {error.message}") from error
         elif key in _WITHOUT_EFFECT:
-            unused.append(f"{where}.{key}")
-        else:
+            others[*path[1:], key] = value
+        elif key not in _STRUCTURE:
             raise ConfigError("nav2.unknown", f"{where}: There is no parameter {key!r:.80}.")
     return replace(config, **values)
 

@@ -10,8 +10,10 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
+
+import yaml
 
 from mapper.core.errors import ConfigError, ReadError
 from mapper.io.ros_parameters import find_node, parse_ros_parameters, read_parameter_file, value_below
@@ -38,6 +40,11 @@ _MODELS = {
     "differential": "differential", "omnidirectional": "omni",
     "diff": "differential", "diff-corrected": "differential", "omni": "omni", "omni-corrected": "omni",
 }  # fmt: skip
+#: Rows that Nav2's AMCL lacks; ROS 1's has selective_resampling.
+OWN_ROWS = (
+    "annealing_stages", "global_particles", "independent_beams", "least_effective", "reset_below",
+    "selective_resampling",
+)  # fmt: skip
 #: What AMCL's yamls have that does not change where the robot is found: frames, topics, rates, where it starts.
 _OTHER = frozenset(
     re.findall(
@@ -54,11 +61,19 @@ _OTHER = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """What an AMCL yaml says: the parameters, the layout, and the names that do not change where the robot is found."""
+    """What an AMCL yaml says: the parameters, the layout, and what does not change where the robot is found.
+
+    ``others`` are the values of that by their names, which :func:`amcl_yaml` writes again.
+    """
 
     config: LocalizationConfig
     layout: Layout
-    ignored: tuple[str, ...]
+    others: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """The names of the others."""
+        return tuple(self.others)
 
 
 def read_amcl_yaml(path: str | os.PathLike[str]) -> AmclParameters:
@@ -69,26 +84,39 @@ def read_amcl_yaml(path: str | os.PathLike[str]) -> AmclParameters:
 def parse_amcl_yaml(data: bytes) -> AmclParameters:
     """Return the parameters in the text of an AMCL yaml, whose node may stand anywhere in a Nav2 file.
 
-    Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Raises :class:`ReadError` for text
+    Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Rows that AMCL lacks are read from the
+    remarks in which :func:`amcl_yaml` writes them. Raises :class:`ReadError` for text
     that is no such yaml, and for a value that is none, and :class:`ConfigError` for a name that AMCL does not have and
     a value that is impossible, as well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
     values, layout = _node(parse_ros_parameters(data))
     names = _NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
     given: dict[str, Any] = {}
-    ignored = []
-    for name, value in values.items():
+    others = {}
+    for name, value in (values | _remarks(data)).items():
         own = names.get(name, name)
         if own in BY_NAME:
             given[own] = _value(name, own, value)
-        elif name.split(".")[0] in _OTHER:
-            ignored.append(name)
+        elif is_other(name):
+            others[name] = value
         else:
             raise ConfigError("amcl.unknown", f"AMCL has no parameter {name!r:.80}.")
     start = LocalizationConfig() if layout == "nav2" else LocalizationConfig().with_values(ROS1_DEFAULTS)
     if layout == "nav2" and "laser_model_type" not in given:
         given["laser_model_type"] = "likelihood_field"
-    return AmclParameters(start.with_values(given), layout, tuple(ignored))
+    return AmclParameters(start.with_values(given), layout, others)
+
+
+def is_other(name: str) -> bool:
+    """Return whether AMCL has a parameter of that name that does not change where the robot is found."""
+    return name.partition(".")[0] in _OTHER
+
+
+def _remarks(data: bytes) -> dict[str, Any]:
+    """Return the values of rows that AMCL lacks, from the remarks at the end of a yaml of :func:`amcl_yaml`."""
+    found = re.findall(rb"^\s*# gridbloom: (\w+): ([\w.+-]+)\s*$", data, re.MULTILINE)
+    texts = {name.decode(): value.decode() for name, value in found}
+    return {name: yaml.safe_load(text) for name, text in texts.items() if name in OWN_ROWS}
 
 
 def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
@@ -122,18 +150,25 @@ def _value(name: str, own: str, value: object) -> object:
     return value
 
 
-def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2") -> str:
-    """Return the parameters as the yaml of an AMCL; rows that AMCL lacks are remarks at its end."""
+def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2", others: Mapping[str, Any] | None = None) -> str:
+    """Return the parameters as the yaml of an AMCL, with the ``others`` of the yaml that they come from.
+
+    Rows that AMCL lacks are remarks at its end. Raises :class:`ConfigError` for another name that AMCL does not have.
+    """
+    unknown = [name for name in others or {} if not is_other(name)]
+    if unknown:
+        raise ConfigError("amcl.unknown", f"AMCL has no parameter {unknown[0]!r:.80}.")
     names = {own: name for name, own in (_NAV2_NAMES if layout == "nav2" else _ROS1_NAMES).items()}
     names["laser_likelihood_max_dist"] = "laser_likelihood_max_dist"
-    own_rows = ("annealing_stages", "global_particles", "least_effective", "reset_below") + (
-        ("selective_resampling",) if layout == "nav2" else ()
-    )
+    own_rows = OWN_ROWS if layout == "nav2" else tuple(name for name in OWN_ROWS if name != "selective_resampling")
     lines: list[str] = []
     remarks: list[str] = []
     for name, value in config.as_dict().items():
         text = _text(name, value, layout)
         (remarks if name in own_rows else lines).append(f"{names.get(name, name)}: {text}")
+    for name, value in (others or {}).items():
+        written = yaml.safe_dump({name: value}, default_flow_style=False)
+        lines.extend(written.rstrip("\n").split("\n"))
     if layout == "ros1":
         return "".join(f"{line}\n" for line in lines) + "".join(f"# gridbloom: {line}\n" for line in remarks)
     return (

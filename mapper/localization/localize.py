@@ -15,6 +15,7 @@ from mapper.localization.map_model import MapModel
 from mapper.localization.monte_carlo import MonteCarloLocalizer
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.scan_beams import scan_beams
+from mapper.sensors.joint_log import sensor_of_scan
 from mapper.sensors.scan import ScanLog
 
 Float64Array = NDArray[np.float64]
@@ -85,6 +86,7 @@ def localize_log(
 ) -> Localized:
     """Return where in a map the robot was at each scan of a log, by the odometry ``trajectory`` and the scans.
 
+    The scans of a :class:`mapper.sensors.joint_log.JointLog` are of several sensors, each with its mount.
     Without an ``initial_pose`` (3,) the filter starts everywhere. ``progress`` is called with the share that is done,
     ``wanted`` now and then: False raises :class:`WorkCancelledError`; ``watch`` with the number of each scan and the
     filter after it. Raises :class:`ConfigError` for a log without scans or odometry, a map without free or occupied
@@ -104,11 +106,12 @@ def localize_log(
     poses, covariance = np.empty((n, 3)), np.empty((n, 3, 3))
     converged, numbers = np.zeros(n, dtype=np.bool_), np.empty((n, 3))
     counts, used = np.empty(n, dtype=np.int64), np.zeros(n, dtype=np.bool_)
+    sensors = sensor_of_scan(log).tolist()
     for i in range(n):
         if wanted is not None and not wanted():
             raise WorkCancelledError("localization.cancelled", "The localization was cancelled.")
         x, y, yaw = log.mount_of(i).tolist()
-        found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config))
+        found = robot.update_beams(odometry[i], scan_beams(log.scan(i), (x, y, yaw), config), sensors[i])
         poses[i], covariance[i], converged[i] = found.pose, found.covariance, found.is_converged
         numbers[i] = found.share, found.fit, found.entropy
         counts[i], used[i] = found.n_particles, found.is_updated

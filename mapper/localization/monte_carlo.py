@@ -1,8 +1,9 @@
 """Monte Carlo localization: a filter that takes odometry and scans, and says where in the map the robot is.
 
 Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. What neither has: many particles until
-the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, and
-sensor resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan.
+the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, sensor
+resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan, and a rival: a second
+filter elsewhere in the map, which is tested against the first (:mod:`mapper.localization.rival`).
 """
 
 from __future__ import annotations
@@ -21,15 +22,17 @@ from mapper.localization.motion import anywhere, around, key_of, motion_between,
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.recovery import Recovery
 from mapper.localization.resample import drawn, resampled
+from mapper.localization.rival import SHARE as RIVAL_SHARE
+from mapper.localization.rival import Rival, near, rival_config, rival_particles
 from mapper.localization.scan_beams import ScanBeams, limits_of, scan_beams
 from mapper.localization.textbook import bandwidth, effective_number
-from mapper.localization.weighing import log_likelihoods, normalised, scan_sums, tempering
+from mapper.localization.weighing import log_likelihoods, logarithm_of_mean, normalised, scan_sums, tempering
 from mapper.sensors.scan import RangeScan
 
 Float64Array = NDArray[np.float64]
 
 INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
-_MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD = range(6)  #: purposes of random numbers
+_MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD, _RIVAL = range(7)  #: purposes of random numbers
 _STAGE = 16  #: between the purposes of two stages of one scan
 
 
@@ -50,26 +53,32 @@ class MonteCarloLocalizer:
         range_max: float = 100.0,
         mount: tuple[float, float, float] = (0.0, 0.0, 0.0),
         initial_pose: ArrayLike | None = None,
+        particles: ArrayLike | None = None,
         seed: int = 0,
     ) -> None:
         """Make a filter for scans of a sensor at ``mount``, ``T_base_laser``, that measures to ``range_max`` m.
 
-        Without an ``initial_pose`` (3,) it starts everywhere. ``grid`` may be the :class:`MapModel` of another filter
-        with the same parameters of the sensor. Raises :class:`ConfigError` for a map without free or occupied cells,
-        and a pose that is not in it.
+        It starts around an ``initial_pose`` (3,), or with ``particles`` (n, 3); without either, everywhere. ``grid``
+        may be the :class:`MapModel` of another filter with the same parameters of the sensor. Raises
+        :class:`ConfigError` for a map without free or occupied cells, and a pose that is not in it.
         """
         self.config = config or LocalizationConfig()
         _, longest = limits_of(self.config, range_min, range_max)
         self.model = grid if isinstance(grid, MapModel) else map_model(grid, self.config, longest)
         self.mount, self.seed = mount, seed
         self.n_updates = 0  #: scans that were used
+        self.log_evidence = 0.0  #: log p(z | the scans before) of the newest scan, up to the constant of all poses
+        self._longest = longest
         self._odometry: tuple[float, float, float] | None = None  # at the last scan that was used
+        self._due: dict[int, bool] = {}  # of each sensor, whether its next scan is used
         self._steps = 0
         self._kept = 1.0  # share of effective particles that the stages of the newest scan but the last have left
-        if initial_pose is None:
-            self.start_anywhere()
-        else:
+        if initial_pose is not None:
             self.start_at(initial_pose)
+        elif particles is not None:
+            self.set_particles(particles)
+        else:
+            self.start_anywhere()
 
     def start_anywhere(self) -> None:
         """Spread the particles uniformly over the free cells and all headings."""
@@ -103,10 +112,11 @@ class MonteCarloLocalizer:
         self.particles = particles
         self.weights = np.full(len(particles), 1.0 / len(particles)) if weights is None else weights
         self.weighed = self.particles.copy(), self.weights
-        self._odometry = None
+        self._odometry, self._due = None, {}
         clusters = find_clusters(self.particles, self.weights)
         self.estimate = estimate_of(clusters, 0.0, was_converged=False, is_updated=False)
         self._recovery = Recovery(self.config, is_searched=not self.estimate.is_converged)
+        self._rival: Rival | None = None
         self._base = tuple(self.estimate.pose.tolist())
 
     def update(self, odometry: ArrayLike, scan: RangeScan) -> Estimate:
@@ -117,8 +127,11 @@ class MonteCarloLocalizer:
         """
         return self.update_beams(odometry, scan_beams(scan, self.mount, self.config))
 
-    def update_beams(self, odometry: ArrayLike, scan: ScanBeams) -> Estimate:
-        """As :meth:`update`, of a scan whose beams are chosen (:func:`scan_beams`)."""
+    def update_beams(self, odometry: ArrayLike, scan: ScanBeams, sensor: int = 0) -> Estimate:
+        """As :meth:`update`, of a scan whose beams are chosen (:func:`scan_beams`), by one of several sensors.
+
+        Once the robot moved far enough, the next scan of each ``sensor`` is used. Source: AMCL, laserReceived.
+        """
         now = np.asarray(odometry, dtype=np.float64)
         if now.shape != (3,) or not np.isfinite(now).all():
             raise ConfigError(
@@ -127,9 +140,12 @@ class MonteCarloLocalizer:
         here: tuple[float, float, float] = tuple(now.tolist())
         if self._odometry is not None:
             moved = between_one(self._odometry, here)
-            if math.hypot(moved[0], moved[1]) < self.config.update_min_d and abs(moved[2]) < self.config.update_min_a:
+            if math.hypot(moved[0], moved[1]) >= self.config.update_min_d or abs(moved[2]) >= self.config.update_min_a:
+                self._due = dict.fromkeys(self._due, True)
+            if not self._due.get(sensor, True):
                 return self._carried(moved)
             self.predict(np.array(self._odometry), now)
+        self._due[sensor] = False
         self._odometry = here
         self.correct(scan)
         return self.estimate
@@ -147,6 +163,8 @@ class MonteCarloLocalizer:
         """Move the particles as the odometry moved from ``before`` to ``after``, both (3,), with errors."""
         self._steps += 1
         move(self.particles, motion_between(before, after, self.config), self._key(_MOVE))
+        if self._rival is not None:
+            self._rival.robot.predict(before, after)
 
     def correct(self, scan: ScanBeams) -> None:
         """Weigh the particles by a scan, set the estimate, and resample the particles where it is time."""
@@ -168,13 +186,16 @@ class MonteCarloLocalizer:
             self.particles = self.particles.copy()  # they move in place
         if random_share > 0.0:
             self._scatter(random_share)
-        if len(scan.points) and self._recovery.wants_comparison():
-            self._compare(scan, fit)
+        if len(scan.points):
+            self._test_rival(scan)
+            if self._recovery.wants_comparison():
+                self._compare(scan, fit)
 
     def reconfigure(self, config: LocalizationConfig, model: MapModel) -> None:
         """Go on with other parameters, and with the map for those of the sensor. The particles stay."""
         self.config, self.model = config, model
         self._recovery = Recovery(config, is_searched=self._recovery.is_searched)
+        self._rival = None
 
     def weights_by(self, scan: ScanBeams) -> Float64Array:
         """Return the weights (n,), Σ = 1, that a scan alone gives the particles of ``weighed``; nothing changes."""
@@ -195,6 +216,7 @@ class MonteCarloLocalizer:
         config, left, self._kept = self.config, 1.0, 1.0
         stages = int(config.annealing_stages) if len(self.particles) <= config.max_particles else 1
         first: Float64Array | None = None
+        before = self.weights
         for stage in range(stages):
             sums = scan_sums(self.model, scan, self.particles)
             logs = log_likelihoods(self.model, scan, self.particles, sums, config)
@@ -210,6 +232,7 @@ class MonteCarloLocalizer:
             self._kept *= effective_number(self.weights) / len(self.weights)
             self._spread(stage)
         assert first is not None  # noqa: S101 - for the type checker: there is a stage
+        self.log_evidence = logarithm_of_mean(before, first)
         return sums, first
 
     def _spread(self, stage: int) -> None:
@@ -254,15 +277,46 @@ class MonteCarloLocalizer:
         best = float(self.model.field.fit(sums.max(keepdims=True), len(scan.points))[0])
         now = self.estimate
         share = self._recovery.added_weight(fit, best, is_converged=now.is_converged, share=now.share)
-        if share == 0.0:
+        if share > 0.0:
+            self._rival = None
+            added = self._likely(scan, places, sums, max(1, round(2.0 * share * count)))
+            self._add(added, np.full(len(added), share / len(added)))
+        elif self._rival is None and now.is_converged:
+            self._begin_rival(scan, places, sums)
+
+    def _begin_rival(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64]) -> None:
+        """Begin a rival on the likeliest ones of ``places`` (n, 3) that are apart from where the filter is."""
+        apart = ~near(places, self.estimate.pose)
+        if not apart.any():
             return
+        poses = self._likely(scan, places[apart], sums[apart], rival_particles(self.config))
+        robot = MonteCarloLocalizer(
+            self.model, rival_config(self.config), range_max=self._longest, seed=self._key(_RIVAL), particles=poses
+        )
+        self._rival = Rival(robot)
+
+    def _likely(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64], count: int) -> Float64Array:
+        """Return ``count`` poses drawn from ``places`` (n, 3) by a scan's likelihood, scaled down; ``sums`` (n,)."""
         logs = log_likelihoods(self.model, scan, places, sums, self.config)
-        flat = np.full(count, 1.0 / count)
+        flat = np.full(len(places), 1.0 / len(places))
         weights = normalised(tempering(flat, logs, max(self.config.least_effective, 0.01)) * logs)
-        n_added = max(1, round(2.0 * share * count))
-        added = places[drawn(weights, n_added, self._uniform(_REPLACE))]
-        self.particles = np.concatenate([self.particles, added])
-        self.weights = np.concatenate([(1.0 - share) * self.weights, np.full(n_added, share / n_added)])
+        return places[drawn(weights, count, self._uniform(_REPLACE))]
+
+    def _add(self, particles: Float64Array, weights: Float64Array) -> None:
+        """Add particles (n, 3) with weights (n,); those that there are share the rest."""
+        self.particles = np.concatenate([self.particles, particles])
+        self.weights = np.concatenate([(1.0 - float(weights.sum())) * self.weights, weights])
+
+    def _test_rival(self, scan: ScanBeams) -> None:
+        """Weigh the rival by a scan, and add its particles to the filter's where the test decides for it."""
+        rival = self._rival
+        if rival is None:
+            return
+        rival.correct(scan, self.log_evidence)
+        if rival.has_won:
+            self._add(rival.robot.particles, RIVAL_SHARE * rival.robot.weights)
+        if rival.has_won or rival.has_lost(self.estimate):
+            self._rival = None
 
     def _key(self, purpose: int) -> int:
         return key_of(self.seed, self._steps, purpose)

@@ -141,7 +141,7 @@ PARAMETERS: tuple[Parameter, ...] = (
         "reset_below", "Reset below", "recovery", "number", 0.85,
         "Where scans fit worse than this share of how well they fit at the best of many poses all over the map, "
         "particles are added that are drawn from the likelihood of a scan (sensor resetting), as are a few until the "
-        "robot is found; 0: never.",
+        "robot is found; 0: never, and no second filter (rival) is tested at other places.",
         "", 0.0, 1.0, 0.01,
     ),
 )  # fmt: skip

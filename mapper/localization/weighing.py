@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import numpy as np
@@ -75,6 +76,12 @@ def normalised(log_weights: Float64Array) -> Float64Array:
     weights = np.exp(log_weights - most)
     weights /= weights.sum()
     return weights
+
+
+def logarithm_of_mean(weights: Float64Array, log_values: Float64Array) -> float:
+    """Return log Σ w exp(v) of weights (n,), Σ = 1, and logarithms v (n,)."""
+    most = float(log_values.max())
+    return most + math.log(float(weights @ np.exp(log_values - most)))
 
 
 def effective(weights: Float64Array) -> float:

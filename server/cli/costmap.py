@@ -41,10 +41,12 @@ def costmap(
     if params is not None:
         with refusing(params):
             parameters = parse_nav2_costmap(read_parameter_file(params), node)
-        with refusing(params):
-            masks = load_masks(parameters, params.parent)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
+    if params is not None:
+        with refusing(params):
+            masks = load_masks(parameters, params.parent, loaded.description.frame)
+    with refusing(map_yaml):
         built = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks)
         built.costmap.update()
     costs = built.costmap.costs
@@ -85,6 +87,8 @@ def costmap(
         f"  {facts['lethal']} lethal, {facts['inscribed']} inscribed, {facts['inflated']} inflated, "
         f"{facts['free']} free, {facts['no_information']} no information"
     )
+    if parameters.unused:
+        typer.echo(f"  parameters that change no cost here: {', '.join(parameters.unused)}")
     if built.unmasked:
         typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
     if built.given:

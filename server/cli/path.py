@@ -38,7 +38,7 @@ def path(
 ) -> None:
     """Plan the cheapest path between two places of a map, on the costmap of Nav2's layers."""
     from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.build import DEFAULT, build_costmap, load_masks  # noqa: PLC0415 - start-up
     from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
@@ -59,7 +59,12 @@ def path(
         fail(error.message)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
-        costmap = build_costmap(loaded.grid.geometry, loaded.values, parameters).costmap
+    masks = {}
+    if params is not None:
+        with refusing(params):
+            masks = load_masks(parameters, params.parent, loaded.description.frame)
+    with refusing(map_yaml):
+        costmap = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks).costmap
         costmap.update()
         found = plan_path(costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
     facts: dict[str, Any] = {

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import ConfigError, LimitError
-from mapper.sensors.joint_log import JointLog
+from mapper.core.errors import LimitError
 from server.library import job as jobs
 from server.library.course_file import Course, course_bytes, thinned
 from server.library.given_map import read_given_map
@@ -26,7 +25,6 @@ from server.library.slam_job import log_in, lower_priority
 
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
-    from mapper.sensors.scan import ScanLog
 
 DOING = "Localizing this log"  #: in errors
 EVERY_S = 0.4  #: seconds between two reports
@@ -99,16 +97,6 @@ class LocalizeProgress:
     covariance: NDArray[np.float64]
     poses: NDArray[np.float64]
     particles: NDArray[np.float32]
-
-
-def check_one_sensor(log: ScanLog) -> None:
-    """Raise :class:`ConfigError` for several sensors in one log."""
-    if isinstance(log, JointLog):
-        raise ConfigError(
-            "localization.sensors",
-            "Localization uses the scans of one sensor: open one of them by itself and begin there; all sensors of the "
-            "log can then be mapped with the poses that it gives.",
-        )
 
 
 def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:

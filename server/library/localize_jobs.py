@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from mapper.core.errors import ConfigError
-from mapper.sensors.scan import ScanLog
 from server.library.given_maps import GivenMaps
 from server.library.localize_job import (
     COURSE,
@@ -18,7 +17,6 @@ from server.library.localize_job import (
     LocalizeJob,
     LocalizeOutcome,
     LocalizeProgress,
-    check_one_sensor,
     read_progress,
 )
 from server.library.pose_job_kind import JobLimits
@@ -46,10 +44,6 @@ class LocalizationKind:
             "values": changed_values(parameters.get("values", {})),
             "initial_pose": None if pose is None else [*pose],
         }
-
-    def check(self, log: ScanLog) -> None:
-        """Refuse several sensors at once."""
-        check_one_sensor(log)
 
     async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> LocalizeJob:
         """Return the job on the log in ``pack``. Raises :class:`ConfigError` where no map was chosen."""

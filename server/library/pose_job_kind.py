@@ -62,9 +62,6 @@ class JobKind(Protocol[P, T]):
     def checked(self, parameters: dict[str, Any]) -> dict[str, Any]:
         """Return the parameters that are kept of a job (worker thread). Raises :class:`ConfigError`."""
 
-    def check(self, log: ScanLog) -> None:
-        """Raise :class:`ConfigError` for a log that it cannot use."""
-
     async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> WorkerJob[T]:
         """Return the job on the log in ``pack``; ``out`` is the path of its files without their endings."""
 

@@ -9,7 +9,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from mapper.sensors.scan import ScanLog
 from server.library.pose_job_kind import JobLimits
 from server.library.pose_job_record import PoseJobRecord
 from server.library.slam_job import GRAPH, NAME, TUM, PartialPoses, SlamJob, SlamOutcome, read_progress
@@ -27,9 +26,6 @@ class SlamKind:
     def checked(self, parameters: dict[str, Any]) -> dict[str, Any]:
         """Return the parameters that differ from the first values."""
         return changed_parameters(parameters)
-
-    def check(self, log: ScanLog) -> None:
-        """SLAM takes the scans of several sensors too."""
 
     async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> SlamJob:
         """Return the job on the log in ``pack``."""

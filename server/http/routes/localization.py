@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, Query, Request
+from fastapi.encoders import jsonable_encoder
 from fastapi.responses import PlainTextResponse
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from starlette.requests import ClientDisconnect
@@ -16,7 +17,6 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions
 from server.http.session_access import session_of_log, writable_session
-from server.library.localize_job import check_one_sensor
 from server.library.localize_jobs import NAME, parameter_table
 
 if TYPE_CHECKING:
@@ -63,7 +63,8 @@ async def parameters() -> dict[str, Any]:
 async def of_yaml(request: Request) -> dict[str, Any]:
     """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
 
-    ``ignored`` are the names that do not change where the robot is found.
+    ``others`` are what does not change where the robot is found, and ``layout`` is nav2 or ros1: a yaml that is saved
+    with them keeps it.
     """
     text = bytearray()
     async for chunk in request.stream():
@@ -76,19 +77,29 @@ async def of_yaml(request: Request) -> dict[str, Any]:
         from server.library.localize_jobs import changed_values  # noqa: PLC0415
 
         found = parse_amcl_yaml(bytes(text))
-        return {"values": changed_values(found.config.as_dict()), "ignored": list(found.ignored)}
+        values = changed_values(found.config.as_dict())
+        return {"values": values, "layout": found.layout, "others": jsonable_encoder(found.others)}
 
     return await asyncio.to_thread(read)
 
 
 @router.post("/localization/amcl.yaml")
-async def as_yaml(values: Annotated[dict[str, Any], Body(max_length=50)]) -> PlainTextResponse:
-    """Return parameters, those that differ from the first values, as the yaml of Nav2's AMCL."""
+async def as_yaml(
+    values: Annotated[dict[str, Any], Body(max_length=100)],
+    layout: Annotated[Literal["nav2", "ros1"], Query(description="Names of Nav2's AMCL, or of ROS 1's.")] = "nav2",
+) -> PlainTextResponse:
+    """Return parameters, those that differ from the first values, as the yaml of an AMCL.
+
+    Names of AMCL's that do not change where the robot is found are written as they are.
+    """
 
     def write() -> str:
         from mapper.localization import LocalizationConfig, amcl_yaml  # noqa: PLC0415 - few visitors want one
+        from mapper.localization.amcl_parameters import is_other  # noqa: PLC0415
 
-        return amcl_yaml(LocalizationConfig().with_values(values))
+        others = {name: value for name, value in values.items() if is_other(name)}
+        own = {name: value for name, value in values.items() if name not in others}
+        return amcl_yaml(LocalizationConfig().with_values(own), layout, others)
 
     text = await asyncio.to_thread(write)
     return PlainTextResponse(text, headers={"Content-Disposition": 'attachment; filename="amcl.yaml"'})
@@ -146,11 +157,10 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
     """
     of_log = writable_session(sessions, session_id)
     owner, log_id, session = of_log.owner, of_log.log_id, of_log.session
-    check_one_sensor(of_log.recording.log)
     await library.maps.get(owner, log_id)
     values = {"values": wanted.parameters, "initial_pose": wanted.initial_pose}
-    topic = of_log.recording.view().topic
-    state = await library.localization.begin(owner, log_id, topic, wanted.odometry, values)
+    view = of_log.recording.view()
+    state = await library.localization.begin(owner, log_id, view.topic, wanted.odometry, values, view.cut)
     follow(session, library.localization, log_id, NAME, lambda report: {"report": report})
     tell_at_end(library, sessions, library.localization, owner, log_id)
     return state

@@ -92,10 +92,15 @@ _CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2
 
 @dataclass(frozen=True, slots=True)
 class LabParameters:
-    """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse."""
+    """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
+
+    ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2_parameters.Nav2Costmap`
+    has them, with the lab's names of its layers.
+    """
 
     values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
     footprint: Footprint = field(default_factory=lambda: Footprint(HEXAGON))
+    others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
 
     def with_values(self, values: Mapping[str, Any]) -> LabParameters:
         """Return the parameters with other values; the rest stays."""
@@ -168,7 +173,7 @@ class LabParameters:
             "inflation_layer": self.inflation,
         }
         layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
-        return Nav2Costmap("global_costmap", self.general, self.footprint, layers)
+        return Nav2Costmap("global_costmap", self.general, self.footprint, layers, others=self.others)
 
 
 def from_nav2(
@@ -181,20 +186,25 @@ def from_nav2(
     Raises :class:`ConfigError` for a value beyond the lab's bounds.
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
+    named: dict[str, str] = {}  # the file's names of the layers, and the lab's
     values |= dict.fromkeys(("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer"), False)
     for layer in found.layers:
         config = layer.config
         if isinstance(config, StaticConfig):
+            named[layer.name] = "static_layer"
             values["static_layer"] = config.enabled
         elif isinstance(config, GivenConfig):
+            named[layer.name] = "terrain_layer"
             values["terrain_layer"] = config.enabled
         elif isinstance(config, InflationConfig):
+            named[layer.name] = "inflation_layer"
             values |= {
                 "inflation_layer": config.enabled,
                 "inflation_radius": config.inflation_radius,
                 "cost_scaling_factor": config.cost_scaling_factor,
             }
         elif isinstance(config, ObstacleConfig):
+            named[layer.name] = "obstacle_layer"
             values |= {
                 "obstacle_layer": config.enabled,
                 "clearing": config.clearing,
@@ -209,4 +219,5 @@ def from_nav2(
     values |= {name: getattr(planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
     values |= {name: getattr(pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)
-    return replace(before.with_values(values), footprint=footprint)
+    others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in found.others.items()}
+    return replace(before.with_values(values), footprint=footprint, others=others)

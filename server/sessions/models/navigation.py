@@ -22,6 +22,8 @@ from server.sessions.tick import TickResult
 from server.stream.layers import Layer
 from server.stream.protocol import ProtocolError, number, text, values
 
+_MOST_NAMES = 12  #: of parameters in one notice
+
 
 class Navigation(ABC):
     """The costmap and the path, from the command ``costmap`` on until the same command ends them."""
@@ -138,10 +140,12 @@ class Navigation(ABC):
             result.answer({"type": "nav2", "text": parts + path})
             return
         data = text(command, "text").encode()
-        found = from_nav2(
-            costmap.parameters, parse_nav2_costmap(data), parse_nav2_planner(data), parse_nav2_pursuit(data)
-        )
+        read = parse_nav2_costmap(data)
+        found = from_nav2(costmap.parameters, read, parse_nav2_planner(data), parse_nav2_pursuit(data))
         costmap.change(found, self._map(found), self._plan)
+        if read.unused:
+            names = ", ".join(read.unused[:_MOST_NAMES]) + (" and more" if len(read.unused) > _MOST_NAMES else "")
+            result.notice("nav2.kept", f"Without effect here, and kept in the yaml that you download: {names}.")
         self._note_change(result)
         result.answer({"type": "nav2", "text": None})
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from mapper.costmap.build import build_costmap
@@ -84,7 +85,31 @@ def test_the_local_costmap_with_a_footprint() -> None:
 def test_what_is_written_is_read_back(node: str) -> None:
     found = parse_nav2_costmap(FILE, node)
     again = parse_nav2_costmap(nav2_yaml(found, 0.05).encode())
-    assert (again.general, again.layers, again.outline) == (found.general, found.layers, found.outline)
+    assert again == found
+    assert again.unused == found.unused
+
+
+def test_what_changes_no_cost_is_said_and_written_again() -> None:
+    two = FILE.replace(b"observation_sources: scan\n        scan:", b"observation_sources: front rear\n        front:")
+    two = two.replace(
+        b"      static_layer:\n", b"        rear: {topic: /rear, clearing: true}\n      static_layer:\n", 1
+    )
+    found = parse_nav2_costmap(two)
+    assert set(found.unused) == {
+        "global_costmap.update_frequency", "global_costmap.global_frame", "global_costmap.always_send_full_costmap",
+        "global_costmap.static_layer.map_subscribe_transient_local", "global_costmap.obstacle_layer.front.topic",
+        "global_costmap.obstacle_layer.front.data_type", "global_costmap.obstacle_layer.rear.topic",
+        "global_costmap.obstacle_layer.rear.clearing",
+    }  # fmt: skip
+    text = nav2_yaml(found, 0.05)
+    values = yaml.safe_load(text)["global_costmap"]["global_costmap"]["ros__parameters"]
+    assert (values["update_frequency"], values["global_frame"], values["resolution"]) == (1.0, "map", 0.05)
+    layer = values["obstacle_layer"]
+    assert layer["observation_sources"] == "front rear"
+    assert (layer["front"]["topic"], layer["front"]["raytrace_max_range"]) == ("/scan", 4.5)
+    assert layer["rear"] == {"topic": "/rear", "clearing": True}
+    assert values["static_layer"]["map_subscribe_transient_local"] is True
+    assert parse_nav2_costmap(text.encode()) == found
 
 
 def test_a_costmap_is_built_from_it() -> None:

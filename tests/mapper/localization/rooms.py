@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,6 +13,7 @@ from mapper.localization.map_model import MapModel, map_model
 from mapper.localization.parameters import LocalizationConfig
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from tests.mapper.slam.worlds import along, drive
 
@@ -40,3 +43,29 @@ def office(seed: int = 3) -> tuple[OccupancyGrid, ScanLog]:
     grid = grid_for(mapped, config, "true")
     integrate_log(grid, mapped, config, "true")
     return grid, drive("office", np.add(path[::-1], [0.0, 0.0, np.pi]), seed=seed, turn_bias=0.02)
+
+
+def two_lidars(log: ScanLog) -> JointLog:
+    """Return a log as two lidars would have made it: ``/right`` has the first half of its beams, ``/left`` the others.
+
+    Each is mounted in the direction of its middle beam, and scans a microsecond after the other.
+    """
+    half = log.n_beams // 2
+    parts = []
+    for k, name in enumerate(("right", "left")):
+        first = log.angle_min + k * half * log.angle_increment
+        middle = first + half // 2 * log.angle_increment
+        assert log.mount == (0.0, 0.0, 0.0)
+        assert abs(middle) < math.pi
+        parts.append(
+            replace(
+                log,
+                ranges=np.ascontiguousarray(log.ranges[:, k * half : (k + 1) * half]),
+                angle_min=first - middle,
+                mount=(0.0, 0.0, middle),
+                topic=f"/{name}",
+                frame_id=name,
+                stamps_ns=log.stamps_ns + 1000 * k,
+            )
+        )
+    return JointLog.of(parts)

@@ -80,6 +80,46 @@ def test_what_is_written_is_read_again(layout):
         assert (values["laser_max_beams"], values["kld_err"], values["odom_alpha2"]) == (75, 0.02, 0.07)
 
 
+@pytest.mark.parametrize("layout", ["nav2", "ros1"])
+def test_rows_that_amcl_lacks_come_back_from_the_remarks_and_other_readers_do_not_see_them(layout):
+    config = LocalizationConfig(
+        annealing_stages=3, global_particles=9000, independent_beams=0, least_effective=0.05, reset_below=0.5,
+        selective_resampling=True,
+    )  # fmt: skip
+    text = amcl_yaml(config, layout)
+    assert parse_amcl_yaml(text.encode()).config == config
+    values = yaml.safe_load(text)
+    values = values["amcl"]["ros__parameters"] if layout == "nav2" else values
+    own = {"annealing_stages", "global_particles", "independent_beams", "least_effective", "reset_below"}
+    assert own.isdisjoint(values)
+    assert ("selective_resampling" in values) is (layout == "ros1")
+
+
+@pytest.mark.parametrize("text", [NAV2, ROS1])
+def test_load_save_load_keeps_what_changes_nothing(text: bytes):
+    first = parse_amcl_yaml(text)
+    written = amcl_yaml(first.config, first.layout, first.others)
+    again = parse_amcl_yaml(written.encode())
+    assert again == first
+    values = yaml.safe_load(written)
+    values = values["amcl"]["ros__parameters"] if first.layout == "nav2" else values
+    if first.layout == "nav2":
+        assert values["base_frame_id"] == "base_footprint"
+        assert values["initial_pose"] == {"x": 1.0, "y": 2.0, "z": 0.0, "yaw": 0.5}
+    else:
+        assert values["odom_frame_id"] == "odom"
+
+
+def test_other_names_are_those_that_amcl_has():
+    with pytest.raises(MapperError, match="AMCL has no parameter 'laser'"):
+        amcl_yaml(LocalizationConfig(), others={"laser": 1})
+
+
+def test_a_remark_is_checked_as_a_value():
+    with pytest.raises(MapperError, match="reset_below"):
+        parse_amcl_yaml(b"amcl:\n  ros__parameters:\n    z_hit: 0.5\n    # gridbloom: reset_below: 7\n")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from mapper.costmap import cost_of_distance
@@ -64,3 +65,84 @@ def test_a_bad_parameter_file_is_one_sentence(run: Run, tmp_path: Path) -> None:
     missing = run("costmap", yaml_path, "--params", tmp_path / "none.yaml", "--out", tmp_path / "costs")
     assert missing.status == 2
     assert "Traceback" not in missing.err
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("robot_radius: 0.2", 'footprint: "[[1, 1], [-1, -1], [1, -1], [-1, 1]]"'),
+         "global_costmap.footprint: The footprint crosses itself: the edges from point 0 and from point 2 meet."),
+        (("robot_radius: 0.2", 'footprint: "[[1, 1], [2, 1], [2, 2]]"'), "must hold the robot's centre"),
+        (("inflation_radius: 1.0", "inflation_radius: .nan"), "inflation_layer.inflation_radius: "),
+        (("inflation_radius: 1.0", "inflation: 1.0"), "There is no parameter 'inflation'"),
+        (("InflationLayer", "ShoutingLayer"), "inflation_layer.plugin: 'nav2_costmap_2d::ShoutingLayer' is none of"),
+        (("global_costmap:\n  global_costmap:", "other:\n  other:"), "has no costmap: no global_costmap or local"),
+    ],
+)  # fmt: skip
+def test_parameters_that_are_impossible(run: Run, tmp_path: Path, change: tuple[str, str], said: str) -> None:
+    yaml_path = small_map(tmp_path)
+    params = tmp_path / "nav2.yaml"
+    params.write_text(PARAMS.replace(*change))
+    done = run("costmap", yaml_path, "--params", params, "--out", tmp_path / "costs")
+    assert (done.status, done.out, done.err.count("\n")) == (2, "", 1)
+    assert said in done.err
+    assert not (tmp_path / "costs.pgm").exists()
+
+
+MASKED = """
+      filters: [zones]
+      zones: {plugin: "nav2_costmap_2d::KeepoutFilter", filter_info_topic: "/info"}
+info_server: {ros__parameters: {type: 0, filter_info_topic: "/info", mask_topic: "/mask"}}
+mask_server: {ros__parameters: {topic_name: "/mask", yaml_filename: "mask.yaml"}}
+"""
+
+
+def masked(folder: Path, frame: str) -> Path:
+    """Parameters with a mask of 2 × 2 cells of 0.7 m in a corner of the map, the upper right one lethal."""
+    Image.fromarray(np.array([[0, 100], [0, 0]], dtype=np.uint8)).save(folder / "mask.pgm")
+    (folder / "mask.yaml").write_text(
+        "image: mask.pgm\nmode: raw\nresolution: 0.7\norigin: [-1, 2, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+        f"free_thresh: 0.25\ngridbloom_frame: {frame}\n"
+    )
+    params = folder / "nav2.yaml"
+    params.write_text(PARAMS + MASKED.lstrip("\n"))
+    return params
+
+
+def test_a_mask_of_another_resolution_is_laid_over_the_map_and_one_of_another_frame_refused(
+    run: Run, tmp_path: Path
+) -> None:
+    yaml_path = small_map(tmp_path)
+    with yaml_path.open("a") as file:
+        file.write("gridbloom_frame: map\n")
+    params = masked(tmp_path, "map")
+    done = run("costmap", yaml_path, "--params", params, "--out", tmp_path / "costs")
+    assert done.status == 0, done.err
+    with Image.open(tmp_path / "costs.pgm") as image:
+        costs = np.flipud(np.asarray(image))
+    lethal = costs == 254
+    lethal[10, 20] = False  # the wall
+    expected = np.zeros_like(lethal)
+    expected[7:14, 7:14] = True
+    np.testing.assert_array_equal(lethal, expected)
+    # The path goes around the zone, too.
+    ends = "--from", "-0.75,3.05", "--to", "0.95,3.05", "--json"
+    around = json.loads(run("path", yaml_path, *ends, "--params", params).out)
+    straight = json.loads(run("path", yaml_path, *ends).out)
+    assert around["length"] > straight["length"] + 0.15
+
+    for command in (("costmap", "--out", tmp_path / "other"), ("path", *ends)):
+        refused = run(command[0], yaml_path, *command[1:], "--params", masked(tmp_path, "odom"))
+        assert (refused.status, refused.out) == (2, "")
+        assert "The mask 'mask.yaml' of zones is in the frame 'odom', the map in 'map'" in refused.err
+
+
+def test_a_map_without_free_cells_has_costs_and_no_path(run: Run, tmp_path: Path) -> None:
+    grid = OccupancyGrid(GridGeometry(0.1, 20, 20))
+    grid.log_odds[:], grid.observed[:] = 3.5, True
+    yaml_path = save_map(grid, tmp_path / "full")[0]
+    done = run("costmap", yaml_path, "--out", tmp_path / "costs", "--json")
+    assert (done.status, json.loads(done.out)["lethal"]) == (0, 400)
+    path = run("path", yaml_path, "--from", "0.5,0.5", "--to", "1.5,1.5")
+    assert path.status == 2
+    assert "The robot cannot be at the start: its cell is lethal." in path.err

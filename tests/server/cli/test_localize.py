@@ -2,16 +2,19 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mapper.grid import OccupancyGrid
+from mapper.io.export import write_mcap
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
-from tests.mapper.localization.rooms import office
+from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.running import Run
 from tests.server.cli.test_slam import carmen
 
@@ -61,12 +64,28 @@ def test_with_a_hint_and_an_amcl_yaml(run: Run, files, tmp_path: Path):
     assert "these say nothing about where the robot is: base_frame_id" in out
 
 
+def test_the_scans_of_two_lidars(run: Run, files, tmp_path: Path):
+    _, grid, drive = files
+    path, out = tmp_path / "run.mcap", tmp_path / "poses.tum"
+    with path.open("wb") as file:
+        write_mcap(file, two_lidars(replace(drive, trajectories={"true": drive.trajectory("true")})))
+    both = ("--topic", "/left", "--topic", "/right")
+    status, printed, err = run("localize", path, "--map", grid, *both, "--out", out, "--json", "--seed", "1", *FEW)
+    assert status == 0, err
+    assert json.loads(printed)["scans"] == 2 * drive.n_scans
+    off = read_tum(out).poses - np.repeat(drive.trajectory("true").poses, 2, axis=0)
+    assert np.hypot(*off[-10:, :2].T).max() < 0.4
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["--initial-pose", "1,2"], "--initial-pose needs three numbers"),
         (["--initial-pose", "900,2,0"], "is outside the map, which goes from"),
+        (["--initial-pose", "nan,2,0"], "three finite numbers"),
         (["--set", "sigma_hit=0"], "sigma_hit"),
+        (["--set", "z_hit=nan"], "must be a finite number, not nan"),
+        (["--set", "z_hit=0", "--set", "z_rand=0"], "every pose would fit alike"),
         (["--set", "speed=1"], "There is no localization parameter 'speed'"),
         (["--set", "speed"], "--set needs NAME=VALUE"),
         (["--trajectory", "tf"], "The log has no trajectory 'tf'"),
@@ -84,3 +103,31 @@ def test_a_map_that_is_missing(run: Run, files):
     status, _, err = run("localize", files[0], "--map", "no.yaml")
     assert status == 2
     assert "There is no file 'no.yaml'" in err
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
+        ("z_hit: .nan", "(z_hit) must be a finite number"),
+        ("max_particles: -5", "max_particles"),
+        ("robot_model_type: tank", "robot_model_type must be one of"),
+    ],
+)
+def test_an_amcl_yaml_with_an_error(run: Run, files, tmp_path: Path, line: str, said: str):
+    params = tmp_path / "amcl.yaml"
+    params.write_text(f"amcl:\n  ros__parameters:\n    {line}\n")
+    status, out, err = run("localize", files[0], "--map", files[1], "--params", params)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+
+
+def test_a_map_without_free_cells(run: Run, files, tmp_path: Path):
+    grid = OccupancyGrid(office()[0].geometry)
+    grid.log_odds[:], grid.observed[:] = 3.5, True
+    full = save_map(grid, tmp_path / "full", "trinary")[0]
+    out = tmp_path / "poses.tum"
+    status, printed, err = run("localize", files[0], "--map", full, "--out", out)
+    assert (status, printed) == (2, "")
+    assert "The map has no free cells" in err
+    assert not out.exists()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import tarfile
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mapper.grid import OccupancyGrid
+from mapper.io.export import write_mcap
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
@@ -19,7 +22,7 @@ from mapper.sensors.scan import ScanLog
 from server.library import given_map_job, localize_job
 from server.library.course_file import read_course
 from server.sessions.parts import Recording
-from tests.mapper.localization.rooms import office
+from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.service import Service, once_read, running, settings_for, until
@@ -139,6 +142,28 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
         assert model.localization.message()["is_on"] is is_on
 
 
+def test_a_log_is_localized_by_two_lidars(service: Service, files: Path, drive: ScanLog) -> None:
+    out = io.BytesIO()
+    both = two_lidars(replace(drive, trajectories={"true": drive.trajectory("true")}))
+    write_mcap(out, both)
+    http = service.http
+    log_id = str(http.put("/api/logs", params={"name": "run.mcap"}, content=out.getvalue()).json()["id"])
+    once_read(http, log_id)
+    session = service.begin(kind="log", log=log_id, topic="/right + /left", playing=False)
+    assert choose(service, session, tarred(files / "office.yaml", files / "office.pgm")).status_code == 200
+    address = f"/api/sessions/{session}/localization"
+    assert http.post(address, json={"parameters": FEW}).status_code == 202
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]) == ("done", None)
+    recording = recording_of(service, session)
+    until(lambda: recording.trajectory == "localized")
+    assert recording.log.n_scans == 2 * drive.n_scans
+    off = recording.log.trajectory("localized").poses - both.trajectory("true").poses
+    assert np.hypot(*off[-10:, :2].T).max() < 0.4
+    course = http.get(f"{address}/course").json()["course"]
+    assert len(course["scans"]) == 2 * drive.n_scans
+
+
 def test_the_course_has_the_particles_of_each_scan_that_was_used(
     service: Service, session: str, drive: ScanLog
 ) -> None:
@@ -206,10 +231,54 @@ def test_amcl_yamls_go_in_and_come_out(service: Service) -> None:
     values = {"alpha1": 0.4, "laser_model_type": "beam"}
     text = http.post("/api/localization/amcl.yaml", json=values).text
     assert text == amcl_yaml(LocalizationConfig().with_values(values))
-    assert http.put("/api/localization/parameters", content=text).json() == {"values": values, "ignored": []}
+    read = http.put("/api/localization/parameters", content=text).json()
+    assert read == {"values": values, "layout": "nav2", "others": {}}
     refused = http.put("/api/localization/parameters", content="amcl:\n  ros__parameters:\n    alpha1: -2\n")
     assert refused.status_code == 422
     assert "alpha1" in refused.json()["message"]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
+        ("z_hit: .nan", "(z_hit) must be a finite number"),
+        ("min_particles: 5000", "must be at most max_particles"),
+    ],
+)
+def test_an_amcl_yaml_with_an_error_is_refused(service: Service, line: str, said: str) -> None:
+    refused = service.http.put("/api/localization/parameters", content=f"amcl:\n  ros__parameters:\n    {line}\n")
+    assert refused.status_code == 422
+    assert said in refused.json()["message"]
+
+
+def test_a_map_without_free_cells_ends_the_job_with_a_sentence(service: Service, session: str, tmp_path: Path) -> None:
+    grid = OccupancyGrid(office()[0].geometry)
+    grid.log_odds[:], grid.observed[:] = 3.5, True
+    save_map(grid, tmp_path / "full", "trinary")
+    http, address = service.http, f"/api/sessions/{session}/localization"
+    before = http.get(f"/api/sessions/{session}/trajectories/localized").text
+    assert (
+        choose(service, session, tarred(tmp_path / "full.yaml", tmp_path / "full.pgm"), "full.yaml").status_code == 200
+    )
+    http.post(address, json={})
+    state = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
+    assert (state["state"], state["error"]["code"]) == ("failed", "localization.no_free_cells")
+    assert "The map has no free cells" in state["error"]["message"]
+    assert http.get(f"/api/sessions/{session}/trajectories/localized").text == before
+
+
+def test_what_changes_nothing_in_an_amcl_yaml_comes_out_as_it_went_in(service: Service) -> None:
+    text = "odom_alpha1: 0.4\nodom_frame_id: wheels\ninitial_pose_x: 2.5\n"
+    read = service.http.put("/api/localization/parameters", content=text).json()
+    assert read["layout"] == "ros1"
+    assert read["others"] == {"odom_frame_id": "wheels", "initial_pose_x": 2.5}
+    wanted = read["values"] | read["others"]
+    saved = service.http.post("/api/localization/amcl.yaml", params={"layout": "ros1"}, json=wanted)
+    assert service.http.put("/api/localization/parameters", content=saved.text).json() == read
+    refused = service.http.post("/api/localization/amcl.yaml", json={"robot": 1})
+    assert refused.status_code == 422
+    assert "'robot'" in refused.json()["message"]
 
 
 def test_a_simulation_is_not_localized_here(service: Service) -> None:

@@ -45,12 +45,14 @@ class Lab:
     def __init__(self, model: SimulationModel) -> None:
         self.model = model
         self.answers: list[dict[str, Any]] = []
+        self.notices: list[str] = []
 
     def do(self, **command: Any) -> dict[str, Any]:
         result = TickResult()
         self.model.obey(command, result)
         self.model.draw(result)
         self.answers = [answer for _, answer in result.answers]
+        self.notices = [notice["code"] for notice in result.notices]
         return self.path
 
     def pass_time(self, seconds: float) -> dict[str, Any]:
@@ -302,6 +304,18 @@ async def test_parameters_go_out_as_nav2_yaml_and_come_back(lab: Lab) -> None:
             lab.do(type="nav2", text=wrong)
         assert lab.costmap["values"] == values
     assert Footprint(tuple(map(tuple, outline))).inscribed_radius > 0.19
+
+
+async def test_what_a_loaded_yaml_has_besides_is_said_and_downloaded_again(lab: Lab) -> None:
+    lab.do(type="costmap")
+    lab.do(type="nav2")
+    text = lab.answers[0]["text"].replace("obstacle_layer", "laser")
+    lab.do(type="nav2", text=text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown"))
+    assert lab.notices == ["nav2.kept"]
+    lab.do(type="nav2")
+    found = parse_nav2_costmap(lab.answers[0]["text"].encode())
+    assert found.others[("update_frequency",)] == 3.5
+    assert found.others["obstacle_layer", "scan", "topic"] == "/scan"
 
 
 async def test_a_story_begins_the_same_costmap_again(lab: Lab) -> None:

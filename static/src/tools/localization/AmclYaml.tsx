@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import type { Values } from "../../wire/protocol";
-import { amclYaml, readAmclYaml } from "./amclFiles";
+import { type AmclParameters, amclYaml, readAmclYaml } from "./amclFiles";
 import "./localization.css";
 
 interface AmclYamlProps {
@@ -14,6 +14,7 @@ interface AmclYamlProps {
 /** The parameters of localization from the yaml of an AMCL, and as one. */
 export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   const input = useRef<HTMLInputElement>(null);
+  const opened = useRef<Omit<AmclParameters, "values">>({ layout: "nav2", others: {} });
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
   const doing = async (what: () => Promise<string | null>): Promise<void> => {
     try {
@@ -26,16 +27,18 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   };
   const open = (file: File): Promise<void> =>
     doing(async () => {
-      const { values: found, ignored } = await readAmclYaml(file);
+      const { values: found, ...rest } = await readAmclYaml(file);
+      opened.current = rest;
       onOpen(found);
+      const kept = Object.keys(rest.others);
       const count = Object.keys(found).length;
       const set = `${count} ${count === 1 ? "parameter differs" : "parameters differ"} from the first values.`;
-      return ignored.length > 0 ? `${set} Of no use here: ${ignored.join(", ")}.` : set;
+      return kept.length > 0 ? `${set} Without effect here, and kept where you save: ${kept.join(", ")}.` : set;
     });
   const save = (): Promise<void> =>
     doing(async () => {
       const link = document.createElement("a");
-      link.href = URL.createObjectURL(await amclYaml(values()));
+      link.href = URL.createObjectURL(await amclYaml({ ...opened.current, values: values() }));
       link.download = "amcl.yaml";
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);

@@ -2,19 +2,25 @@
 
 import type { Values } from "../../wire/protocol";
 
-/** What the yaml of an AMCL says, as far as it differs from the first values, and the names in it that are of no use. */
-export async function readAmclYaml(
-  file: File,
-): Promise<{ readonly values: Values; readonly ignored: readonly string[] }> {
+/** What the yaml of an AMCL says. */
+export interface AmclParameters {
+  /** Those that differ from the first values. */
+  readonly values: Values;
+  readonly layout: "nav2" | "ros1";
+  /** What does not change where the robot is found: frames, topics, rates. It is kept in a yaml that is saved. */
+  readonly others: Readonly<Record<string, unknown>>;
+}
+
+export async function readAmclYaml(file: File): Promise<AmclParameters> {
   const answer = await accepted(await fetch("/api/localization/parameters", { method: "PUT", body: file }));
-  return (await answer.json()) as { values: Values; ignored: readonly string[] };
+  return (await answer.json()) as AmclParameters;
 }
 
 /** Parameters as the yaml of an AMCL. */
-export async function amclYaml(values: Values): Promise<Blob> {
+export async function amclYaml({ values, layout, others }: AmclParameters): Promise<Blob> {
   const headers = { "Content-Type": "application/json" };
-  const wanted = { method: "POST", headers, body: JSON.stringify(values) };
-  return (await accepted(await fetch("/api/localization/amcl.yaml", wanted))).blob();
+  const wanted = { method: "POST", headers, body: JSON.stringify({ ...others, ...values }) };
+  return (await accepted(await fetch(`/api/localization/amcl.yaml?layout=${layout}`, wanted))).blob();
 }
 
 async function accepted(answer: Response): Promise<Response> {
