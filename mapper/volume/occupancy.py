@@ -15,9 +15,10 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.parallel import cores, in_parallel, scratch, shares
 from mapper.volume.blocks import BLOCK, KEYS, BlockHash
 from mapper.volume.kernels.rays import CENTRE, mark_ends, mark_rays, voxel_keys
-from mapper.volume.kernels.types import Belief, Box, Updates
+from mapper.volume.kernels.types import Belief, Box, StopMasks, Updates
 from mapper.volume.kernels.update import apply_marks, decay_blocks, marked_blocks, summarise_blocks
 from mapper.volume.parameters import VolumeConfig
+from mapper.volume.stop_masks import StopMaskCache
 
 FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are forgotten by a decay
 _TILE_VOXELS = 1 << 27  # marks that are laid out at a time, bytes
@@ -47,6 +48,7 @@ class OccupancyVolume:
         self._values = np.empty((0, BLOCK, BLOCK, BLOCK), dtype=np.float32)
         self._maxima = np.empty(0, dtype=np.float32)
         self._known = np.empty(0, dtype=np.int32)
+        self._stops = StopMaskCache()
 
     @property
     def values(self) -> Float32Array:
@@ -72,7 +74,7 @@ class OccupancyVolume:
     @property
     def n_bytes(self) -> int:
         """Bytes that the map takes: those of its blocks and of the hash."""
-        blocks = self.blocks.count * (self._values[:0].itemsize * BLOCK**3 + 16)
+        blocks = self.blocks.count * (self._values[:0].itemsize * BLOCK**3 + 16) + self._stops.n_bytes
         return blocks + self.blocks.table.codes.nbytes + self.blocks.table.slots.nbytes
 
     @property
@@ -177,6 +179,7 @@ class OccupancyVolume:
                     for a, b in shares(len(slots), n)
                 ]
             )
+        self._stops.mark_stale(slots)
         return slots
 
     @property
@@ -220,6 +223,11 @@ class OccupancyVolume:
     def _summarise(self) -> None:
         n = self.blocks.count
         summarise_blocks(self.values, self._maxima[:n], self._known[:n])
+        self._stops.mark_stale(slice(None))
+
+    def stop_masks(self) -> StopMasks:
+        """Return which voxels end a cast ray, of the blocks in the order of their slots."""
+        return self._stops.masks_of(self.values, self.blocks.capacity, float(self.config.log_odds_occupied))
 
     def log_odds_at(self, points: ArrayLike) -> Float32Array:
         """Return the log-odds (n,) of the voxels that hold points (n, 3), NaN where unknown or outside the lattice."""

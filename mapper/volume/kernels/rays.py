@@ -1,8 +1,7 @@
-"""Rays through voxels: the marks of a scan's free voxels, and casts through a map.
+"""The marks of the voxels that a scan's beams pass and end in.
 
-Numba twins of :func:`mapper.volume.textbook.seen_voxels` and :func:`mapper.volume.textbook.cast_ray`. Source:
-Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987, with the number types and the order of ties of
-octomap's computeRayKeys and castRay.
+Numba twin of :func:`mapper.volume.textbook.seen_voxels`. Source: Amanatides & Woo, A fast voxel traversal algorithm for
+ray tracing, 1987, with the number types and the order of ties of octomap's computeRayKeys.
 """
 
 from __future__ import annotations
@@ -13,12 +12,10 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
-from mapper.volume.kernels.blocks import block_code, slot_of
-from mapper.volume.kernels.types import Belief, Box, CastRule
+from mapper.volume.kernels.types import Box
 
 CENTRE = 32768
 PASSED, ENDED = np.uint8(1), np.uint8(2)  #: marks of a voxel
-HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
 
 
 @jit
@@ -114,77 +111,3 @@ def mark_ends(keys: Int64Array, box: Box, marks: UInt8Array) -> None:
         x, y, z = keys[i, 0] - box.x, keys[i, 1] - box.y, keys[i, 2] - box.z
         if x >= 0 and x < box.nx and y >= 0 and y < box.ny and z >= 0 and z < box.nz:
             marks[(z * box.ny + y) * box.nx + x] = ENDED
-
-
-@jit
-def cast_rays(
-    belief: Belief, origins: Float32Array, directions: Float32Array, firsts: Int64Array, rule: CastRule,
-    out_keys: Int64Array, out_ends: UInt8Array,
-) -> None:  # fmt: skip
-    """Write the last voxels (n, 3) of rays and how they end (n,).
-
-    ``firsts`` (n, 3) are the keys of the voxels of the ``origins`` (n, 3); ``directions`` (n, 3) float32 are of any
-    length but 0. Voxels of a block are looked up only where it has an occupied voxel or, unless
-    ``rule.through_unknown``, unknown ones.
-    """
-    resolution, reach = rule.resolution, rule.range_max * rule.range_max
-    limited = rule.range_max > 0.0
-    near = rule.range_max - 2.0 * resolution  # centres of voxels that a ray enters before are in range
-    for i in range(origins.shape[0]):
-        ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
-        x, y, z = firsts[i, 0], firsts[i, 1], firsts[i, 2]
-        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
-        length = np.float32(_norm(dx, dy, dz))
-        step_x, tx, apart_x = _crossing(x, ox, dx / length, resolution, resolution * 0.5)
-        step_y, ty, apart_y = _crossing(y, oy, dy / length, resolution, resolution * 0.5)
-        step_z, tz, apart_z = _crossing(z, oz, dz / length, resolution, resolution * 0.5)
-        code, slot, search, absent, entered = -2, -1, False, False, -np.inf
-        while True:
-            here = block_code(x, y, z)
-            if here != code:
-                if min(x, y, z) < 0 or max(x, y, z) >= 2 * CENTRE:  # the lattice ends where a block does
-                    x, y, z = (
-                        min(max(x, 0), 2 * CENTRE - 1),
-                        min(max(y, 0), 2 * CENTRE - 1),
-                        min(max(z, 0), 2 * CENTRE - 1),
-                    )
-                    end = OUTSIDE
-                    break
-                code = here
-                slot = slot_of(belief.table, code)
-                absent = slot < 0
-                search = not absent and (
-                    belief.maxima[slot] >= rule.occupied or (not rule.through_unknown and belief.known[slot] < 512)
-                )
-            if limited and entered > near:
-                ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
-                ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
-                az = np.float32((z - CENTRE + 0.5) * resolution) - oz
-                if float(ax * ax) + float(ay * ay) + float(az * az) > reach:
-                    end = TOO_FAR
-                    break
-            if absent:
-                if not rule.through_unknown:
-                    end = UNKNOWN
-                    break
-            elif search:
-                value = belief.values[slot, z & 7, y & 7, x & 7]
-                if value >= rule.occupied:
-                    end = HIT
-                    break
-                if not rule.through_unknown and np.isnan(value):
-                    end = UNKNOWN
-                    break
-            x_first = tx < ty
-            entered = min(tx, ty)
-            not_z = entered < tz
-            entered = min(entered, tz)
-            x_next, y_next = x_first & not_z, (not x_first) & not_z
-            x += step_x if x_next else 0
-            y += step_y if y_next else 0
-            z += 0 if not_z else step_z
-            after_x, after_y, after_z = tx + apart_x, ty + apart_y, tz + apart_z
-            tx = after_x if x_next else tx
-            ty = after_y if y_next else ty
-            tz = tz if not_z else after_z
-        out_keys[i, 0], out_keys[i, 1], out_keys[i, 2], out_ends[i] = x, y, z, end
