@@ -7,17 +7,18 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mapper.core.array_types import BoolArray, Float32Array, Int32Array, Int64Array
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.parallel import cores, in_parallel, scratch, shares
-from mapper.volume.blocks import BLOCK, KEYS, BlockHash
-from mapper.volume.kernels.rays import CENTRE, mark_ends, mark_rays, voxel_keys
-from mapper.volume.kernels.types import Belief, Box, Updates
+from mapper.volume.blocks import BLOCK, BlockHash
+from mapper.volume.kernels.rays import CENTRE, distinct_voxels, key_bounds, mark_ends, mark_rays, pack_keys, voxel_keys
+from mapper.volume.kernels.types import Belief, Box, StopMasks, Updates
 from mapper.volume.kernels.update import apply_marks, decay_blocks, marked_blocks, summarise_blocks
 from mapper.volume.parameters import VolumeConfig
+from mapper.volume.stop_masks import StopMaskCache
 
 FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are forgotten by a decay
 _TILE_VOXELS = 1 << 27  # marks that are laid out at a time, bytes
@@ -47,6 +48,7 @@ class OccupancyVolume:
         self._values = np.empty((0, BLOCK, BLOCK, BLOCK), dtype=np.float32)
         self._maxima = np.empty(0, dtype=np.float32)
         self._known = np.empty(0, dtype=np.int32)
+        self._stops = StopMaskCache()
 
     @property
     def values(self) -> Float32Array:
@@ -72,7 +74,7 @@ class OccupancyVolume:
     @property
     def n_bytes(self) -> int:
         """Bytes that the map takes: those of its blocks and of the hash."""
-        blocks = self.blocks.count * (self._values[:0].itemsize * BLOCK**3 + 16)
+        blocks = self.blocks.count * (self._values[:0].itemsize * BLOCK**3 + 16) + self._stops.n_bytes
         return blocks + self.blocks.table.codes.nbytes + self.blocks.table.slots.nbytes
 
     @property
@@ -106,7 +108,7 @@ class OccupancyVolume:
             rays, keys, first = rays[:0], keys[:0], hits[:1]
         if not len(first):
             return Inserted(0, left_out, np.empty(0, dtype=np.int32))
-        low, high = _bounds(np.concatenate([first, keys, hits]))
+        low, high = _bounds(first[0], keys, hits)
         if math.prod((high - low).tolist()) > limits.max_scan_box:
             size = " × ".join(f"{side * config.resolution:.0f}" for side in (high - low).tolist())
             raise LimitError(
@@ -124,12 +126,16 @@ class OccupancyVolume:
         """
         resolution, reach = self.config.resolution, self.config.range_max
         keys, inside = keys_of(ends, resolution)
+        all_inside = bool(inside.all())
         if self.config.discretise:
-            packed = keys[inside] @ np.array([1, KEYS, KEYS * KEYS])
+            packed = pack_keys(keys) if all_inside else pack_keys(keys[inside])
             packed.sort()
-            packed = packed[np.append(True, packed[1:] != packed[:-1])] if len(packed) else packed
-            keys = np.stack([packed % KEYS, packed // KEYS % KEYS, packed // (KEYS * KEYS)], axis=1)
-            rays = centres_of(keys, resolution)
+            keys = np.empty((len(packed), 3), dtype=np.int64)
+            rays = np.empty((len(packed), 3), dtype=np.float32)
+            n = distinct_voxels(packed, resolution, keys, rays)
+            keys, rays = keys[:n], rays[:n]
+        elif all_inside:
+            rays = ends
         else:
             keys, rays = keys[inside], ends[inside]
         left_out = len(ends) - int(inside.sum())
@@ -141,6 +147,7 @@ class OccupancyVolume:
         short = ranges <= reach
         hits = keys[short]
         cut = ~short
+        rays = rays.copy()
         rays[cut] = start + away[cut] / ranges[cut, None].astype(np.float32) * np.float32(reach)
         keys, inside = keys_of(rays, resolution)
         return rays[inside], keys[inside], hits, left_out
@@ -177,6 +184,7 @@ class OccupancyVolume:
                     for a, b in shares(len(slots), n)
                 ]
             )
+        self._stops.mark_stale(slots)
         return slots
 
     @property
@@ -220,6 +228,11 @@ class OccupancyVolume:
     def _summarise(self) -> None:
         n = self.blocks.count
         summarise_blocks(self.values, self._maxima[:n], self._known[:n])
+        self._stops.mark_stale(slice(None))
+
+    def stop_masks(self) -> StopMasks:
+        """Return which voxels end a cast ray, of the blocks in the order of their slots."""
+        return self._stops.masks_of(self.values, self.blocks.capacity, float(self.config.log_odds_occupied))
 
     def log_odds_at(self, points: ArrayLike) -> Float32Array:
         """Return the log-odds (n,) of the voxels that hold points (n, 3), NaN where unknown or outside the lattice."""
@@ -253,9 +266,12 @@ def centres_of(keys: Int64Array, resolution: float) -> Float32Array:
     return ((keys - CENTRE + 0.5) * resolution).astype(np.float32)
 
 
-def _bounds(keys: Int64Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the corners (3,) of the box of whole blocks around keys, with a voxel more for rounding."""
-    return (keys.min(axis=0) - 1) // BLOCK * BLOCK, ((keys.max(axis=0) + 1) // BLOCK + 1) * BLOCK
+def _bounds(first: Int64Array, *keys: Int64Array) -> tuple[Int64Array, Int64Array]:
+    """Return the corners (3,) of the box of whole blocks around keys (3,), (n, 3), with a voxel more for rounding."""
+    low, high = first.copy(), first.copy()
+    for some in keys:
+        key_bounds(some, low, high)
+    return (low - 1) // BLOCK * BLOCK, ((high + 1) // BLOCK + 1) * BLOCK
 
 
 def _tiles(low: Int64Array, high: Int64Array) -> list[Box]:

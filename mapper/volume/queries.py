@@ -14,10 +14,11 @@ from mapper.core.errors import ConfigError
 from mapper.core.parallel import cores, in_parallel, shares
 from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
 from mapper.volume.blocks import BLOCK, KEYS
+from mapper.volume.kernels.casts import HIT, OUTSIDE, TOO_FAR, UNKNOWN, cast_rays
 from mapper.volume.kernels.queries import nearest_occupied, project_columns
-from mapper.volume.kernels.rays import CENTRE, HIT, OUTSIDE, TOO_FAR, UNKNOWN, cast_rays
+from mapper.volume.kernels.rays import CENTRE
 from mapper.volume.kernels.types import CastRule
-from mapper.volume.occupancy import OccupancyVolume, centres_of, keys_of
+from mapper.volume.occupancy import OccupancyVolume
 
 __all__ = ["HIT", "OUTSIDE", "TOO_FAR", "UNKNOWN", "Casts", "cast", "distance_to_obstacle", "project", "voxels_in_box"]
 
@@ -45,33 +46,29 @@ def cast(
 
     Unless ``through_unknown`` a ray ends at the first voxel that is not known. A ``range_max`` of 0 is no limit; it is
     measured to the centres of voxels. Source: octomap's castRay. Raises :class:`ConfigError` for values that are not
-    finite and directions of length 0.
+    finite and directions whose length is 0 or not within float32.
     """
     away = np.ascontiguousarray(np.atleast_2d(directions), dtype=np.float32)
     start = np.ascontiguousarray(np.broadcast_to(np.asarray(origins, dtype=np.float32), away.shape))
     if away.shape[1:] != (3,) or not (np.isfinite(away).all() and np.isfinite(start).all()):
         raise ConfigError("volume.rays", "Rays must have finite origins and directions of three numbers.")
-    if not (away != 0.0).any(axis=1).all():
-        raise ConfigError("volume.rays", "A ray needs a direction whose length is not 0.")
+    with np.errstate(over="ignore", under="ignore"):
+        squared = away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1] + away[:, 2] * away[:, 2]
+    if not ((squared > 0.0) & (squared < np.inf)).all():
+        raise ConfigError("volume.rays", "A ray needs a direction whose length is not 0, from 1e-18 to 1e18.")
     if not (math.isfinite(range_max) and range_max >= 0.0):
         raise ConfigError("volume.rays", f"The longest range must be a number of metres from 0, not {range_max}.")
-    config = volume.config
-    keys, inside = keys_of(start, config.resolution)
-    some = np.flatnonzero(inside)
+    config, n = volume.config, len(away)
     rule = CastRule(config.resolution, float(config.log_odds_occupied), through_unknown, float(range_max))
-    start, away, firsts = start[some], away[some], keys[some]
-    lasts, why = np.empty_like(firsts), np.empty(len(some), dtype=np.uint8)
-    parts = shares(len(some), min(cores(), 1 + len(some) // _SHARE))
+    keys, points, ends = np.empty((n, 3), dtype=np.int64), np.empty_like(away), np.empty(n, dtype=np.uint8)
+    belief, masks = volume.belief, volume.stop_masks()
     in_parallel(
         [
-            partial(cast_rays, volume.belief, start[a:b], away[a:b], firsts[a:b], rule, lasts[a:b], why[a:b])
-            for a, b in parts
+            partial(cast_rays, belief, masks, start[a:b], away[a:b], rule, keys[a:b], points[a:b], ends[a:b])
+            for a, b in shares(n, min(cores(), 1 + n // _SHARE))
         ]
     )
-    ends = np.full(len(keys), OUTSIDE, dtype=np.uint8)
-    keys = np.where(inside[:, None], keys, 0)
-    keys[some], ends[some] = lasts, why
-    return Casts(keys, centres_of(keys, config.resolution), ends)
+    return Casts(keys, points, ends)
 
 
 def distance_to_obstacle(volume: OccupancyVolume, points: ArrayLike, distance_max: float) -> Float64Array:

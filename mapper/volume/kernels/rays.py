@@ -1,8 +1,7 @@
-"""Rays through voxels: the marks of a scan's free voxels, and casts through a map.
+"""The marks of the voxels that a scan's beams pass and end in.
 
-Numba twins of :func:`mapper.volume.textbook.seen_voxels` and :func:`mapper.volume.textbook.cast_ray`. Source:
-Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987, with the number types and the order of ties of
-octomap's computeRayKeys and castRay.
+Numba twin of :func:`mapper.volume.textbook.seen_voxels`. Source: Amanatides & Woo, A fast voxel traversal algorithm for
+ray tracing, 1987, with the number types and the order of ties of octomap's computeRayKeys.
 """
 
 from __future__ import annotations
@@ -13,12 +12,12 @@ import numpy as np
 
 from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
-from mapper.volume.kernels.blocks import block_code, slot_of
-from mapper.volume.kernels.types import Belief, Box, CastRule
+from mapper.volume.kernels.types import Box
 
 CENTRE = 32768
 PASSED, ENDED = np.uint8(1), np.uint8(2)  #: marks of a voxel
-HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
+_LANES = 32  # rays at a time: of fewer the compiler unrolls the loop instead of making vector instructions
+_STEPS = 8  # steps of all lanes before rays that ended make room
 
 
 @jit
@@ -53,6 +52,62 @@ def voxel_keys(points: Float32Array, resolution: float, out: Int64Array, out_ins
 
 
 @jit
+def pack_keys(keys: Int64Array) -> Int64Array:
+    """Return keys (n, 3) as one number each (n,), of 16 bits for each axis, x in the lowest."""
+    out = np.empty(keys.shape[0], dtype=np.int64)
+    for i in range(keys.shape[0]):
+        out[i] = keys[i, 2] << 32 | keys[i, 1] << 16 | keys[i, 0]
+    return out
+
+
+@jit
+def distinct_voxels(packed: Int64Array, resolution: float, keys: Int64Array, centres: Float32Array) -> int:
+    """Write the keys (n, 3) and centres (n, 3), metres, of the voxels in sorted ``packed`` keys, once; return n."""
+    n = 0
+    for i in range(packed.shape[0]):
+        if i > 0 and packed[i] == packed[i - 1]:
+            continue
+        for axis in range(3):
+            key = packed[i] >> 16 * axis & 65535
+            keys[n, axis], centres[n, axis] = key, np.float32((key - CENTRE + 0.5) * resolution)
+        n += 1
+    return n
+
+
+@jit
+def key_bounds(keys: Int64Array, low: Int64Array, high: Int64Array) -> None:
+    """Lower ``low`` (3,) and raise ``high`` (3,) to the least and the greatest of keys (n, 3) along each axis."""
+    low_x, low_y, low_z, high_x, high_y, high_z = low[0], low[1], low[2], high[0], high[1], high[2]
+    for i in range(keys.shape[0]):
+        x, y, z = keys[i, 0], keys[i, 1], keys[i, 2]
+        low_x, low_y, low_z = min(low_x, x), min(low_y, y), min(low_z, z)
+        high_x, high_y, high_z = max(high_x, x), max(high_y, y), max(high_z, z)
+    low[0], low[1], low[2], high[0], high[1], high[2] = low_x, low_y, low_z, high_x, high_y, high_z
+
+
+@jit
+def _mark_ray(
+    first: Int64Array, last: Int64Array, steps: tuple[int, int, int], crossings: tuple[float, float, float],
+    apart: tuple[float, float, float], limit: float, box: Box, marks: UInt8Array,
+) -> None:  # fmt: skip
+    """Mark the voxels of a box that a ray passes which need not stay in it."""
+    x, y, z = first[0] - box.x, first[1] - box.y, first[2] - box.z
+    last_x, last_y, last_z = last[0] - box.x, last[1] - box.y, last[2] - box.z
+    tx, ty, tz = crossings
+    while True:
+        if (x >= 0) & (x < box.nx) & (y >= 0) & (y < box.ny) & (z >= 0) & (z < box.nz):
+            marks[(z * box.ny + y) * box.nx + x] = PASSED
+        if tx < ty and tx < tz:
+            x, tx = x + steps[0], tx + apart[0]
+        elif not tx < ty and ty < tz:
+            y, ty = y + steps[1], ty + apart[1]
+        else:
+            z, tz = z + steps[2], tz + apart[2]
+        if (x == last_x and y == last_y and z == last_z) or min(tx, ty, tz) > limit:
+            break
+
+
+@jit
 def mark_rays(
     origin: Float32Array, ends: Float32Array, first: Int64Array, lasts: Int64Array, resolution: float, box: Box,
     marks: UInt8Array,
@@ -61,50 +116,78 @@ def mark_rays(
 
     ``first`` (3,) and ``lasts`` (n, 3) are the keys of their voxels; the last voxel of a ray is not marked. Several
     threads may mark one box.
+
+    :data:`_LANES` rays are followed at a time, a step of each in turn, so that the compiler makes vector instructions
+    of the steps. A ray that has ended gives its lane to the next one; until then it stays in the first voxel of all.
     """
     half = float(np.float32(resolution * 0.5))
-    top_x, top_y, top_z = box.x + box.nx, box.y + box.ny, box.z + box.nz
     row, layer = box.nx, box.nx * box.ny
-    for i in range(ends.shape[0]):
-        x, y, z = first[0], first[1], first[2]
-        last_x, last_y, last_z = lasts[i, 0], lasts[i, 1], lasts[i, 2]
-        if x == last_x and y == last_y and z == last_z:
-            continue
-        # A ray that ends a voxel too far for rounding is still within these bounds.
-        low_x, low_y, low_z = min(x, last_x) - 1, min(y, last_y) - 1, min(z, last_z) - 1
-        high_x, high_y, high_z = max(x, last_x) + 1, max(y, last_y) + 1, max(z, last_z) + 1
-        if high_x < box.x or high_y < box.y or high_z < box.z or low_x >= top_x or low_y >= top_y or low_z >= top_z:
-            continue
-        dx, dy, dz = ends[i, 0] - origin[0], ends[i, 1] - origin[1], ends[i, 2] - origin[2]
-        length = np.float32(_norm(dx, dy, dz))
-        step_x, tx, apart_x = _crossing(x, origin[0], dx / length, resolution, half)
-        step_y, ty, apart_y = _crossing(y, origin[1], dy / length, resolution, half)
-        step_z, tz, apart_z = _crossing(z, origin[2], dz / length, resolution, half)
-        limit = float(length)
-        # There are no branches but the loop's: which axis comes next cannot be predicted.
-        x, y, z, last_x, last_y, last_z = (
-            x - box.x,
-            y - box.y,
-            z - box.z,
-            last_x - box.x,
-            last_y - box.y,
-            last_z - box.z,
-        )
-        while True:
-            if (x >= 0) & (x < box.nx) & (y >= 0) & (y < box.ny) & (z >= 0) & (z < box.nz):
-                marks[z * layer + y * row + x] = PASSED
-            x_first = tx < ty
-            not_z = min(tx, ty) < tz
-            x_next, y_next = x_first & not_z, (not x_first) & not_z
-            x += step_x if x_next else 0
-            y += step_y if y_next else 0
-            z += 0 if not_z else step_z
-            after_x, after_y, after_z = tx + apart_x, ty + apart_y, tz + apart_z
-            tx = after_x if x_next else tx
-            ty = after_y if y_next else ty
-            tz = tz if not_z else after_z
-            if ((x == last_x) & (y == last_y) & (z == last_z)) | (min(tx, ty, tz) > limit):
-                break
+    top_x, top_y, top_z = box.x + box.nx, box.y + box.ny, box.z + box.nz
+    start = (first[2] - box.z) * layer + (first[1] - box.y) * row + (first[0] - box.x)
+    # One array of each type: the compiler must see that the lanes' values do not overlap.
+    place = np.zeros(6 * _LANES, dtype=np.int64)  # now, steps along x, y and z, last, whether the lane has a ray
+    place[:_LANES] = start
+    path = np.ones(7 * _LANES)  # distances to the next borders, distances between borders, length
+    n, i = ends.shape[0], 0
+    while True:
+        n_rays = 0
+        for k in range(_LANES):
+            while place[5 * _LANES + k] == 0 and i < n:
+                x, y, z = lasts[i, 0], lasts[i, 1], lasts[i, 2]
+                ray = i
+                i += 1
+                if x == first[0] and y == first[1] and z == first[2]:
+                    continue
+                # A ray that ends a voxel too far for rounding is still within these bounds.
+                low_x, low_y, low_z = min(x, first[0]) - 1, min(y, first[1]) - 1, min(z, first[2]) - 1
+                high_x, high_y, high_z = max(x, first[0]) + 1, max(y, first[1]) + 1, max(z, first[2]) + 1
+                if high_x < box.x or high_y < box.y or high_z < box.z or low_x >= top_x or low_y >= top_y:
+                    continue
+                if low_z >= top_z:
+                    continue
+                dx, dy, dz = ends[ray, 0] - origin[0], ends[ray, 1] - origin[1], ends[ray, 2] - origin[2]
+                length = np.float32(_norm(dx, dy, dz))
+                step_x, tx, apart_x = _crossing(first[0], origin[0], dx / length, resolution, half)
+                step_y, ty, apart_y = _crossing(first[1], origin[1], dy / length, resolution, half)
+                step_z, tz, apart_z = _crossing(first[2], origin[2], dz / length, resolution, half)
+                if (
+                    low_x < box.x or low_y < box.y or low_z < box.z
+                    or high_x >= top_x or high_y >= top_y or high_z >= top_z
+                ):  # fmt: skip
+                    _mark_ray(
+                        first, lasts[ray], (step_x, step_y, step_z), (tx, ty, tz), (apart_x, apart_y, apart_z),
+                        float(length), box, marks,
+                    )  # fmt: skip
+                    continue
+                place[k], place[5 * _LANES + k] = start, 1
+                place[_LANES + k], place[2 * _LANES + k], place[3 * _LANES + k] = step_x, step_y * row, step_z * layer
+                place[4 * _LANES + k] = (z - box.z) * layer + (y - box.y) * row + (x - box.x)
+                path[k], path[_LANES + k], path[2 * _LANES + k] = tx, ty, tz
+                path[3 * _LANES + k], path[4 * _LANES + k], path[5 * _LANES + k] = apart_x, apart_y, apart_z
+                path[6 * _LANES + k] = float(length)
+            n_rays += place[5 * _LANES + k]
+        if n_rays == 0:
+            break
+        for _ in range(_STEPS):
+            for k in range(_LANES):
+                marks[place[k]] = PASSED
+            for k in range(_LANES):
+                tx, ty, tz = path[k], path[_LANES + k], path[2 * _LANES + k]
+                x_first, not_z = tx < ty, min(tx, ty) < tz
+                to_x, to_y = x_first & not_z, (not x_first) & not_z
+                tx = tx + path[3 * _LANES + k] if to_x else tx
+                ty = ty + path[4 * _LANES + k] if to_y else ty
+                tz = tz if not_z else tz + path[5 * _LANES + k]
+                path[k], path[_LANES + k], path[2 * _LANES + k] = tx, ty, tz
+                step = (place[_LANES + k] if x_first else place[2 * _LANES + k]) if not_z else place[3 * _LANES + k]
+                at = place[k] + step
+                goes_on = (
+                    (place[5 * _LANES + k] != 0)
+                    & (at != place[4 * _LANES + k])
+                    & (not min(tx, ty, tz) > path[6 * _LANES + k])
+                )
+                place[k] = at if goes_on else start
+                place[5 * _LANES + k] = 1 if goes_on else 0
 
 
 @jit
@@ -114,77 +197,3 @@ def mark_ends(keys: Int64Array, box: Box, marks: UInt8Array) -> None:
         x, y, z = keys[i, 0] - box.x, keys[i, 1] - box.y, keys[i, 2] - box.z
         if x >= 0 and x < box.nx and y >= 0 and y < box.ny and z >= 0 and z < box.nz:
             marks[(z * box.ny + y) * box.nx + x] = ENDED
-
-
-@jit
-def cast_rays(
-    belief: Belief, origins: Float32Array, directions: Float32Array, firsts: Int64Array, rule: CastRule,
-    out_keys: Int64Array, out_ends: UInt8Array,
-) -> None:  # fmt: skip
-    """Write the last voxels (n, 3) of rays and how they end (n,).
-
-    ``firsts`` (n, 3) are the keys of the voxels of the ``origins`` (n, 3); ``directions`` (n, 3) float32 are of any
-    length but 0. Voxels of a block are looked up only where it has an occupied voxel or, unless
-    ``rule.through_unknown``, unknown ones.
-    """
-    resolution, reach = rule.resolution, rule.range_max * rule.range_max
-    limited = rule.range_max > 0.0
-    near = rule.range_max - 2.0 * resolution  # centres of voxels that a ray enters before are in range
-    for i in range(origins.shape[0]):
-        ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
-        x, y, z = firsts[i, 0], firsts[i, 1], firsts[i, 2]
-        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
-        length = np.float32(_norm(dx, dy, dz))
-        step_x, tx, apart_x = _crossing(x, ox, dx / length, resolution, resolution * 0.5)
-        step_y, ty, apart_y = _crossing(y, oy, dy / length, resolution, resolution * 0.5)
-        step_z, tz, apart_z = _crossing(z, oz, dz / length, resolution, resolution * 0.5)
-        code, slot, search, absent, entered = -2, -1, False, False, -np.inf
-        while True:
-            here = block_code(x, y, z)
-            if here != code:
-                if min(x, y, z) < 0 or max(x, y, z) >= 2 * CENTRE:  # the lattice ends where a block does
-                    x, y, z = (
-                        min(max(x, 0), 2 * CENTRE - 1),
-                        min(max(y, 0), 2 * CENTRE - 1),
-                        min(max(z, 0), 2 * CENTRE - 1),
-                    )
-                    end = OUTSIDE
-                    break
-                code = here
-                slot = slot_of(belief.table, code)
-                absent = slot < 0
-                search = not absent and (
-                    belief.maxima[slot] >= rule.occupied or (not rule.through_unknown and belief.known[slot] < 512)
-                )
-            if limited and entered > near:
-                ax = np.float32((x - CENTRE + 0.5) * resolution) - ox
-                ay = np.float32((y - CENTRE + 0.5) * resolution) - oy
-                az = np.float32((z - CENTRE + 0.5) * resolution) - oz
-                if float(ax * ax) + float(ay * ay) + float(az * az) > reach:
-                    end = TOO_FAR
-                    break
-            if absent:
-                if not rule.through_unknown:
-                    end = UNKNOWN
-                    break
-            elif search:
-                value = belief.values[slot, z & 7, y & 7, x & 7]
-                if value >= rule.occupied:
-                    end = HIT
-                    break
-                if not rule.through_unknown and np.isnan(value):
-                    end = UNKNOWN
-                    break
-            x_first = tx < ty
-            entered = min(tx, ty)
-            not_z = entered < tz
-            entered = min(entered, tz)
-            x_next, y_next = x_first & not_z, (not x_first) & not_z
-            x += step_x if x_next else 0
-            y += step_y if y_next else 0
-            z += 0 if not_z else step_z
-            after_x, after_y, after_z = tx + apart_x, ty + apart_y, tz + apart_z
-            tx = after_x if x_next else tx
-            ty = after_y if y_next else ty
-            tz = tz if not_z else after_z
-        out_keys[i, 0], out_keys[i, 1], out_keys[i, 2], out_ends[i] = x, y, z, end

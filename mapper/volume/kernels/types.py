@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array, UInt8Array
+from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array, UInt8Array, UInt64Array
 
 
 class BlockTable(NamedTuple):
@@ -37,6 +37,17 @@ class Belief(NamedTuple):
     values: Float32Array
     maxima: Float32Array
     known: Int32Array
+
+
+class StopMasks(NamedTuple):
+    """Which voxels end a cast ray: of each block a bit for each voxel, and a byte that says whether there are any.
+
+    Words ``words[:, 0]`` (slots, 8), z, have bit 8 y + x of occupied voxels, ``words[:, 1]`` of those that are occupied
+    or unknown. ``found`` (slots,) has bit 0 where a block has any of the first kind, bit 1 any of the second.
+    """
+
+    words: UInt64Array
+    found: UInt8Array
 
 
 class CastRule(NamedTuple):
