@@ -142,6 +142,8 @@ from tests.agreement.slam import (
     ways_by_textbook,
 )
 from tests.agreement.terrain import (
+    consensus_by_kernel,
+    consensus_by_textbook,
     ground_by_kernel,
     ground_by_textbook,
     patches_by_kernel,
@@ -299,5 +301,6 @@ TABLE = (
     Row("rays in a world in 3D", space_by_kernel, space_by_textbook, space_cases(), tolerance=1e-9),
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
+    Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )
