@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from mapper.core.array_types import BoolArray, Float64Array
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import BoolArray
 from mapper.terrain.kernels import consensus as kernels
 from mapper.terrain.parameters import PatchConfig
 from mapper.terrain.patches import Patches
@@ -12,7 +15,7 @@ from mapper.terrain.patches import Patches
 TRIALS = 100  #: planes of three points for each patch; of half outliers one in a million patches has no good one
 
 
-def agreeing(points: Float64Array, patches: Patches, distance: float) -> BoolArray:
+def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: float) -> BoolArray:
     """Return which of ``points`` (n, 3) are within ``distance``, m along z, of the plane of most of their patch.
 
     The patches are those of the grid of ``patches``; its moments are not used. Points outside of the grid, and those of
@@ -38,7 +41,7 @@ def agreeing(points: Float64Array, patches: Patches, distance: float) -> BoolArr
     return out
 
 
-def fitted(points: Float64Array, patches: Patches, config: PatchConfig) -> BoolArray:
+def fitted(points: NDArray[np.floating[Any]], patches: Patches, config: PatchConfig) -> BoolArray:
     """Return which of ``points`` (n, 3) the planes of ``patches`` are fitted to: all, or those that RANSAC keeps."""
     if config.fit == "ransac":
         return agreeing(points, patches, config.fit_distance)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import LimitError
@@ -141,7 +142,7 @@ class Assessed:
         return self.terrain.grid()
 
 
-def first_patch(places: Float64Array) -> float:
+def first_patch(places: NDArray[np.floating[Any]]) -> float:
     """Return a side of patches, metres, for points at ``places`` (n, 2): most points lie in patches with enough points.
 
     It is the least of :data:`SIDES`, from :data:`FINEST` on, at which :data:`FIRST_SHARE` of the points lie in patches

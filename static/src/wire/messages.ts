@@ -914,6 +914,8 @@ export interface WorkingMessage {
   readonly elapsed_s: number | null;
   /** share that is done, 0 to 1; null if not known */
   readonly fraction: number | null;
+  /** `map`, `voxel`: why a voxel is so, or `terrain` */
+  readonly what?: string;
 }
 
 /** A notice to the user, such as the end of the log. */
@@ -1994,6 +1996,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   working: {
     elapsed_s: oneOf(isNumber, isNull),
     fraction: oneOf(isNumber, isNull),
+    what: optional(isText),
   },
   notice: {
     code: isText,

@@ -287,7 +287,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
     messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
     messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, ["A note."]),
-    messages.WorkingMessage(0.55, 0.2),
+    messages.WorkingMessage(0.55, 0.2, "voxel"),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),
     messages.ErrorMessage("command.x", "Not a number."),
