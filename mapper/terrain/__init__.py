@@ -1,5 +1,6 @@
 """Terrain from points: which of them are ground, planes of patches, and where it is safe to drive."""
 
+from mapper.terrain.consensus import agreeing, fitted
 from mapper.terrain.ground import Ground, agreement, find_ground
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
 from mapper.terrain.patches import SAFE, UNKNOWN, UNSAFE, Patches, Terrain, assess
@@ -15,7 +16,9 @@ __all__ = [
     "PatchConfig",
     "Patches",
     "Terrain",
+    "agreeing",
     "agreement",
     "assess",
     "find_ground",
+    "fitted",
 ]

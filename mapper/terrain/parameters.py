@@ -84,6 +84,36 @@ PATCH_PARAMETERS = (
         0.001,
     ),
     Parameter(
+        "fit",
+        "fit",
+        "patches",
+        "choice",
+        "least_squares",
+        "Planes of all points by least squares, or only of those that RANSAC keeps.",
+        choices=("least_squares", "ransac"),
+    ),
+    Parameter(
+        "fit_distance",
+        "RANSAC distance",
+        "patches",
+        "number",
+        0.1,
+        "RANSAC keeps points up to this far from the plane of most.",
+        "m",
+        0.005,
+        5.0,
+        0.005,
+    ),
+    Parameter(
+        "rule",
+        "rule",
+        "patches",
+        "choice",
+        "weighted_sum",
+        "Unsafe: the weighted sum of the three ratios is above 1, or one of them alone (thresholds).",
+        choices=("weighted_sum", "thresholds"),
+    ),
+    Parameter(
         "slope_weight",
         "weight of the slope",
         "patches",
@@ -154,6 +184,9 @@ class PatchConfig:
     max_slope: float = 20.0
     max_roughness: float = 0.15
     max_step: float = 0.3
+    fit: str = "least_squares"
+    fit_distance: float = 0.1
+    rule: str = "weighted_sum"
     slope_weight: float = 1.0
     roughness_weight: float = 1.0
     step_weight: float = 1.0

@@ -158,7 +158,7 @@ class Terrain:
 def assess(
     patches: Patches, config: PatchConfig | None = None, *, occupied: Patches | None = None, reach: int = 0
 ) -> Terrain:
-    """Return the classes of ``patches``, made of ground points, by the weighted sum of slope, roughness and step.
+    """Return the classes of ``patches``, made of ground points, by the config's rule for slope, roughness and step.
 
     ``occupied`` are the same patches with all points: one that has points but no ground is unsafe. The plane
     of a patch is that of the window that reaches ``reach`` patches around it, as :meth:`Patches.planes` has it. Raises
@@ -169,11 +169,12 @@ def assess(
         raise ConfigError("terrain.shape", "The patches with all points must be those of the ground's grid.")
     planes = patches.planes(reach, round(config.min_points))
     steps = patches.steps(planes)
-    score = (
-        config.slope_weight * (planes[..., 5] / np.radians(config.max_slope))
-        + config.roughness_weight * (planes[..., 4] / config.max_roughness)
-        + config.step_weight * (steps / config.max_step)
+    terms = (
+        config.slope_weight * (planes[..., 5] / np.radians(config.max_slope)),
+        config.roughness_weight * (planes[..., 4] / config.max_roughness),
+        config.step_weight * (steps / config.max_step),
     )
+    score = np.maximum.reduce(terms) if config.rule == "thresholds" else terms[0] + terms[1] + terms[2]
     classes = np.where(np.isnan(score), UNKNOWN, np.where(score > 1.0, UNSAFE, SAFE)).astype(np.uint8)
     if occupied is not None:
         classes[(patches.moments[..., 0] == 0.0) & (occupied.moments[..., 0] > 0.0)] = UNSAFE

@@ -6,6 +6,7 @@ P holds AᵀA = P[:3, :3], Aᵀz = P[:3, 3] and zᵀz = P[3, 3] of the least squ
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -100,6 +101,27 @@ def parents(grid: NDArray[np.float64], size: float) -> NDArray[np.float64]:
     return out
 
 
+def triples_of(n: int, trials: int) -> NDArray[np.int64]:
+    """Return triples (m, 3) of ``n`` points for :func:`ransac_plane`: all, if at most ``trials``, else random ones.
+
+    The random numbers are those of x ← 1664525 x + 1013904223 modulo 2³² from x = n on, without their last 8 bits
+    (Numerical Recipes, 7.1), so that everyone draws the same triples of n points.
+    """
+    if math.comb(n, 3) <= trials:
+        return np.array(list(itertools.combinations(range(n), 3)), dtype=np.int64).reshape(-1, 3)
+    state, found = n, []
+    for _ in range(trials):
+        triple: list[int] = []
+        for left in (n, n - 1, n - 2):
+            state = (1664525 * state + 1013904223) % 2**32
+            chosen = (state >> 8) % left
+            for taken in sorted(triple):
+                chosen += chosen >= taken
+            triple.append(chosen)
+        found.append(triple)
+    return np.array(found, dtype=np.int64)
+
+
 def ransac_plane(
     points: NDArray[np.float64], triples: NDArray[np.int64], distance: float
 ) -> tuple[Plane, NDArray[np.bool_]]:
@@ -125,13 +147,20 @@ def score(
     return sum(w * (value / limit) for w, value, limit in zip(weights, (slope, roughness, step), most, strict=True))
 
 
+def greatest(
+    slope: float, roughness: float, step: float, most: tuple[float, float, float], weights: tuple[float, float, float]
+) -> float:
+    """Return the greatest of the terms of :func:`score`: above 1 where one property alone is above its threshold."""
+    return max(w * (value / limit) for w, value, limit in zip(weights, (slope, roughness, step), most, strict=True))
+
+
 def step(planes: list[list[Plane]], row: int, col: int, size: float) -> float:
     """Return the greatest gap between a patch's plane and a neighbour's, at the middle of their common edge."""
-    here, greatest = planes[row][col], 0.0
+    here, largest = planes[row][col], 0.0
     for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
         r, c = row + down, col + right
         if 0 <= r < len(planes) and 0 <= c < len(planes[0]) and not math.isnan(planes[r][c].a):
             there, x, y = planes[r][c], 0.5 * size * right, 0.5 * size * down
             gap = (here.a + here.b * x + here.c * y) - (there.a - there.b * x - there.c * y)
-            greatest = max(greatest, abs(gap))
-    return greatest
+            largest = max(largest, abs(gap))
+    return largest

@@ -52,7 +52,7 @@ from mapper.simulation.sensors_3d import Sensor3D, measure_3d
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
-from mapper.terrain import Patches, assess, find_ground
+from mapper.terrain import Patches, agreeing, assess, find_ground
 from mapper.volume import (
     OccupancyVolume,
     Octree,
@@ -235,6 +235,7 @@ def _assess_terrain() -> None:
     """Find the ground of a few points with gaps between them, and the planes of its patches."""
     points = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [0.0, 3.0, 0.5], [3.0, 3.0, 4.0]])
     find_ground(points)
+    agreeing(points, Patches.of(points, 4.0), 0.1)
     assess(Patches.of(points, 4.0).parents())
 
 

@@ -147,10 +147,13 @@ def map3d(
     if as_json:
         print_json(facts)
         return
-    typer.echo(
-        f"{scans.scans} scan{'s' if scans.scans != 1 else ''}, {scans.points} points"
-        + (f", {scans.left_out} left out" if scans.left_out else "")
-    )
+    if rest:
+        typer.echo(
+            f"{scans.scans} scan{'s' if scans.scans != 1 else ''}, {scans.points} points"
+            + (f", {scans.left_out} left out" if scans.left_out else "")
+        )
+    else:
+        typer.echo(f"{inputs[0].name}: an octree, without scans of its own")
     print_tree(facts)
     typer.echo(f"  {facts['cpu_seconds']:.1f} s of processor time")
     for path in files:

@@ -42,7 +42,7 @@ def terrain(
 ) -> None:
     """Find the ground in a point cloud by SMRF, fit planes to its patches, and say which are safe to drive on."""
     from mapper.io.clouds import read_cloud  # noqa: PLC0415 - start-up
-    from mapper.terrain import Patches, agreement, assess, find_ground  # noqa: PLC0415 - start-up
+    from mapper.terrain import Patches, agreement, assess, find_ground, fitted  # noqa: PLC0415 - start-up
 
     given: dict[str, Any] = {
         name: value_of(_ROWS[name], value) if isinstance(value, str) else value
@@ -59,7 +59,9 @@ def terrain(
         began = time.process_time()
         ground = find_ground(read.points, ground_config)
         every = Patches.of(read.points, config.patch)
-        found = assess(every.emptied().with_points(read.points[ground.is_ground]), config, occupied=every)
+        points = read.points[ground.is_ground]
+        used = points[fitted(points, every, config)]
+        found = assess(every.emptied().with_points(used), config, occupied=every)
         took = time.process_time() - began
     right = None
     if truth is not None:

@@ -102,7 +102,7 @@ class SessionHost:
         """Start running ``model``."""
         self.model = model
         self.hub = Hub(model.layers, self._clock, self._traffic, self._draw_on_demand)
-        self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock)
+        self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
         for message in model.messages():
             self.hub.set_slot(message)
         self._publish_frame()

@@ -36,10 +36,15 @@ class Showing:
 
 
 class LongWork:
-    """The progress of a session's computations. ``fraction`` returns the share of the present one that is done."""
+    """The progress of a session's computations.
 
-    def __init__(self, hub: Hub, fraction: Callable[[], float | None], clock: Callable[[], float]) -> None:
-        self._hub, self._fraction, self._clock = hub, fraction, clock
+    ``fraction`` returns the share of the present one that is done, and ``what`` what it computes.
+    """
+
+    def __init__(
+        self, hub: Hub, fraction: Callable[[], float | None], clock: Callable[[], float], what: Callable[[], str]
+    ) -> None:
+        self._hub, self._fraction, self._clock, self._what = hub, fraction, clock, what
         self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
         self._nothing_long.set()
 
@@ -52,7 +57,7 @@ class LongWork:
         try:
             self._nothing_long.clear()
             while True:
-                self._hub.set_slot(working_message(self._clock() - began, self._fraction()))
+                self._hub.set_slot(working_message(self._clock() - began, self._fraction(), self._what()))
                 await asyncio.sleep(SHOWN_EVERY_S)
         finally:
             self._nothing_long.set()

@@ -28,12 +28,13 @@ def parameters_message(config: MappingConfig, sensor: SensorConfig | None) -> di
     return {"type": "parameters", "values": asdict(config), "sensor": None if sensor is None else asdict(sensor)}
 
 
-def working_message(elapsed_s: float | None = None, fraction: float | None = None) -> dict[str, Any]:
+def working_message(elapsed_s: float | None = None, fraction: float | None = None, what: str = "map") -> dict[str, Any]:
     """Return a ``working`` message; without a time the computation has ended."""
     return {
         "type": "working",
         "elapsed_s": None if elapsed_s is None else round(elapsed_s, 2),
         "fraction": None if fraction is None else round(fraction, 3),
+        "what": what,
     }
 
 

@@ -140,10 +140,10 @@ class SessionModel(ABC):
     def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
         """Return the command for a click whose ray through the 3D view begins at ``origin``, metres; None for none.
 
-        By default that for the voxel that the ray meets where there is a map in 3D, else for a click on the floor where
-        it comes down (or up) to it. As :meth:`on_scene_click`.
+        By default that for the voxel that the ray meets, where there is a map in 3D that is asked, else for a click on
+        the floor where it comes down (or up) to it. As :meth:`on_scene_click`.
         """
-        if self.volume is not None and self.volume.is_on:
+        if self.volume is not None and self.volume.is_on and self.volume.is_asked:
             return {"type": "voxel_ray", "origin": list(origin), "direction": list(direction)}
         (ox, oy, oz), (dx, dy, dz) = origin, direction
         if dz * oz >= 0.0:
@@ -191,6 +191,11 @@ class SessionModel(ABC):
     def fraction(self) -> float | None:
         """The share of the present computation that is done, 0 to 1; None if not known (any thread)."""
         return None
+
+    @property
+    def working_on(self) -> str:
+        """What the present computation is of, as the message ``working`` has it (any thread)."""
+        return "map"
 
     @property
     def has_deferred_work(self) -> bool:

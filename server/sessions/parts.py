@@ -109,6 +109,10 @@ class Volumetric(Protocol):
     def is_on(self) -> bool:
         """Whether there is one now."""
 
+    @property
+    def is_asked(self) -> bool:
+        """Whether a click in the 3D view asks about a voxel."""
+
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``, to be read while the session is locked."""
 

@@ -29,6 +29,7 @@ from server.stream.message_parts import (
     Segment,
     SurfaceUpdate,
     Table,
+    TerrainCounts,
     TerrainPatch,
     TrajectoryInfo,
     Values,
@@ -253,6 +254,7 @@ class TerrainMessage(Struct, tag_field="type", tag="terrain"):
     values: Annotated[Values, Meta(description="its parameters")]
     points: Annotated[int, Meta(description="points that it is made of")]
     ground: Annotated[int, Meta(description="those that the filter takes for ground")]
+    left_out: Annotated[int, Meta(description="ground points that RANSAC leaves out of the planes")]
     kappa: Annotated[
         float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
     ]
@@ -262,6 +264,10 @@ class TerrainMessage(Struct, tag_field="type", tag="terrain"):
     unsafe: Annotated[int, Meta(description="patches that are unsafe")]
     unknown: Annotated[int, Meta(description="patches with too few points")]
     size: Annotated[float, Meta(description="side of a patch, m")]
+    before: Annotated[
+        TerrainCounts | None,
+        Meta(description="the classes before the newest change of parameters; null: there was none"),
+    ]
     patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
     problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
 
@@ -385,6 +391,7 @@ class WorkingMessage(Struct, tag_field="type", tag="working"):
 
     elapsed_s: Annotated[float | None, Meta(description="time since its start, s; null: it has ended")]
     fraction: Annotated[float | None, Meta(description="share that is done, 0 to 1; null if not known")]
+    what: Annotated[str, Meta(description="`map`, `voxel`: why a voxel is so, or `terrain`")] = "map"
 
 
 class NoticeMessage(Struct, tag_field="type", tag="notice"):

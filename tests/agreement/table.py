@@ -146,6 +146,8 @@ from tests.agreement.slam import (
     ways_by_textbook,
 )
 from tests.agreement.terrain import (
+    consensus_by_kernel,
+    consensus_by_textbook,
     ground_by_kernel,
     ground_by_textbook,
     patches_by_kernel,
@@ -306,5 +308,6 @@ TABLE = (
     Row("readings as text", text_by_kernel, text_by_encoder, readings()),
     Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
+    Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from mapper.terrain import GroundConfig, Patches, assess, find_ground, textbook, textbook_ground
+from mapper.terrain import GroundConfig, Patches, agreeing, assess, find_ground, textbook, textbook_ground
+from mapper.terrain.consensus import TRIALS
 from mapper.terrain.parameters import PatchConfig
 
 
@@ -30,7 +31,10 @@ def terrain_cases(draw: st.DrawFn) -> TerrainCase:
     points[rng.random(n) < 0.3, 2] += draw(st.sampled_from([0.0, 2.0, -8.0]))
     cell = draw(st.sampled_from([0.7, 1.0]))
     ground = GroundConfig(cell=cell, window=draw(st.sampled_from([1.0, 3.0])), passes=draw(st.sampled_from([1.0, 2.0])))
-    return TerrainCase(points, ground, PatchConfig(patch=1.5 * cell, min_points=6), draw(st.sampled_from([0, 1, 3])))
+    rule = draw(st.sampled_from(["weighted_sum", "thresholds"]))
+    return TerrainCase(
+        points, ground, PatchConfig(patch=1.5 * cell, min_points=6, rule=rule), draw(st.sampled_from([0, 1, 3]))
+    )
 
 
 def ground_by_kernel(case: TerrainCase) -> tuple[Any, ...]:
@@ -93,9 +97,27 @@ def patches_by_textbook(case: TerrainCase) -> tuple[Any, ...]:
         plane = planes[r][c]
         if not math.isnan(plane.a):
             gap = steps[r, c] = textbook.step(planes, r, c, size)
-            scores[r, c] = textbook.score(plane.slope, plane.roughness, gap, most, weights)
+            rule = textbook.greatest if config.rule == "thresholds" else textbook.score
+            scores[r, c] = rule(plane.slope, plane.roughness, gap, most, weights)
     return windows, parents, steps, scores
 
 
 def _numbers(plane: textbook.Plane) -> list[float]:
     return [plane.a, plane.b, plane.c, plane.mean_height, plane.roughness**2, plane.slope]
+
+
+def consensus_by_kernel(case: TerrainCase) -> tuple[Any, ...]:
+    patches = Patches.of(case.points, 2.0 * case.patches.patch)
+    return (agreeing(case.points, patches, 0.07),)
+
+
+def consensus_by_textbook(case: TerrainCase) -> tuple[Any, ...]:
+    size = 2.0 * case.patches.patch
+    local = case.points - case.points.min(axis=0)
+    places = np.floor(local[:, :2] * (1.0 / size))
+    out = np.zeros(len(local), dtype=np.bool_)
+    for place in np.unique(places, axis=0):
+        mine = np.flatnonzero((places == place).all(axis=1))
+        points = local[mine] - (*((place + 0.5) * size), 0.0)
+        out[mine] = textbook.ransac_plane(points, textbook.triples_of(len(mine), TRIALS), 0.07)[1]
+    return (out,)

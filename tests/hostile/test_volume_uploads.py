@@ -71,6 +71,12 @@ BAD: dict[str, tuple[bytes, str]] = {
         zipped(a__depth__png=depth_png(), a__pose__txt=POSE, camera__txt=b"500 500 320 240"),
         "of images of another size",
     ),
+    "intrinsics in place of points": (b"585 0 320\n0 585 240\n0 0 1\n", "3 × 3 matrix of a camera's intrinsics"),
+    "a pose in place of points": (POSE, "4 × 4 matrix of a pose"),
+    "a pose that is not finite": (
+        zipped(a__depth__png=depth_png(), a__pose__txt=POSE.replace(b"1", b"nan", 1), camera__txt=CAMERA),
+        "a.depth.png is not finite",
+    ),
     "images of two sizes": (
         zipped(
             a__depth__png=depth_png(), a__pose__txt=POSE, b__depth__png=depth_png(9), b__pose__txt=POSE,
@@ -116,3 +122,25 @@ async def test_clouds_with_a_few_bad_points_and_far_away_ones_are_shown_without_
             await page.until(lambda page=page: page.newest.get("volume", {}).get("nodes") is not None)  # type: ignore[misc]
             assert page.newest["volume"]["left_out"] == 1
             assert page.newest["volume"]["occupied"] > 0
+
+
+async def test_resolutions_that_would_take_all_memory_are_refused_and_the_map_stays(service: Service) -> None:
+    """Voxels of 1 cm of a cloud 900 m wide, and patches of 1 cm of its terrain."""
+    data = pcd(*map(tuple, np.random.default_rng(0).uniform(0, 900, (2000, 3)) * (1, 1, 0.01)))
+    log = await asyncio.to_thread(sent, service, data, "a.pcd")
+    wanted = {"kind": "volume", "log": log["id"]}
+    session = (await asyncio.to_thread(service.http.post, "/api/sessions", json=wanted)).json()["id"]
+    async with service.connect(session) as socket:
+        page = Watcher(socket)
+        await page.until(lambda page=page: page.newest.get("volume", {}).get("nodes") is not None)  # type: ignore[misc]
+        before = page.newest["volume"]["occupied"]
+        await page.send("parameters", values={"resolution": 0.01})
+        await page.until(lambda page=page: page.newest.get("error") is not None)  # type: ignore[misc]
+        assert "choose a coarser one" in page.newest["error"]["message"]
+        assert page.newest["volume"]["occupied"] == before > 0
+        await page.send("terrain", values={"patch": 0.01})
+        await page.until(lambda page=page: page.newest["terrain"]["problem"] is not None)  # type: ignore[misc]
+        assert "take greater ones" in page.newest["terrain"]["problem"]
+        await page.send("terrain", values={"patch": 100.0})
+        await page.until(lambda page=page: page.newest["terrain"]["points"] == 2000)  # type: ignore[misc]
+        assert page.newest["terrain"]["problem"] is None

@@ -76,6 +76,7 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
     if rows.shape[1] < len(AXES):
         raise ReadError("cloud.columns", f"A point needs three numbers, and the lines have {rows.shape[1]}.")
     if names is None:
+        _refuse_matrix(rows)
         names = _usual_names(rows)
     elif len(names) != rows.shape[1]:
         raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
@@ -83,6 +84,27 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
     points = rows[:, [lower.index(axis) for axis in AXES]]
     columns = {printable(name): rows[:, k] for k, name in enumerate(names) if lower[k] not in AXES}
     return made_cloud(points, columns, limits)
+
+
+def _refuse_matrix(rows: NDArray[np.float64]) -> None:
+    """Raise :class:`ReadError` for the matrix of a camera's intrinsics (3, 3) or of a pose (4, 4).
+
+    Folders of depth images have files of both, whose lines could be points.
+    """
+    size = len(rows)
+    if rows.shape != (size, size) or size not in (3, 4) or rows[-1].tolist() != [0.0] * (size - 1) + [1.0]:
+        return
+    if size == 3 and rows[1, 0] == 0.0 and (rows[[0, 1], [0, 1]] > 0.0).all():
+        raise ReadError(
+            "cloud.intrinsics",
+            "The file holds the 3 × 3 matrix of a camera's intrinsics, no points; open the folder of depth images that "
+            "it belongs to.",
+        )
+    if size == 4 and np.allclose(rows[:3, :3] @ rows[:3, :3].T, np.eye(3), atol=1e-3):
+        raise ReadError(
+            "cloud.pose",
+            "The file holds the 4 × 4 matrix of a pose, no points; open the folder of images that it belongs to.",
+        )
 
 
 def _usual_names(rows: NDArray[np.float64]) -> list[str]:

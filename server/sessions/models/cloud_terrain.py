@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import KDTree
 
-from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions.models.lab_terrain import TerrainParameters
 
@@ -43,8 +43,7 @@ class CloudPoints:
     @property
     def first(self) -> TerrainParameters:
         """The parameters to begin with, for this density of points."""
-        x0, y0, x1, y1 = self._bounds
-        return TerrainParameters.outdoors(0 if self._scans is None else len(self._scans.points), (x1 - x0) * (y1 - y0))
+        return TerrainParameters() if self._scans is None else TerrainParameters.for_cloud(self._inside()[0])
 
     @property
     def truth(self) -> str | None:
@@ -55,12 +54,20 @@ class CloudPoints:
         """Return the points (n, 3), the bounds, and which points are ground, None where that is not known."""
         if self._scans is None:
             return np.empty((0, 3)), self._bounds, None
-        taken = slice(None, None, max(1, -(-len(self._scans.points) // MOST_POINTS)))
-        points, ground = self._scans.points[taken], self._known_ground[1]
+        points, kept = self._inside()
+        ground = self._known_ground[1]
+        return points, self._bounds, None if ground is None else ground[kept]
+
+    def _inside(self) -> tuple[Float64Array, Int64Array]:
+        """Return the points (n, 3) within the bounds, at most :data:`MOST_POINTS`, and their indices (n,)."""
+        if self._scans is None:
+            return np.empty((0, 3)), np.empty(0, np.int64)
+        step = max(1, -(-len(self._scans.points) // MOST_POINTS))
+        points = self._scans.points[::step]
         x0, y0, x1, y1 = self._bounds
         x, y = points[:, 0], points[:, 1]
-        inside = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)
-        return points[inside].astype(np.float64), self._bounds, None if ground is None else ground[taken][inside]
+        kept = np.flatnonzero((x >= x0) & (x <= x1) & (y >= y0) & (y <= y1))
+        return points[kept].astype(np.float64), kept * step
 
     @cached_property
     def _known_ground(self) -> tuple[str | None, BoolArray | None]:

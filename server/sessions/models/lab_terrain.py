@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.errors import LimitError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap import CostmapConfig, Footprint, InflationConfig, InflationLayer, LayeredCostmap
 from mapper.grid import OccupancyGrid
@@ -26,11 +26,17 @@ from mapper.terrain import (
     agreement,
     assess,
     find_ground,
+    fitted,
 )
 from server.sessions.models.lab_navigation_parameters import HEXAGON
 
 MOST_POINTS = 150_000  #: of the scans that are assessed
 MOST_PATCHES = 250_000
+FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: of the points, at first, lie in patches with so many points
+SIDES = tuple(m * 10.0**e for e in range(-2, 4) for m in (1, 1.5, 2, 3, 4, 5, 7))  #: metres: patches at first
+FINEST = 0.2  #: metres: a robot stands on as much; of a cloud that is small itself, a twentieth of its longer side
+LEAST_ACROSS = 10  #: patches along the longer side of a cloud, at first
+LARGEST_INDOORS = 0.3  #: metres: side of patches of clouds for which cells and discs are as in a room
 TRUE_WITHIN = 0.05  #: metres: a point so near to the floor or a ramp is ground
 SHOWN = ("costs", "costmap", "slope", "roughness", "step")
 #: In a room cells, discs and patches are smaller than outdoors.
@@ -79,13 +85,12 @@ class TerrainParameters:
     values: Mapping[str, Any] = field(default_factory=lambda: {row.name: row.initial for row in TABLE})
 
     @classmethod
-    def outdoors(cls, points: int, area: float) -> TerrainParameters:
-        """Return first values for a cloud of so many points over so many square metres: those of the library.
-
-        A patch is so large that it has ten points or so.
-        """
+    def for_cloud(cls, points: Float64Array) -> TerrainParameters:
+        """Return first values for a cloud (n, 3): patches by its density, the rest as indoors where these are small."""
+        patch = first_patch(points[:, :2])
+        if patch <= LARGEST_INDOORS:
+            return cls().with_values({"patch": patch})
         library = {row.name: row.initial for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}
-        patch = round(min(max(math.sqrt(10.0 * area / max(points, 1)), 0.1), 20.0), 1)
         return cls().with_values(library | {"patch": patch})
 
     def with_values(self, values: Mapping[str, Any]) -> TerrainParameters:
@@ -106,11 +111,18 @@ class TerrainParameters:
 
 @dataclass(frozen=True, slots=True)
 class Assessed:
-    """The terrain of some points: how many, how many are ground, and how that agrees with the truth in percent."""
+    """The terrain of some points: how many, how many are ground, and how that agrees with the truth in percent.
+
+    ``ground_points`` (m, 3) are those that are ground, ``is_fitted`` (m,) says which of them planes are fitted to.
+    ``level`` and ``reach`` are those of the quadtree and of the window.
+    """
 
     terrain: Terrain
     points: int
-    ground: int
+    ground_points: Float64Array
+    is_fitted: BoolArray
+    level: int
+    reach: int
     kappa: float | None
     total_error: float | None
     costmap: LayeredCostmap
@@ -128,6 +140,33 @@ class Assessed:
     def grid(self) -> OccupancyGrid:
         """Return the classes as a map: safe is free, unsafe occupied."""
         return self.terrain.grid()
+
+
+def first_patch(places: NDArray[np.floating[Any]]) -> float:
+    """Return a side of patches, metres, for points at ``places`` (n, 2): most points lie in patches with enough points.
+
+    It is the least of :data:`SIDES`, from :data:`FINEST` on, at which :data:`FIRST_SHARE` of the points lie in patches
+    of :data:`FIRST_POINTS` or more and there are at most :data:`MOST_PATCHES` patches; or the last of which the longer
+    side of the cloud has :data:`LEAST_ACROSS`. The density is that where points are: of the rectangle around them much
+    may be empty.
+    """
+    if not len(places):
+        return FINEST
+    low = places.min(axis=0)
+    extent = places.max(axis=0) - low
+    longest, best = float(extent.max()), None
+    for side in SIDES:
+        rows, cols = (int(n) for n in np.floor(extent[::-1] / side) + 1.0)
+        if side < min(FINEST, longest / 20.0) or rows * cols > MOST_PATCHES:
+            continue
+        if best is not None and LEAST_ACROSS * side > longest:
+            break
+        best = side
+        at = np.floor((places - low) / side).astype(np.int64)
+        counts = np.bincount(at[:, 1] * cols + at[:, 0], minlength=rows * cols)
+        if counts[counts >= FIRST_POINTS].sum() >= FIRST_SHARE * len(places):
+            break
+    return SIDES[-1] if best is None else round(best, 3)
 
 
 def points_of(scans: Sequence[Scan3D]) -> Float64Array:
@@ -187,13 +226,19 @@ def assessed(
             "take greater ones.",
         )
     empty = Patches(np.zeros(shape), config.patch, np.array([x0, y0, 0.0]))
-    every, ground = empty.with_points(points), empty.with_points(points[is_ground])
-    for _ in range(round(values["level"])):
+    level, reach = round(values["level"]), round(values["reach"])
+    joined, ground_points = empty, points[is_ground]
+    for _ in range(level):
+        joined = joined.parents()
+    is_fitted = fitted(ground_points, joined, config)
+    every, ground = empty.with_points(points), empty.with_points(ground_points[is_fitted])
+    for _ in range(level):
         every, ground = every.parents(), ground.parents()
-    terrain = assess(ground, config, occupied=every, reach=round(values["reach"]))
-    costmap = _costmap_of(terrain)
-    n_ground = int(is_ground.sum())
-    return Assessed(terrain, len(points), n_ground, right.get("kappa"), right.get("total_error"), costmap)
+    terrain = assess(ground, config, occupied=every, reach=reach)
+    return Assessed(
+        terrain, len(points), ground_points, is_fitted, level, reach,
+        right.get("kappa"), right.get("total_error"), _costmap_of(terrain),
+    )  # fmt: skip
 
 
 def _costmap_of(terrain: Terrain) -> LayeredCostmap:
@@ -204,23 +249,3 @@ def _costmap_of(terrain: Terrain) -> LayeredCostmap:
     costmap = LayeredCostmap(geometry, general, footprint, [terrain.layer()], inflation)
     costmap.update(0.0, (0.0, 0.0, 0.0))
     return costmap
-
-
-def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:
-    """Return the fields of a message on the patch at (x, y): P row by row, its plane and why it has its class.
-
-    Raises :class:`ConfigError` for a place outside.
-    """
-    patches, terrain = found.terrain.patches, found.terrain
-    row, col = (int(k) for k in patches.geometry.world_to_cell((x, y)))
-    if not (0 <= row < terrain.classes.shape[0] and 0 <= col < terrain.classes.shape[1]):
-        raise ConfigError("terrain.outside", f"The place ({x:g}, {y:g}) lies outside of the patches.")
-    n, sx, sy, sz, xx, xy, yy, xz, yz, zz = (float(v) for v in patches.moments[row, col])
-    moments = [n, sx, sy, sz, sx, xx, xy, xz, sy, xy, yy, yz, sz, xz, yz, zz]
-    return {
-        "x": round(x, 4),
-        "y": round(y, 4),
-        "moments": [round(v, 6) for v in moments],
-        "why": terrain.why(row, col),
-        "state": ("unknown", "safe", "unsafe")[int(terrain.classes[row, col])],
-    }

@@ -39,6 +39,11 @@ TABLE: tuple[Parameter, ...] = (
         "colour", "Colour", "view_3d", "choice", "height", "What the colour of a voxel stands for.", choices=COLOURS,
     ),
     Parameter(
+        "click", "A click in 3D", "click_3d", "choice", "asks_a_voxel",
+        "What a click in a 3D view does: it asks why a voxel is so, or it places the robot on the floor.",
+        choices=("asks_a_voxel", "places_the_robot"),
+    ),
+    Parameter(
         "band_low", "Band from", "band_3d", "number", 0.1,
         "The least height that the projection has; voxels that hold the floor are left out.",
         unit="m", low=0.0, high=HIGHEST, step=0.05,

@@ -186,12 +186,19 @@ class SimulationModel(SessionModel):
         sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), "sensor", ("sensor",))
         return SceneControls(
             playing=self.playback.playing,
-            hint="Click the floor to place the robot there.",
+            hint="Click a voxel to ask about it."
+            if self._volume.is_asked
+            else "Click the floor to place the robot there.",
             tables=(self.parameters.controls(), sensor),
             choices=(Choice("World", tuple(WORLDS), self.world.name, "world"),),
             can_restart=True,
             bounds=self.world.bounds,
         )
+
+    @property
+    def working_on(self) -> str:
+        """The answer about a voxel, or else the map."""
+        return "voxel" if self._volume.is_answering else super().working_on
 
     def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
         """Return the command that places the robot at (x, y)."""

@@ -12,8 +12,9 @@ from mapper.core.array_types import BoolArray, Float64Array
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.terrain import Terrain
-from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed, patch_at
+from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed
 from server.sessions.models.simulation_commands import flag
+from server.sessions.models.terrain_patch import patch_at
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, number, values
@@ -55,6 +56,7 @@ class TerrainView:
         self._taken = -1  #: scans when it was assessed last; −1: it has to be assessed
         self._asked: tuple[float, float] | None = None
         self._problem: str | None = None
+        self._before: dict[str, Any] | None = None  #: what the newest change of a value was, and the classes before it
         self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
 
     @property
@@ -74,23 +76,34 @@ class TerrainView:
 
     @property
     def cells(self) -> int:
-        """Cells that it holds: ten moments of each patch among them."""
-        return 0 if self._found is None else 24 * self._found.terrain.classes.size
+        """Cells that it holds: ten moments of each patch among them, and the ground points."""
+        found = self._found
+        return 0 if found is None else 24 * found.terrain.classes.size + 6 * len(found.ground_points)
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Begin the terrain, change it, ask about a patch, or end it. Raises :class:`ConfigError`."""
         if not flag({"value": True} | command, "value"):
-            self._parameters = self._found = self.grid = self._asked = self._problem = None
+            self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
             result.slot(self.message())
             return
         if not self._source.count:
             raise ProtocolError("terrain.no_points", "There are no points yet: begin the 3D map first.")
         parameters = (self._parameters or self._first).with_values(values({"values": {}} | command))
         if parameters != self._parameters:
+            self._note_change(parameters)
             self._parameters, self._taken = parameters, -1
         if command.get("x") is not None:
             self._asked = number(command, "x"), number(command, "y")
         result.slot(self.message())
+
+    def _note_change(self, parameters: TerrainParameters) -> None:
+        """Keep the numbers of patches of each class, to show beside those that other values make."""
+        if self._found is None or self._parameters is None:
+            return
+        old, new = self._parameters.values, parameters.values
+        names = [row.name for row in TABLE if old[row.name] != new[row.name] and row.name != "shown"]
+        if names:
+            self._before = {"changed": names, **self._found.terrain.counts()}
 
     def draw(self, result: TickResult) -> None:
         """Assess the terrain again if there are enough new scans or other parameters."""
@@ -149,12 +162,14 @@ class TerrainView:
             "is_on": self._parameters is not None,
             "values": dict((self._parameters or self._first).values),
             "points": 0 if found is None else found.points,
-            "ground": 0 if found is None else found.ground,
+            "ground": 0 if found is None else len(found.ground_points),
+            "left_out": 0 if found is None else int((~found.is_fitted).sum()),
             "kappa": _rounded(None if found is None else found.kappa),
             "total_error": _rounded(None if found is None else found.total_error),
             "truth": None if found is None or found.kappa is None else self._source.truth,
             **counts,
             "size": 0.0 if found is None else found.terrain.patches.size,
+            "before": self._before,
             "patch": patch,
             "problem": self._problem,
         }

@@ -53,6 +53,7 @@ class VolumeModel(SessionModel):
 
     kind: ClassVar[str] = "volume"
     is_on = True
+    is_asked = True
     replacing: ClassVar[frozenset[str]] = frozenset({"seek", "step", "restart", "parameters", "surface"})
     resent_on_refusal: ClassVar[Mapping[str, str]] = {
         one: {"volume_look": "volume"}.get(one, one) for one in ("parameters", "volume_look", "surface")
@@ -309,6 +310,12 @@ class VolumeModel(SessionModel):
             return self._terrain.share
         behind = self._map if self._shown.index == self._target else self._shown
         return behind.index / self._target if self._target and self.is_catching_up else None
+
+    @property
+    def working_on(self) -> str:
+        """The answer about a voxel, the terrain, or else the map."""
+        is_voxel = self._questions.is_busy or self._surface.is_busy
+        return "voxel" if is_voxel else "map" if self._terrain.share is None else "terrain"
 
     def draw(self, result: TickResult) -> None:
         """Assess the terrain if it has to be."""

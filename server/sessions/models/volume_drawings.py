@@ -13,6 +13,7 @@ from mapper.volume.changes import Changes
 from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.scan_sequence import ScanSequence
 from mapper.volume.voxel_classes import Painted, voxel_classes
+from mapper.volume.voxel_normals import direction_numbers, directions, voxel_normals
 from server.sessions.drawings import Drawing, Points, Voxels
 from server.sessions.models.chosen_voxel import HIT, ChosenVoxel
 from server.sessions.models.volume_look import (
@@ -25,6 +26,7 @@ from server.sessions.models.volume_look import (
     REMOVED,
     SIDE_COLOURS,
     Look,
+    normal_colors,
     ramp_of,
 )
 
@@ -33,7 +35,9 @@ MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second po
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
-PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS}
+NORMAL_COLOURS = normal_colors(np.round(127.0 * directions()).astype(np.int8))
+PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
+NUMBERED = ("probability", "class", "normal")  #: colourings whose rectangles are not those of heights
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
 
 
@@ -78,7 +82,16 @@ class VolumeDrawings:
         if all(getattr(old, name) == getattr(new, name) for name in DRAWN):
             return
         self._stale_points = True
-        if (old.cut_low, old.cut_high) == (new.cut_low, new.cut_high) or old.show in WITHOUT_VOXELS:
+        if old.show in WITHOUT_VOXELS:
+            self.note_change(volume, None)
+            return
+        if old.colour != new.colour and not {old.colour, new.colour}.isdisjoint(NUMBERED):
+            # Rectangles of the old colouring in the new colours would mislead until the last of them is made again.
+            self.faces.clear()
+            self._chunks = {}
+            self.note_change(volume, None)
+            return
+        if (old.band, old.whole) != (new.band, new.whole):
             self.note_change(volume, None)
             return
         # A cut changes the chunks between its old and its new height.
@@ -106,10 +119,10 @@ class VolumeDrawings:
             self._pending.clear()
             self.faces.clear()
         rule = self.rule(volume, look, has_free=has_free)
-        painted = self._classes_at(volume.config.resolution) if look.colour == "class" else None
+        classes = self._classes_at(volume.config.resolution) if look.colour == "class" else None
         # Low chunks first: the ground, and what stands on it.
         for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
-            self.faces.update(volume, rule, [key], painted=painted)
+            self.faces.update(volume, rule, [key], painted=_facing(volume, key) if look.colour == "normal" else classes)
             self._pending.discard(key)
             if is_over():
                 break
@@ -191,6 +204,12 @@ class VolumeDrawings:
         ]  # fmt: skip
         found += [one for one in (self._points, self._newest) if one is not None]
         return [*found, *self.chosen.drawings, *self._changes]
+
+
+def _facing(volume: OccupancyVolume, key: ChunkKey) -> Painted:
+    """Return the directions that the occupied voxels of a chunk face, as colours."""
+    numbers, normals = voxel_normals(volume, key)
+    return {key: (numbers, direction_numbers(normals))}
 
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:

@@ -56,6 +56,7 @@ class VolumeSurface:
         self._first = self.config
         self._chunks = SurfaceChunks()
         self._replayed: ReplayedSurface | None = None
+        self.is_busy = False  #: whether an answer about a voxel is being computed
         #: Of each chunk its mesh, the heights that it was cut at, and what is left.
         self._shown: dict[ChunkKey, tuple[ChunkMesh, tuple[float, float], ChunkMesh | None]] = {}
 
@@ -196,8 +197,12 @@ class VolumeSurface:
             result.slot(self.no_voxel())
             return
         now, size = self.replayed, self.config.resolution
-        with host.cancellable():
-            updates = why_surface(now, key, host.may_continue)
+        self.is_busy = True
+        try:
+            with host.cancellable():
+                updates = why_surface(now, key, host.may_continue)
+        finally:
+            self.is_busy = False
         centre = centres_of(key[None], size)[0]
         # A measured distance within a voxel is that of a beam that ended there.
         chosen.choose(centre, size, [(abs(one.measured) <= size, one.origin, centre[None]) for one in updates])

@@ -72,6 +72,16 @@ class VolumeView:
         return self._map is not None
 
     @property
+    def is_asked(self) -> bool:
+        """Whether a click in the 3D view asks about a voxel; otherwise it places the robot."""
+        return self._map is not None and self._map.parameters.values["click"] == "asks_a_voxel"
+
+    @property
+    def is_answering(self) -> bool:
+        """Whether the answer about a voxel is being computed."""
+        return self._questions.is_busy
+
+    @property
     def count(self) -> int:
         """How many scans are recorded; none while it is off."""
         return 0 if self._map is None else len(self._map.scans)

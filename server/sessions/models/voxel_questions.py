@@ -48,6 +48,7 @@ class VoxelQuestions:
 
     def __init__(self, host: ModelHost, chosen: ChosenVoxel) -> None:
         self._host, self._chosen = host, chosen
+        self.is_busy = False  #: whether an answer is being computed
 
     def obey(self, command: dict[str, Any], now: AskedMap, rule: Callable[[], FaceRule], result: TickResult) -> bool:
         """Carry out a command about a voxel of the map ``now``; return whether it was one.
@@ -76,8 +77,12 @@ class VoxelQuestions:
         if key is None:
             self.clear(config.resolution, result)
             return
-        with self._host.cancellable():
-            updates = why_voxel(now.placed_scans(), config, key, self._host.may_continue)
+        self.is_busy = True
+        try:
+            with self._host.cancellable():
+                updates = why_voxel(now.placed_scans(), config, key, self._host.may_continue)
+        finally:
+            self.is_busy = False
         centre = centres_of(key[None], config.resolution)[0]
         self._chosen.choose(centre, config.resolution, [(one.is_hit, one.origin, one.ends) for one in updates])
         value = float(now.volume.log_odds_of(key[None])[0])

@@ -88,7 +88,7 @@ export class SessionSignals {
   readonly notice = signal<Notice | null>(null);
 
   /** Progress of a long computation of the server; null for none. */
-  readonly working = signal<Work | null>(null);
+  readonly working = signal<(Work & { readonly what: string }) | null>(null);
 
   /** The view of all pictures; null until their size and the world are known. */
   readonly view = signal<View | null>(null);

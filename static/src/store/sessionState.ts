@@ -166,8 +166,8 @@ export class SessionState extends SessionSignals implements Receiver {
         this.comparison.value = message;
         return;
       case "working": {
-        const { elapsed_s, fraction } = message;
-        this.working.value = elapsed_s === null ? null : { elapsed_s, fraction };
+        const { elapsed_s, fraction, what } = message;
+        this.working.value = elapsed_s === null ? null : { elapsed_s, fraction, what: what ?? "map" };
         break;
       }
       case "notice":

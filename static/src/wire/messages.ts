@@ -189,14 +189,40 @@ export interface Block {
   readonly high: number;
 }
 
-/** A patch of terrain that was asked about. */
+/** How many patches of each class there were before parameters changed. */
+export interface TerrainCounts {
+  /** names of the parameters */
+  readonly changed: readonly string[];
+  /** patches that were safe */
+  readonly safe: number;
+  /** patches that were unsafe */
+  readonly unsafe: number;
+  /** patches with too few points */
+  readonly unknown: number;
+}
+
+/** A patch of terrain that was asked about, or the window around it that its plane is fitted to. */
 export interface TerrainPatch {
   /** the place that was asked about, m */
   readonly x: number;
   /** the place that was asked about, m */
   readonly y: number;
+  /** its centre, m */
+  readonly centre: Point;
+  /** half of its side, m */
+  readonly half: number;
+  /** the height above which its heights are, m */
+  readonly base: number;
   /** P, 4 × 4 row by row: the sum of p pᵀ with p = [1 x y z]ᵀ about its centre */
   readonly moments: readonly number[];
+  /** its ground points, with those that RANSAC leaves out */
+  readonly n: number;
+  /** x, y, z of these points about its centre, m; of many every second one, or fewer */
+  readonly points: readonly number[];
+  /** x, y, z in the middle of each edge, z on the plane of the neighbour there, of those with one */
+  readonly edges: readonly number[];
+  /** P of its four children in the quadtree, about its centre; empty: it has none */
+  readonly children: readonly (readonly number[])[];
   /** why it has its class, one sentence */
   readonly why: string;
   /** safe, unsafe or unknown */
@@ -674,6 +700,8 @@ export interface TerrainMessage {
   readonly points: number;
   /** those that the filter takes for ground */
   readonly ground: number;
+  /** ground points that RANSAC leaves out of the planes */
+  readonly left_out: number;
   /** Cohen's kappa of ground and objects, %; null: the truth is not known */
   readonly kappa: number | null;
   /** points that are classified wrongly, %; null: as above */
@@ -688,6 +716,8 @@ export interface TerrainMessage {
   readonly unknown: number;
   /** side of a patch, m */
   readonly size: number;
+  /** the classes before the newest change of parameters; null: there was none */
+  readonly before: TerrainCounts | null;
   /** the patch that was asked about; null: none was */
   readonly patch: TerrainPatch | null;
   /** why it cannot be assessed, one sentence; null: it is */
@@ -884,6 +914,8 @@ export interface WorkingMessage {
   readonly elapsed_s: number | null;
   /** share that is done, 0 to 1; null if not known */
   readonly fraction: number | null;
+  /** `map`, `voxel`: why a voxel is so, or `terrain` */
+  readonly what?: string;
 }
 
 /** A notice to the user, such as the end of the log. */
@@ -1598,10 +1630,23 @@ const isBlock: Check = isObject({
   low: isNumber,
   high: isNumber,
 });
+const isTerrainCounts: Check = isObject({
+  changed: isListOf(isText),
+  safe: isInteger,
+  unsafe: isInteger,
+  unknown: isInteger,
+});
 const isTerrainPatch: Check = isObject({
   x: isNumber,
   y: isNumber,
+  centre: isPoint,
+  half: isNumber,
+  base: isNumber,
   moments: isListOf(isNumber),
+  n: isInteger,
+  points: isListOf(isNumber),
+  edges: isListOf(isNumber),
+  children: isListOf(isListOf(isNumber)),
   why: isText,
   state: isText,
 });
@@ -1849,6 +1894,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     values: isValues,
     points: isInteger,
     ground: isInteger,
+    left_out: isInteger,
     kappa: oneOf(isNumber, isNull),
     total_error: oneOf(isNumber, isNull),
     truth: oneOf(isText, isNull),
@@ -1856,6 +1902,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     unsafe: isInteger,
     unknown: isInteger,
     size: isNumber,
+    before: oneOf(isTerrainCounts, isNull),
     patch: oneOf(isTerrainPatch, isNull),
     problem: oneOf(isText, isNull),
   },
@@ -1949,6 +1996,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
   working: {
     elapsed_s: oneOf(isNumber, isNull),
     fraction: oneOf(isNumber, isNull),
+    what: optional(isText),
   },
   notice: {
     code: isText,

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from mapper.terrain.textbook import moments_of, plane_of
+from mapper.terrain.consensus import TRIALS
+from mapper.terrain.textbook import moments_of, plane_of, ransac_plane, triples_of
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "terrain" / "terrain.vectors.json"
 
@@ -21,7 +22,7 @@ def vectors() -> list[dict[str, Any]]:
     """Return patches of few and many points, flat, steep and rough, and such as have no plane."""
     rng = np.random.default_rng(17)
     patches = [np.zeros((0, 3)), np.ones((2, 3)), np.arange(12.0).reshape(4, 3)]
-    for n, slope, noise in ((3, 0.3, 0.0), (9, 0.0, 0.01), (9, 1.5, 0.05), (20, -0.4, 0.3)):
+    for n, slope, noise in ((3, 0.3, 0.0), (9, 0.0, 0.01), (9, 1.5, 0.05), (20, -0.4, 0.3), (70, 0.2, 0.1)):
         xy = rng.uniform(-1.0, 1.0, (n, 2))
         patches.append(np.column_stack([xy, 0.2 + slope * xy[:, 0] - 0.1 * xy[:, 1] + rng.normal(0.0, noise, n)]))
     found = []
@@ -34,6 +35,7 @@ def vectors() -> list[dict[str, Any]]:
             {
                 "points": points.tolist(),
                 "moments": np.round(moments, 12).tolist(),
+                "agreeing": ransac_plane(points, triples_of(len(points), TRIALS), 0.1)[1].astype(int).tolist(),
                 "plane": None if np.isnan(plane.a) else {name: round(value, 10) for name, value in numbers.items()},
             }
         )
@@ -43,6 +45,7 @@ def vectors() -> list[dict[str, Any]]:
 def test_the_vectors_are_those_of_the_textbook() -> None:
     for kept, now in zip(json.loads(VECTORS.read_text()), vectors(), strict=True):
         assert kept["points"] == now["points"]
+        assert kept["agreeing"] == now["agreeing"]
         np.testing.assert_allclose(kept["moments"], now["moments"], atol=1e-9)
         assert (kept["plane"] is None) == (now["plane"] is None)
         for name, value in (now["plane"] or {}).items():

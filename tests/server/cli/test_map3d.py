@@ -35,6 +35,7 @@ def test_a_graph_becomes_octrees_and_a_map(run: Run, tmp_path: Path) -> None:
     again = tmp_path / "b.bt"
     assert run("map3d", out[0], "--out", again).status == 0
     assert again.read_bytes() == out[0].read_bytes()
+    assert "a.bt: an octree, without scans of its own" in run("map3d", out[0], "--out", again).out
     status, said, _ = run("info", out[1], "--json")
     assert status == 0
     assert json.loads(said)["nodes"] == facts["nodes"]

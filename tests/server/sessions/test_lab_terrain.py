@@ -14,7 +14,8 @@ from mapper.terrain.textbook import moments_of, plane_of
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions import SessionRegistry
 from server.sessions.models.cloud_terrain import CloudPoints
-from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, patch_at, true_ground
+from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, first_patch, true_ground
+from server.sessions.models.terrain_patch import patch_at
 from server.sessions.models.terrain_view import TerrainView
 from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
@@ -164,30 +165,110 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
 
 
 def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() -> None:
-    points = surface().astype(np.float32)
+    points = (surface() * (10.0, 10.0, 1.0)).astype(np.float32)
     none = np.full((1, 3), np.nan)
     scans = ScanSequence("pcd", points, np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3))
     low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
     source = CloudPoints(scans, low, high)
     view = TerrainView(source, source.first)
-    side = view.table[1]["initial"]
     assert view.table[1]["name"] == "patch"
-    assert side == pytest.approx(np.sqrt(10.0 * np.prod((high - low)[:2]) / len(points)), abs=0.05)
+    assert view.table[1]["initial"] == first_patch(points[:, :2]) == 1.5
     result = TickResult()
-    view.obey({"type": "terrain", "values": {"patch": 0.5}}, result)
+    view.obey({"type": "terrain", "values": {"patch": 5.0}}, result)
     view.draw(result)
     message = result.slots["terrain"]
     assert message["points"] == len(points)
     assert message["kappa"] is None
     ground = points[find_ground(points).is_ground]
-    expected = assess(Patches(np.zeros((11, 27, 10)), 0.5, np.array([low[0], low[1], 0.0])).with_points(ground))
+    expected = assess(Patches(np.zeros((11, 27, 10)), 5.0, np.array([low[0], low[1], 0.0])).with_points(ground))
     assert message["safe"] == pytest.approx(expected.counts()["safe"], abs=0.1 * expected.counts()["safe"])
     nothing = TerrainView(CloudPoints(None, low, high))
     with pytest.raises(ProtocolError, match="no points"):
         nothing.obey({"type": "terrain"}, TickResult())
-    view.obey({"type": "terrain", "values": {"patch": 0.01}}, result)
+    view.obey({"type": "terrain", "values": {"patch": 0.1}}, result)
     view.draw(result)
     assert "take greater ones" in str(result.slots["terrain"]["problem"])
+
+
+def share_of_patches_with_ten(places: np.ndarray, side: float) -> float:
+    """The share of the points that lie in patches of this side with ten points or more."""
+    counts = np.unique(np.floor((places - places.min(axis=0)) / side), axis=0, return_counts=True)[1]
+    return float(counts[counts >= 10].sum() / len(places))
+
+
+def test_the_first_patch_has_ten_points_however_much_of_the_rectangle_is_empty() -> None:
+    rng = np.random.default_rng(4)
+    everywhere = rng.uniform(0.0, 100.0, (40_000, 2))
+    strip = rng.uniform((0.0, 0.0), (100.0, 6.0), (9_000, 2))
+    turned = strip @ np.array([[0.6, 0.8], [-0.8, 0.6]])  # most of the rectangle around it is empty
+    lidar = np.column_stack([np.cos(a := rng.uniform(0, 6.28, 9_000)), np.sin(a)]) * rng.exponential(12.0, (9_000, 1))
+    for places in (everywhere, strip, turned, lidar):
+        side = first_patch(places)
+        assert share_of_patches_with_ten(places, side) >= 0.75
+        assert share_of_patches_with_ten(places, 0.6 * side) < 0.75
+    assert first_patch(turned) < first_patch(everywhere)
+    assert first_patch(rng.uniform(0.0, 10.0, (90_000, 2))) == 0.2  # dense: what a robot stands on
+    assert first_patch(np.zeros((0, 2))) == 0.2
+    assert first_patch(np.zeros((5, 2))) > 0.0
+    assert 100.0 / first_patch(rng.uniform(0.0, 100.0, (30, 2))) >= 10  # few points: a coarse grid, not one patch
+    assert first_patch(rng.uniform(0.0, 0.5, (9000, 2))) < 0.05  # a thing on a table
+    wide = first_patch(rng.uniform(0.0, 1e6, (100, 2)))
+    assert (1e6 / wide) ** 2 <= 250_000
+
+
+def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> None:
+    rng = np.random.default_rng(8)
+    floor = np.column_stack([rng.uniform(0.0, 4.0, (4000, 2)), rng.normal(0.0, 0.004, 4000)])
+    stone = np.hypot(*(floor[:, :2] - 1.1).T) < 0.25
+    floor[stone, 2] += 0.4
+    first = {"filter": False, "patch": 1.0, "max_roughness": 0.1, "max_step": 1.0, "fit_distance": 0.03}
+    bounds = (0.0, 0.0, 4.0, 4.0)
+    plain = assessed(floor, bounds, TerrainParameters().with_values(first))
+    robust = assessed(floor, bounds, TerrainParameters().with_values({**first, "fit": "ransac"}))
+    assert plain is not None
+    assert robust is not None
+    assert patch_at(plain, 1.5, 1.5)["state"] == "unsafe"
+    asked = patch_at(robust, 1.5, 1.5)
+    assert asked["state"] == "safe"
+    left_out = robust.ground_points[~robust.is_fitted]
+    assert (left_out[:, 2] > 0.3).mean() > 0.99
+    assert len(left_out) == pytest.approx(stone.sum(), abs=3)
+    assert asked["n"] > asked["moments"][0]
+    # A patch that is half as steep and half as rough as allowed passes each threshold, and not their sum.
+    slope = np.column_stack([rng.uniform(0.0, 4.0, (9000, 2)), rng.normal(0.0, 0.06, 9000)])
+    slope[:, 2] += slope[:, 0] * np.tan(np.radians(12.0))
+    values = {"filter": False, "patch": 2.0, "max_slope": 20.0, "max_roughness": 0.1, "max_step": 5.0}
+    states = []
+    for rule in ("weighted_sum", "thresholds"):
+        found = assessed(slope, bounds, TerrainParameters().with_values({**values, "rule": rule}))
+        assert found is not None
+        states.append(patch_at(found, 1.0, 1.0)["state"])
+    assert states == ["unsafe", "safe"]
+
+
+def test_a_patch_that_is_asked_about_has_its_points_its_neighbours_and_its_children() -> None:
+    points = surface()
+    values = {"filter": False, "level": 1.0, "fit": "ransac", "fit_distance": 0.02}
+    found = assessed(points, LEVELS.bounds, TerrainParameters().with_values(values))
+    assert found is not None
+    patch = patch_at(found, 11.0, 2.5)
+    np.testing.assert_allclose(np.sum(patch["children"], axis=0), patch["moments"], atol=1e-4)
+    assert len(patch["children"]) == 4
+    assert patch["n"] == len(patch["points"]) // 3
+    # The greatest gap at its edges is the step of the map.
+    row, col = (int(v) for v in found.terrain.patches.geometry.world_to_cell((11.0, 2.5)))
+    a, b, c = found.terrain.planes[row, col, :3]
+    gaps = [abs(a + b * x + c * y - z) for x, y, z in np.reshape(patch["edges"], (-1, 3))]
+    assert max(gaps) == pytest.approx(found.terrain.steps[row, col], abs=1e-3)
+    # Of a window: all points of its patches, and no children.
+    wide = assessed(points, LEVELS.bounds, TerrainParameters().with_values({"filter": False, "reach": 1.0}))
+    assert wide is not None
+    patch = patch_at(wide, 11.0, 2.5)
+    at = wide.terrain.patches.geometry.world_to_cell((11.0, 2.5))
+    centre = wide.terrain.patches.geometry.cell_to_world(at)
+    assert patch["n"] == (np.abs(points[:, :2] - centre) < 0.375).all(axis=1).sum()
+    assert (patch["half"], patch["children"]) == (pytest.approx(0.375), [])
+    assert len(patch["points"]) == 3 * -(-patch["n"] // -(-patch["n"] // 400))
 
 
 def test_points_in_a_vertical_plane_have_a_row_of_patches() -> None:

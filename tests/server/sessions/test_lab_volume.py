@@ -204,6 +204,11 @@ async def test_a_click_is_answered_by_the_scans_that_made_the_voxel_so(lab: Lab)
     lab.do(type="map3d", values={"half_life": 20.0})
     lab.look_around()
     # Straight down on the board of the low table, from below its drawn surroundings' ceiling.
+    lab.do(type="map3d", values={"click": "places_the_robot"})
+    assert lab.model.on_scene_ray((4.0, 3.0, 2.0), (0.0, 0.0, -1.0)) == {"type": "teleport", "x": 4.0, "y": 3.0}
+    assert "place the robot" in (lab.model.controls().hint or "")
+    lab.do(type="map3d", values={"click": "asks_a_voxel"})
+    assert "ask about it" in (lab.model.controls().hint or "")
     command = lab.model.on_scene_ray((4.02, 3.02, 1.0), (0.0, 0.0, -1.0))
     assert command is not None
     why = next(one for one in lab.do(**command).slots.values() if one["type"] == "voxel")

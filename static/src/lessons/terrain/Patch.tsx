@@ -2,9 +2,7 @@ import { useSignal } from "@preact/signals";
 import { Choice } from "../../ui/Choice";
 import { Slider } from "../../ui/Slider";
 import { SwitchChip } from "../../ui/SwitchChip";
-import { consensus, momentsOf, type Place, planeOf } from "./model";
-import { Matrix, Result } from "./PatchNumbers";
-import { PatchView } from "./PatchView";
+import { PatchFigure } from "./PatchFigure";
 import { PRESETS } from "./patches";
 import "./terrain.css";
 
@@ -13,27 +11,15 @@ const SLOPE = { low: 5, high: 45, step: 1, initial: 20 };
 const ROUGHNESS = { low: 0.02, high: 0.4, step: 0.01, initial: 0.15 };
 /** Distance from a plane up to which RANSAC counts a point as one of it, m. */
 const NEAR = 0.05;
-const RAMP = PRESETS[1]?.points ?? [];
+const HEIGHTS: readonly [number, number] = [-0.3, 0.9];
 
-/** A patch that one grabs: its points are dragged up and down, and P, the plane and the class follow. */
+/** A made-up patch to grab, with RANSAC, every point twice, and limits of what is safe. */
 export function Patch() {
   const preset = useSignal("ramp");
-  const points = useSignal<readonly Place[]>(RAMP);
-  /** The points before the one that was moved last was moved. */
-  const before = useSignal<readonly Place[]>(RAMP);
-  const moved = useSignal(-1);
   const isRobust = useSignal(false);
   const isTwice = useSignal(false);
   const slope = useSignal(SLOPE.initial);
   const roughness = useSignal(ROUGHNESS.initial);
-
-  const used = isRobust.value ? consensus(points.value, NEAR) : points.value.map(() => true);
-  const taken = (all: readonly Place[]): readonly Place[] => {
-    const some = all.filter((_, k) => used[k]);
-    return isTwice.value ? [...some, ...some] : some;
-  };
-  const moments = momentsOf(taken(points.value));
-  const plane = planeOf(moments);
   return (
     <figure class="patch" aria-label="A patch of terrain, its moments, its plane and its class">
       <Choice
@@ -42,24 +28,18 @@ export function Patch() {
         value={preset.value}
         onChange={(id) => {
           preset.value = id;
-          points.value = before.value = PRESETS.find((one) => one.id === id)?.points ?? RAMP;
-          moved.value = -1;
         }}
       />
-      <PatchView
-        points={points.value}
-        plane={plane}
-        used={used}
-        onMove={(index, z) => {
-          if (moved.peek() !== index) before.value = points.peek();
-          moved.value = index;
-          points.value = points.peek().map(([x, y, old], k) => [x, y, k === index ? z : old]);
-        }}
+      <PatchFigure
+        key={preset.value}
+        initial={PRESETS.find(({ id }) => id === preset.value)?.points ?? []}
+        half={1}
+        heights={HEIGHTS}
+        floor={0}
+        robust={isRobust.value ? NEAR : null}
+        isTwice={isTwice.value}
+        limits={{ slope: slope.value * DEGREE, roughness: roughness.value }}
       />
-      <div class="patch-numbers">
-        <Matrix moments={moments} before={momentsOf(taken(before.value))} />
-        <Result plane={plane} limits={{ slope: slope.value * DEGREE, roughness: roughness.value }} />
-      </div>
       <div class="figure-controls">
         <SwitchChip
           label="Leave out outliers (RANSAC)"

@@ -1,7 +1,16 @@
 /** P of a patch entry by entry, and what follows from it. */
 
 import { written } from "../../ui/numbers";
-import { type Limits, type Moments, type Plane, scoreOf, slopeWithoutRoot } from "./model";
+import {
+  type Limits,
+  type Moments,
+  type Place,
+  type Plane,
+  ratiosOf,
+  scoreOf,
+  slopeWithoutRoot,
+  stepOf,
+} from "./model";
 
 const DEGREE = 180 / Math.PI;
 const NAMES = ["1", "x", "y", "z"];
@@ -48,12 +57,13 @@ export function Matrix({ moments, before }: MatrixProps) {
 
 interface ResultProps {
   readonly plane: Plane | null;
-  /** What is just safe; without them no class is shown. */
-  readonly limits?: Limits;
+  readonly limits: Limits;
+  /** Places in the middle of its edges, on the planes of its neighbours. */
+  readonly edges: readonly Place[];
 }
 
 /** The plane, its residual, its slope, and the class that follows. */
-export function Result({ plane, limits }: ResultProps) {
+export function Result({ plane, limits, edges }: ResultProps) {
   if (!plane) return <p>These points give no plane.</p>;
   const { a, b, c, n, meanHeight, residual, roughness, slope } = plane;
   return (
@@ -86,24 +96,65 @@ export function Result({ plane, limits }: ResultProps) {
           <dt>Slope cos⁻¹(1 / √(1 + b² + c²))</dt>
           <dd>{written(slope * DEGREE, 1)}°</dd>
         </div>
+        {limits.step !== undefined && (
+          <div>
+            <dt>Step to the neighbours' planes</dt>
+            <dd>{edges.length ? `${written(stepOf(plane, edges), 3)} m` : "no neighbour has a plane"}</dd>
+          </div>
+        )}
         <div class="patch-slip">
           <dt>Without the root</dt>
           <dd>{written(slopeWithoutRoot(plane) * DEGREE, 1)}°, not the angle of the plane</dd>
         </div>
       </dl>
-      {limits && <Class plane={plane} limits={limits} />}
+      <Class plane={plane} limits={limits} edges={edges} />
     </div>
   );
 }
 
-function Class({ plane, limits }: { readonly plane: Plane; readonly limits: Limits }) {
-  const score = scoreOf(plane, limits);
+function Class({ plane, limits, edges }: { readonly plane: Plane } & Omit<ResultProps, "plane">) {
+  const score = scoreOf(plane, limits, edges);
   const isSafe = score <= 1;
+  const terms = ratiosOf(plane, limits, edges).map(({ name, value }) => `${written(value, 2)} for the ${name}`);
   return (
     <p class={`patch-class ${isSafe ? "safe" : "unsafe"}`} role="status">
-      <b>{isSafe ? "Safe" : "Unsafe"}</b>: {written(plane.slope / limits.slope, 2)} for the slope +{" "}
-      {written(plane.roughness / limits.roughness, 2)} for the roughness = {written(score, 2)},{" "}
-      {isSafe ? "at most" : "above"} 1
+      <b>{isSafe ? "Safe" : "Unsafe"}</b>:{" "}
+      {limits.isThresholds
+        ? `the greatest of ${terms.join(", ")} is ${written(score, 2)}`
+        : `${terms.join(" + ")} = ${written(score, 2)}`}
+      , {isSafe ? "at most" : "above"} 1
     </p>
+  );
+}
+
+const SUMS = ["n", "Σx", "Σy", "Σz"];
+
+/** The first row of P of the four children of a patch in the quadtree, and their sum, its own. */
+export function Children({ moments }: { readonly moments: readonly Moments[] }) {
+  const rows = moments.map((child) => child.slice(0, 4));
+  const sum = SUMS.map((_, k) => rows.reduce((total, row) => total + (row[k] as number), 0));
+  return (
+    <table class="patch-matrix" aria-label="The four children of this patch, and their sum">
+      <thead>
+        <tr>
+          <th scope="col">Child</th>
+          {SUMS.map((name) => (
+            <th scope="col" key={name}>
+              {name}
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody>
+        {[...rows, sum].map((row, at) => (
+          <tr key={at}>
+            <th scope="row">{at < rows.length ? at + 1 : "Sum"}</th>
+            {row.map((value, k) => (
+              <td key={k}>{written(value, k === 0 ? 0 : 2)}</td>
+            ))}
+          </tr>
+        ))}
+      </tbody>
+    </table>
   );
 }

@@ -1,16 +1,24 @@
 import { useRef } from "preact/hooks";
 import { Handle } from "../../ui/Handle";
-import { keyed, snap, written } from "../../ui/numbers";
+import { keyed, type Range, snap, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
 import { heightAt, type Place, type Plane } from "./model";
 
-const HEIGHT = 280;
-const HEIGHTS = { low: -0.3, high: 0.9, step: 0.01 };
-/** Radius of a point, px. */
+const HEIGHT = 260;
+/** Points that can be grabbed at most; of more every second one, or fewer. */
+const MOST_GRABBED = 40;
+/** Radius of a point that is grabbed, and of one that is not, px. */
 const DOT = 7;
+const SMALL_DOT = 2.5;
 
 interface PatchViewProps {
   readonly points: readonly Place[];
+  /** Half of the patch's side, m. */
+  readonly half: number;
+  /** The heights that are shown, m. */
+  readonly heights: readonly [low: number, high: number];
+  /** The height of the level square under the points, m. */
+  readonly floor: number;
   readonly plane: Plane | null;
   /** Which points the plane is fitted to. */
   readonly used: readonly boolean[];
@@ -18,47 +26,58 @@ interface PatchViewProps {
 }
 
 /** The points of a patch in an oblique view, their plane, and how far each is from it; points are dragged up and down. */
-export function PatchView({ points, plane, used, onMove }: PatchViewProps) {
+export function PatchView({ points, half, heights, floor, plane, used, onMove }: PatchViewProps) {
+  const [low, high] = heights;
+  const range = { low, high, step: high - low > 0.5 ? 0.01 : 0.001 };
+  const every = Math.max(1, Math.ceil(points.length / MOST_GRABBED));
   return (
     <Plot height={HEIGHT}>
       {(width) => {
-        const metre = Math.min(width / 3.2, 150);
+        const metre = Math.min(width / 3.2, 150) / half;
+        // Above and below the heights there is room for the far and the near edge of the square.
+        const up = Math.min(metre, (HEIGHT - 30 - 0.68 * metre * half) / (high - low));
+        const bottom = HEIGHT - 15 - 0.34 * metre * half;
         const at = (x: number, y: number, z: number): readonly [number, number] => [
           width / 2 + metre * (0.95 * x + 0.42 * y),
-          HEIGHT - 66 - metre * (0.34 * y + z),
+          bottom - metre * 0.34 * y - up * (z - low),
         ];
         const corners = (height: (x: number, y: number) => number): string =>
           [
-            [-1, -1],
-            [1, -1],
-            [1, 1],
-            [-1, 1],
+            [-half, -half],
+            [half, -half],
+            [half, half],
+            [-half, half],
           ]
             .map(([x = 0, y = 0]) => at(x, y, height(x, y)).join(" "))
             .join("L");
         return (
           <>
-            <path class="patch-ground" d={`M${corners(() => 0)}Z`} />
+            <path class="patch-ground" d={`M${corners(() => floor)}Z`} />
             {plane && <path class="patch-plane" d={`M${corners((x, y) => heightAt(plane, x, y))}Z`} />}
             {points.map(([x, y, z], k) => {
               const [px, py] = at(x, y, z);
               const onPlane = plane ? at(x, y, heightAt(plane, x, y))[1] : py;
               return (
                 <g key={k}>
-                  <path class="patch-stem" d={`M${at(x, y, 0).join(" ")}V${py}`} />
-                  <path class="patch-residual" d={`M${px} ${onPlane}V${py}`} />
+                  {every === 1 && <path class="patch-stem" d={`M${at(x, y, floor).join(" ")}V${py}`} />}
+                  <path class={every === 1 ? "patch-residual" : "patch-residual thin"} d={`M${px} ${onPlane}V${py}`} />
+                  {k % every > 0 && (
+                    <circle class={`patch-dot ${used[k] ? "" : "left-out"}`} cx={px} cy={py} r={SMALL_DOT} />
+                  )}
                 </g>
               );
             })}
             {points.map(([x, y, z], k) => {
+              if (k % every > 0) return null;
               const [px, py] = at(x, y, z);
               return (
                 <PointHandle
                   key={k}
                   index={k}
                   z={z}
+                  range={range}
                   at={[px, py]}
-                  metre={metre}
+                  metre={up}
                   isUsed={used[k] ?? true}
                   onMove={(to) => onMove(k, to)}
                 />
@@ -74,13 +93,15 @@ export function PatchView({ points, plane, used, onMove }: PatchViewProps) {
 interface PointHandleProps {
   readonly index: number;
   readonly z: number;
+  readonly range: Range;
   readonly at: readonly [number, number];
+  /** Pixels of a metre of height. */
   readonly metre: number;
   readonly isUsed: boolean;
   readonly onMove: (z: number) => void;
 }
 
-function PointHandle({ index, z, at: [px, py], metre, isUsed, onMove }: PointHandleProps) {
+function PointHandle({ index, z, range, at: [px, py], metre, isUsed, onMove }: PointHandleProps) {
   const from = useRef(z);
   return (
     <Handle
@@ -89,17 +110,17 @@ function PointHandle({ index, z, at: [px, py], metre, isUsed, onMove }: PointHan
       axis="y"
       tone={isUsed ? "tone-robot" : "tone-hit"}
       now={z}
-      low={HEIGHTS.low}
-      high={HEIGHTS.high}
+      low={range.low}
+      high={range.high}
       text={`${written(z, 2)} m high`}
       grab={{ x: px - 20, y: py - 20, width: 40, height: 40 }}
       onStart={() => {
         from.current = z;
       }}
-      onDrag={(_, dy, fine) => onMove(snap(from.current - ((fine ? 0.2 : 1) * dy) / metre, HEIGHTS))}
+      onDrag={(_, dy, fine) => onMove(snap(from.current - ((fine ? 0.2 : 1) * dy) / metre, range))}
       onEnd={() => undefined}
       onKey={(key, shift) => {
-        const next = keyed(key, shift, z, HEIGHTS);
+        const next = keyed(key, shift, z, range);
         if (next !== null) onMove(next);
         return next !== null;
       }}

@@ -3,9 +3,10 @@ import { consensus, momentsOf, type Place, planeOf, scoreOf, slopeWithoutRoot } 
 import { PRESETS } from "./patches";
 import vectors from "./terrain.vectors.json";
 
-test("moments and planes are those of the library", () => {
+test("moments, points that agree, and planes are those of the library", () => {
   expect(vectors.length).toBeGreaterThan(5);
-  for (const { points, moments, plane } of vectors) {
+  for (const { points, moments, agreeing, plane } of vectors) {
+    expect(consensus(points as unknown as Place[], 0.1).map(Number)).toEqual(agreeing);
     const found = momentsOf(points as unknown as Place[]);
     moments.flat().forEach((entry, k) => {
       expect(found[k]).toBeCloseTo(entry, 9);

@@ -59,19 +59,43 @@ export const heightAt = ({ a, b, c }: Plane, x: number, y: number): number => a 
 /** The slope without the root, as one of the sources prints it: cos⁻¹(1 / (1 + b² + c²)), radians. */
 export const slopeWithoutRoot = ({ b, c }: Plane): number => Math.acos(1 / (1 + b * b + c * c));
 
+/** Planes that RANSAC tries at most; of no more triples all. */
+const TRIALS = 100;
+
+/**
+ * Triples of n points for RANSAC, as `mapper/terrain/textbook.py::triples_of` has them: all in order, at most `TRIALS`,
+ * else random ones that depend on n only.
+ */
+export function* triplesOf(n: number): Generator<readonly [number, number, number]> {
+  if ((n * (n - 1) * (n - 2)) / 6 <= TRIALS) {
+    for (let i = 0; i < n; i++) for (let j = i + 1; j < n; j++) for (let k = j + 1; k < n; k++) yield [i, j, k];
+    return;
+  }
+  let state = n;
+  const draw = (left: number, taken: readonly number[]): number => {
+    state = (Math.imul(1664525, state) + 1013904223) >>> 0;
+    let chosen = (state >>> 8) % left;
+    for (const one of [...taken].sort((a, b) => a - b)) if (chosen >= one) chosen++;
+    return chosen;
+  };
+  for (let trial = 0; trial < TRIALS; trial++) {
+    const i = draw(n, []);
+    const j = draw(n - 1, [i]);
+    yield [i, j, draw(n - 2, [i, j])];
+  }
+}
+
 /** Which points are within `distance` along z of the plane of the three points that most others agree with. */
 export function consensus(points: readonly Place[], distance: number): readonly boolean[] {
   let best: readonly boolean[] = points.map(() => false);
   let most = 0;
-  for (let i = 0; i < points.length; i++)
-    for (let j = i + 1; j < points.length; j++)
-      for (let k = j + 1; k < points.length; k++) {
-        const plane = planeOf(momentsOf([i, j, k].map((at) => points[at] as Place)));
-        if (!plane) continue;
-        const inside = points.map(([x, y, z]) => Math.abs(z - heightAt(plane, x, y)) <= distance);
-        const count = inside.filter(Boolean).length;
-        if (count > most) [best, most] = [inside, count];
-      }
+  for (const triple of triplesOf(points.length)) {
+    const plane = planeOf(momentsOf(triple.map((at) => points[at] as Place)));
+    if (!plane) continue;
+    const inside = points.map(([x, y, z]) => Math.abs(z - heightAt(plane, x, y)) <= distance);
+    const count = inside.filter(Boolean).length;
+    if (count > most) [best, most] = [inside, count];
+  }
   return best;
 }
 
@@ -80,8 +104,36 @@ export interface Limits {
   readonly slope: number;
   /** Roughness that is unsafe by itself, m. */
   readonly roughness: number;
+  /** Step that is unsafe by itself, m; without it steps do not count. */
+  readonly step?: number;
+  /** Weights of slope, roughness and step; without them 1. */
+  readonly weights?: readonly [number, number, number];
+  /** Unsafe above 1 is the greatest of the three ratios, not their sum. */
+  readonly isThresholds?: boolean;
 }
 
-/** The weighted sum of slope and roughness, each divided by its greatest safe value; unsafe above 1. */
-export const scoreOf = ({ slope, roughness }: Plane, limits: Limits): number =>
-  slope / limits.slope + roughness / limits.roughness;
+/** The greatest gap between a plane and its neighbours' at places of the common edges; 0 without neighbours. */
+export const stepOf = (plane: Plane, edges: readonly Place[]): number =>
+  Math.max(0, ...edges.map(([x, y, z]) => Math.abs(heightAt(plane, x, y) - z)));
+
+export interface Ratio {
+  readonly name: string;
+  /** The weight times the property, divided by its greatest safe value. */
+  readonly value: number;
+}
+
+/** The ratios of slope, roughness and, where it has a limit, step. */
+export function ratiosOf(plane: Plane, limits: Limits, edges: readonly Place[] = []): readonly Ratio[] {
+  const [slope, roughness, step] = limits.weights ?? [1, 1, 1];
+  return [
+    { name: "slope", value: slope * (plane.slope / limits.slope) },
+    { name: "roughness", value: roughness * (plane.roughness / limits.roughness) },
+    ...(limits.step === undefined ? [] : [{ name: "step", value: step * (stepOf(plane, edges) / limits.step) }]),
+  ];
+}
+
+/** The sum of the ratios, or the greatest of them; unsafe above 1. */
+export function scoreOf(plane: Plane, limits: Limits, edges: readonly Place[] = []): number {
+  const values = ratiosOf(plane, limits, edges).map(({ value }) => value);
+  return limits.isThresholds ? Math.max(...values) : values.reduce((sum, value) => sum + value, 0);
+}

@@ -21,6 +21,7 @@ const PathGroup = lazy(async () => (await import("../../tools/navigation/PathGro
 const CostmapGroup = lazy(async () => (await import("../../tools/navigation/CostmapGroup")).CostmapGroup);
 const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
+const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoice")).ClickChoice);
 const TerrainGroup = lazy(async () => (await import("./terrain/TerrainGroup")).TerrainGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
@@ -172,7 +173,12 @@ const GROUPS: readonly Group[] = [
     title: "Scene",
     section: "3D",
     purpose: "Map, robot and world in three dimensions",
-    content: ({ session }) => <Scene session={session} />,
+    content: ({ store, session }) => (
+      <>
+        <Scene session={session} />
+        <ClickChoice store={store} />
+      </>
+    ),
   },
   {
     id: "share",

@@ -201,19 +201,11 @@ export function paintCrosshair(brush: Brush, point: Point): void {
   }
 }
 
-/** The outline of a cell. For cells of a few pixels it is larger than the cell, so that it can be seen. */
-export function paintCell(brush: Brush, geometry: Geometry, row: number, col: number, style: string): void {
+/** Paint the outline of a polygon, with a halo. */
+export function paintOutline(brush: Brush, corners: readonly Point[], style: string): void {
   const { ctx, colours } = brush;
-  const grow = Math.max(0, (6 * brush.view.scale) / geometry.resolution - 1) / 2;
   ctx.beginPath();
-  for (const [u, v] of [
-    [col - grow, row - grow],
-    [col + 1 + grow, row - grow],
-    [col + 1 + grow, row + 1 + grow],
-    [col - grow, row + 1 + grow],
-  ] as const) {
-    ctx.lineTo(...place(brush, fromLattice(geometry, u, v)));
-  }
+  for (const corner of corners) ctx.lineTo(...place(brush, corner));
   ctx.closePath();
   ctx.lineWidth = 4;
   ctx.strokeStyle = colours.halo;
@@ -221,6 +213,22 @@ export function paintCell(brush: Brush, geometry: Geometry, row: number, col: nu
   ctx.lineWidth = 2;
   ctx.strokeStyle = style;
   ctx.stroke();
+}
+
+/** The outline of a cell. For cells of a few pixels it is larger than the cell, so that it can be seen. */
+export function paintCell(brush: Brush, geometry: Geometry, row: number, col: number, style: string): void {
+  const grow = Math.max(0, (6 * brush.view.scale) / geometry.resolution - 1) / 2;
+  const corners = [
+    [col - grow, row - grow],
+    [col + 1 + grow, row - grow],
+    [col + 1 + grow, row + 1 + grow],
+    [col - grow, row + 1 + grow],
+  ] as const;
+  paintOutline(
+    brush,
+    corners.map(([u, v]) => fromLattice(geometry, u, v)),
+    style,
+  );
 }
 
 /** Rings that spread from the point to which the robot was moved; returns false when the animation is over. */

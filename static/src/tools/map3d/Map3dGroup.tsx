@@ -9,6 +9,7 @@ import { ParameterRows } from "../parameters/ParameterRows";
 import { Scene } from "../scene/Scene";
 import { VoxelWhy } from "../volume/VoxelWhy";
 import "../volume/volume.css";
+import { ClickChoice } from "./ClickChoice";
 import { Files } from "./Files";
 import { Memory } from "./Memory";
 import { ONLY_IN_3D } from "./over";
@@ -51,6 +52,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
       <div class="map3d-view">
         <Scene session={session} hasColumns={false} />
       </div>
+      <ClickChoice store={store} />
       <Difference store={store} />
       <div class="map3d-why">
         <VoxelWhy store={store} />

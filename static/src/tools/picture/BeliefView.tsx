@@ -28,6 +28,7 @@ import { paintGivenPose, paintLocalization } from "../localization/paint";
 import { map3dOver, watchMap3d } from "../map3d/over";
 import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
 import { paintSteps } from "../steps/paint";
+import { paintPatch, watchPatch } from "../terrain/paint";
 import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
 import { LinkedPicture } from "./LinkedPicture";
@@ -97,6 +98,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.localization.value;
             watchNavigation(store);
             watchMap3d(store);
+            watchPatch(store);
             void store.givenPose.value;
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;
@@ -144,6 +146,7 @@ function paintOverlay(
   paintGivenPose(store, brush);
   paintScanPair(store, brush);
   paintWhy(store, brush);
+  paintPatch(store, brush);
   const cell = store.cell.peek();
   const map = store.map.peek();
   if (cell && map) {

@@ -1,11 +1,16 @@
 import type { Store } from "../../store/store";
 import { Working } from "../../ui/Working";
 
+const WHAT: Readonly<Record<string, string>> = {
+  voxel: "Computing why the voxel is so",
+  terrain: "Assessing the terrain",
+};
+
 /** The progress of what the session computes for long, over the picture of its map, with a button that cancels it. */
 export function ComputingMap({ store }: { readonly store: Store }) {
   return (
     <Working
-      what="Computing the map"
+      what={WHAT[store.working.value?.what ?? ""] ?? "Computing the map"}
       work={store.working.value}
       onCancel={() => store.send({ type: "cancel" })}
       isInside

@@ -5,7 +5,7 @@ import { ParameterRows } from "../parameters/ParameterRows";
 import { useLook } from "./useLook";
 
 /** Names of the colourings that voxels have; the others are of points. */
-const OF_VOXELS = ["height", "probability", "side"];
+const OF_VOXELS = ["height", "probability", "side", "normal"];
 const OF_BOTH = ["height"];
 const OF_SURFACES = ["height", "normal"];
 
@@ -30,7 +30,7 @@ export function LookGroup({ store }: { readonly store: Store }) {
   return (
     <Panel title="What is drawn">
       <ParameterRows rows={shown} values={values} set={set} />
-      <Key colour={String(colour)} now={now} band={Number(values.value.band)} />
+      <Key colour={String(colour)} show={String(show)} now={now} band={Number(values.value.band)} />
     </Panel>
   );
 }
@@ -42,7 +42,14 @@ export function coloursOf({ colours }: Pick<VolumeMessage, "colours">, show: str
   return [...(show === "points" ? OF_BOTH : OF_VOXELS), ...ofPoints];
 }
 
-function Key({ colour, now, band }: { readonly colour: string; readonly now: VolumeMessage; readonly band: number }) {
+interface KeyProps {
+  readonly colour: string;
+  readonly show: string;
+  readonly now: VolumeMessage;
+  readonly band: number;
+}
+
+function Key({ colour, show, now, band }: KeyProps) {
   if (colour === "height") {
     const top = Math.min(now.high[2], now.low[2] + 24 * band);
     return <Ramp kind="height" from={`${now.low[2].toFixed(2)} m`} to={`${top.toFixed(2)} m and more`} />;
@@ -51,8 +58,9 @@ function Key({ colour, now, band }: { readonly colour: string; readonly now: Vol
   if (colour === "side" || colour === "normal") {
     return (
       <p class="quiet">
-        Green and red: {colour === "side" ? "sides that face" : "where it faces"} along y and x. Blue: up (light) and
-        down.
+        Red and green: {colour === "side" ? "sides of voxels that face" : "where the surface faces"} along x and y.
+        Blue: up (light) and down.{" "}
+        {colour === "normal" && show !== "surface" && "The direction is that of the plane of the voxels around."}
       </p>
     );
   }

@@ -13,10 +13,14 @@ const coordinates = (place: readonly number[]): string => place.map((one) => wri
 export function VoxelWhy({ store }: { readonly store: Store }) {
   const now = store.voxel.value;
   const ofSurface = store.surface.voxel.value;
+  const isComputing = store.working.value?.what === "voxel";
   return (
     <Panel title="Why is this voxel so?">
       <p class="quiet">Click a voxel in the picture, or enter a place:</p>
       <Place store={store} />
+      <p role="status" class="quiet">
+        {isComputing && "Going through the beams of all scans …"}
+      </p>
       {(now?.centre || ofSurface?.centre) && (
         <div class="actions">
           <Button onClick={() => store.send({ type: "voxel" })}>Choose none</Button>

@@ -1,15 +1,13 @@
 /** The terrain of what the robot's 3D sensor measured: classes over the map, κ, windows, and a patch that is asked about. */
 
 import { useEffect, useMemo } from "preact/hooks";
-import { type Moments, planeOf } from "../../../lessons/terrain/model";
-import { Matrix, Result } from "../../../lessons/terrain/PatchNumbers";
 import type { Store } from "../../../store/store";
 import { useMap3dRows } from "../../../tools/map3d/Sensor3d";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { Button } from "../../../ui/Button";
 import { SwitchChip } from "../../../ui/SwitchChip";
-import type { TerrainMessage, Value } from "../../../wire/protocol";
-import "../../../lessons/terrain/terrain.css";
+import type { Parameter, TerrainMessage, Value } from "../../../wire/protocol";
+import { AskedPatch } from "./AskedPatch";
 import "./terrainGroup.css";
 
 const COSTS = "terrain_costs";
@@ -56,9 +54,9 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { values } = terrain.values;
   return (
     <div class="terrain-group">
-      <Numbers message={message} isFile={isFile} />
+      <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
+      <AskedPatch message={message} />
       <ParameterRows rows={view} values={values} set={set} />
-      <Asked message={message} />
       {!isFile && <CostmapChoice store={store} />}
       <h3>Patches</h3>
       <ParameterRows rows={patches} values={values} set={set} />
@@ -91,38 +89,38 @@ function Begin({ store }: { readonly store: Store }) {
   );
 }
 
-function Numbers({ message, isFile }: { readonly message: TerrainMessage; readonly isFile: boolean }) {
-  const { points, ground, kappa, total_error, truth, safe, unsafe, problem } = message;
+interface NumbersProps {
+  readonly message: TerrainMessage;
+  readonly isFile: boolean;
+  readonly rows: readonly Parameter[];
+}
+
+const many = (n: number): string => n.toLocaleString("en");
+
+function Numbers({ message, isFile, rows }: NumbersProps) {
+  const { points, ground, left_out, kappa, total_error, truth, safe, unsafe, unknown, before, problem } = message;
   if (problem !== null) return <p role="alert">{problem}</p>;
+  const names = before?.changed.map((name) => rows.find((row) => row.name === name)?.label ?? name).join(", ");
   return (
     <div role="status" class="terrain-numbers">
       <p>
-        <b>{safe.toLocaleString("en")}</b> patches are safe, <b>{unsafe.toLocaleString("en")}</b> are not (dark).
+        <b>{many(safe)}</b> patches are safe, <b>{many(unsafe)}</b> are not (dark), {many(unknown)} have too few points.
       </p>
+      {before && (
+        <p class="terrain-before">
+          Before the change of “{names}”: {many(before.safe)} safe, {many(before.unsafe)} not, {many(before.unknown)}{" "}
+          with too few points.
+        </p>
+      )}
       <p class="quiet">
-        {ground.toLocaleString("en")} of {points.toLocaleString("en")} points are taken for ground.
+        {many(ground)} of {many(points)} points are classified as ground.
+        {left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
         {kappa !== null &&
           total_error !== null &&
           ` Against ${truth ?? "the truth"}: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
         {isFile && truth === null && " Compare with a file of the true ground points (tab Compare) for κ."}
       </p>
     </div>
-  );
-}
-
-/** The patch that was clicked: P, its plane, and why it has its class. */
-function Asked({ message }: { readonly message: TerrainMessage }) {
-  const { patch, size } = message;
-  if (!patch) return <p class="quiet">Click a patch on the map: its P, its plane and its class are shown here.</p>;
-  const moments: Moments = patch.moments;
-  return (
-    <section class="terrain-asked" aria-label="The patch that was clicked">
-      <p>
-        Patch of {size.toFixed(2)} m at ({patch.x.toFixed(1)}, {patch.y.toFixed(1)}): <b>{patch.state}</b>. {patch.why}
-      </p>
-      <Matrix moments={moments} before={moments} />
-      <Result plane={planeOf(moments)} />
-    </section>
   );
 }
 

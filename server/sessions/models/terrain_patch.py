@@ -1,0 +1,77 @@
+"""The patch of a terrain that is asked about: its points, their moments, its neighbours and its children."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mapper.core.array_types import Float64Array
+from mapper.core.errors import ConfigError
+
+if TYPE_CHECKING:
+    from server.sessions.models.lab_terrain import Assessed
+
+MOST_SENT = 400  #: points of a patch; of more every second one is sent, or fewer
+
+
+def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:
+    """Return the fields of a message on the patch at (x, y), or on the window around it that its plane is fitted to.
+
+    Raises :class:`ConfigError` for a place outside.
+    """
+    patches, terrain = found.terrain.patches, found.terrain
+    row, col = (int(k) for k in patches.geometry.world_to_cell((x, y)))
+    rows, cols = terrain.classes.shape
+    if not (0 <= row < rows and 0 <= col < cols):
+        raise ConfigError("terrain.outside", f"The place ({x:g}, {y:g}) lies outside of the patches.")
+    cx, cy = patches.geometry.cell_to_world((row, col))
+    half = (found.reach + 0.5) * patches.size
+    local = found.ground_points - patches.corner
+    places = np.floor(local[:, :2] * (1.0 / patches.size))
+    inside = (np.abs(places - (col, row)) <= found.reach).all(axis=1)
+    inside &= ((places >= 0) & (places < (cols, rows))).all(axis=1)
+    # Heights are above the whole metre nearest to the lowest point, so that changes of P are not lost in large sums.
+    base = float(np.round(local[inside, 2].min())) if inside.any() else 0.0
+    mine = local[inside] - (*((np.array([col, row]) + 0.5) * patches.size), base)
+    used = mine[found.is_fitted[inside]]
+    sent = mine[:: max(1, -(-len(mine) // MOST_SENT))]
+    return {
+        "x": round(x, 4),
+        "y": round(y, 4),
+        "centre": [round(float(cx), 4), round(float(cy), 4)],
+        "half": half,
+        "base": float(patches.corner[2]) + base,
+        "moments": _moments(used),
+        "n": len(mine),
+        "points": [round(v, 4) for v in sent.ravel().tolist()],
+        "edges": [round(v, 4) for v in _edges(terrain.planes, row, col, patches.size, base)],
+        "children": _children(used) if found.level and not found.reach else [],
+        "why": terrain.why(row, col),
+        "state": ("unknown", "safe", "unsafe")[int(terrain.classes[row, col])],
+    }
+
+
+def _moments(points: Float64Array) -> list[float]:
+    """Return P (4, 4) of points (n, 3), row by row."""
+    p = np.column_stack([np.ones(len(points)), points])
+    return [round(v, 6) for v in (p.T @ p).ravel().tolist()]
+
+
+def _children(points: Float64Array) -> list[list[float]]:
+    """Return P of each of the four children of a patch, about the centre of the patch: their sum is its P."""
+    quarter = (points[:, 0] >= 0.0) + 2 * (points[:, 1] >= 0.0)
+    return [_moments(points[quarter == k]) for k in range(4)]
+
+
+def _edges(planes: Float64Array, row: int, col: int, size: float, base: float) -> list[float]:
+    """Return x, y and height above ``base`` of the planes that neighbours have, in the middle of the common edges."""
+    found = []
+    for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        r, c = row + down, col + right
+        if 0 <= r < planes.shape[0] and 0 <= c < planes.shape[1] and not math.isnan(planes[r, c, 0]):
+            a, b, slope_y = (float(v) for v in planes[r, c, :3])
+            x, y = 0.5 * size * right, 0.5 * size * down
+            found += [x, y, a - b * x - slope_y * y - base]
+    return found

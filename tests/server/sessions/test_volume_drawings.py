@@ -1,0 +1,80 @@
+"""Drawings of a map in 3D: what is made again when another colouring is chosen, and the colours by normal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mapper.volume import OccupancyVolume, VolumeConfig
+from mapper.volume.scan_sequence import ScanSequence
+from server.sessions.drawings import Voxels
+from server.sessions.models.volume_drawings import VolumeDrawings
+from server.sessions.models.volume_look import Look, normal_colors
+
+
+class Shown:
+    """A room of a floor and a wall, whose chunks are made again one by one."""
+
+    def __init__(self) -> None:
+        a, b = np.meshgrid(np.linspace(0.01, 9.9, 200), np.linspace(0.01, 9.9, 200))
+        floor = np.column_stack([a.ravel(), b.ravel(), np.full(a.size, 0.05)])
+        wall = np.column_stack([np.full(a.size, 9.95), a.ravel(), b.ravel()])
+        points = np.concatenate([floor, wall]).astype(np.float32)
+        self.volume = OccupancyVolume(VolumeConfig(resolution=0.1))
+        origin = np.array([5.0, 5.0, 5.0])
+        self.volume.insert_scan(points, origin)
+        scans = ScanSequence(
+            "pcd", points, np.array([0, len(points)]), origin[None], np.zeros(1, np.int64), np.zeros(3)
+        )
+        self.drawn = VolumeDrawings(scans, points.min(axis=0).astype(float), points.max(axis=0).astype(float))
+        self.look = Look(band=1.0)
+        self.drawn.note_change(self.volume, None)
+
+    def work(self, pieces: int | None = None) -> Voxels:
+        while self.drawn.pending and pieces != 0:
+            self.drawn.work(self.volume, 1, self.look, has_free=True, is_over=lambda: True)
+            pieces = None if pieces is None else pieces - 1
+        return next(one for one in self.drawn.current(self.volume, self.look) if isinstance(one, Voxels))
+
+    def choose(self, **values: object) -> None:
+        old, self.look = self.look, replace(self.look, **values)  # type: ignore[arg-type]
+        self.drawn.note_look(self.volume, old, self.look)
+
+
+def test_no_chunk_is_shown_in_the_colours_of_another_colouring() -> None:
+    shown = Shown()
+    heights = shown.work().chunks
+    assert len(heights) > 10
+    for colouring in ("normal", "probability", "height"):
+        shown.choose(colour=colouring)
+        assert shown.work(0).chunks == {}
+        some = shown.work(3).chunks
+        assert len(some) <= 3 < len(heights)
+        lowest = min(key[2] for key in heights)
+        assert all(key[2] == lowest for key in some)
+        assert shown.work().chunks.keys() == heights.keys()
+    # Sides have the rectangles of heights: nothing is made again.
+    before = shown.work().chunks
+    shown.choose(colour="side")
+    assert shown.drawn.pending == 0
+    assert shown.work().chunks is before
+
+
+def test_floor_and_wall_have_the_colours_of_their_normals() -> None:
+    shown = Shown()
+    shown.choose(colour="normal")
+    voxels = shown.work()
+    assert not voxels.by_side
+    up, across = normal_colors(np.array([(0, 0, 127), (-127, 0, 0)], dtype=np.int8)).astype(int)
+    area = {"floor": [0, 0], "wall": [0, 0]}  # right, all
+    for quads in voxels.chunks.values():
+        for side, *_, wide, high, colour in quads.astype(int).tolist():
+            name = {5: "floor", 0: "wall"}.get(side)
+            if name is None:
+                continue
+            wanted = up if name == "floor" else across
+            area[name][0] += wide * high * int(np.abs(voxels.palette[colour - 1].astype(int) - wanted).max() < 25)
+            area[name][1] += wide * high
+    for right, every in area.values():
+        assert right > 0.9 * every > 1000
