@@ -9,7 +9,7 @@ from functools import partial
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 from tests.browser.conftest import WatchedPage, standing_world, visiting
 from tests.browser.cutting_proxy import cutting_proxy
@@ -201,3 +201,44 @@ def test_the_map_of_a_log_is_followed_and_copied(page: Page, visitor: BrowserCon
     page.get_by_role("button", name="All logs").click()
     expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
     ended(page)
+
+
+#: Sections with a prediction below their figure, and the answer that it gives.
+PREDICTIONS = {
+    "log-odds": "16 hits",
+    "no-return": "beams",
+    "resolution": "960 kB",
+    "odometry": "m",
+    "kidnapping": "scans",
+}
+
+
+def test_the_predictions_of_the_lecture_are_asked_of_the_class(
+    page: Page, visitor: BrowserContext, server: str
+) -> None:
+    code = opened(page, server, "/lecture.html")
+    phone = visitor.new_page()
+    phone.goto(f"{server}/class/{code}")
+    phone.wait_for_url("**/lecture.html*")
+    card = phone.get_by_role("region", name="Question to the class")
+    for section, answer in PREDICTIONS.items():
+        page.goto(f"{server}/lecture.html#{section}")
+        predict = page.locator(f"#{section}").get_by_role("region", name="Predict")
+        predict.get_by_role("button", name="Ask the class").click()
+        card.get_by_role("button", name="Answer", exact=True).click()
+        expect(predict.locator("title")).not_to_have_count(0)  # the columns of the answers, on the lecturer's page only
+        until("the answer", partial(one_answer, predict))
+        expect(card.get_by_role("img", name="1 answered")).to_have_count(0)
+        predict.get_by_role("button", name="Show the result").click()
+        expect(predict.get_by_role("status")).to_contain_text(answer)
+        expect(card.get_by_role("img", name="1 answered.")).to_be_visible()
+        expect(card.get_by_role("status")).to_contain_text("1 answered. ")
+        nothing_wrong(page, f"#{section} .prediction")
+        page.get_by_role("button", name="Close the question").click()
+        expect(card).to_have_count(0)
+    ended(page)
+
+
+def one_answer(predict: Locator) -> bool:
+    """Whether one answer is drawn on the axis of a prediction."""
+    return sum(int(title.split()[0]) for title in predict.locator("title").all_text_contents()) == 1
