@@ -122,6 +122,36 @@ _ROWS = (
         unit="× worn wheels",
     ),
     Cause(
+        "grid_origin",
+        "The origin of the grid was another one for a part of the log",
+        "endpoint",
+        (
+            "Compare the two copies of several walls: by how much, and in which direction, do they differ?",
+            "Ask Why about both copies: all scans of one come before a certain scan, all of the other after it.",
+            "The displacement is the same everywhere, so nothing drifts. Choose other poses.",
+        ),
+        "Positions and cells count from the origin of the grid, which map.yaml states. When a map is saved, cut and "
+        "loaded with its old origin, everything found in it afterwards is displaced by the same distance. A wrong "
+        "origin alone only shifts the map; two origins in one map draw each wall twice.",
+        amount=(0.4, 0.8),
+        unit="m",
+    ),
+    Cause(
+        "truncation",
+        "Coordinates below zero are truncated instead of rounded down",
+        "endpoint",
+        (
+            "Which part of the map is right, and where does the other part begin? Read the coordinates of the cells.",
+            "Ask Why about both copies of a wall: the robot saw them from different sides of x = 0 or y = 0.",
+            "In C++ and Python int(−0.3) is 0, and floor(−0.3) is −1. Choose poses that were not converted.",
+        ),
+        "A cell is floor((p − origin) / resolution). A conversion to an integer truncates: above zero it is the same, "
+        "below zero it is one cell too high, and the two cells beside zero become one. Here positions were stored as "
+        "a cell and a remainder, so that all scans taken at negative x or y are displaced by one cell.",
+        amount=(0.3, 0.5),
+        unit="m",
+    ),
+    Cause(
         "time_offset",
         "The clocks of the scans and of the poses differ",
         "mount",

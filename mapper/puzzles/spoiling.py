@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose
 from mapper.puzzles.causes import CAUSES, Cause
+from mapper.puzzles.positions import truncated_positions, with_positions
 from mapper.sensors.motion import Motion, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
@@ -24,6 +25,8 @@ FOLLOWING_M = (1.3, 2.4)  #: metres of the robot's path by which people walk beh
 SWAY_M = 0.35  #: metres to either side of that path
 BEFORE_RANGE_MAX = 0.1  #: metres by which the max range is to be lowered, so that readings at it are no hits
 SEEN_BEYOND, BEYOND = 0.05, 0.15  #: least share of readings without a return; the share of them otherwise
+RESTARTED = (0.4, 0.6)  #: share of the scans after which positions count from another origin
+WHEELS, LOCALIZATION = "What the wheels report.", "Where localization says that the robot is."
 MISS_OF_TRAILS, LOWER_CLAMP_OF_TRAILS = -0.1, -0.5  #: with which trails of people stay in the map
 
 
@@ -124,17 +127,41 @@ def _beam_order(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:  
     return Spoiled(shown, name, log, name, {}, {"mount_upside_down": True})
 
 
+def _along_wrong(log: ScanLog, name: str, wrong: str, poses: Trajectory) -> Spoiled:
+    """Return the log along the trajectory ``poses``, called ``wrong``, with the right one called ``name`` beside it."""
+    # The name may be one that the log has: its own trajectory of that name is then replaced.
+    others = {key: value for key, value in log.trajectories.items() if key not in (wrong, name)}
+    right = name if name != wrong else "corrected"
+    shown = replace(log, trajectories={wrong: poses, right: log.trajectory(name), **others})
+    return Spoiled(shown, wrong, log, name, repair_trajectory=right)
+
+
 def _drift(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
     times = _size(CAUSES["drift"], rng, signed=False)
-    true = log.trajectory(name)
     a1, a2, a3, a4 = (times * value for value in WORN_ALPHAS)
-    poses = drifting_odometry(true.poses, rng, (a1, a2, a3, a4), times * WORN_TURN_BIAS)
-    odometry = Trajectory(poses, "What the wheels report.", "odom")
-    # The name may be one that the log has: its own odometry is then replaced.
-    others = {key: value for key, value in log.trajectories.items() if key not in ("odometry", name)}
-    other_name = name if name != "odometry" else "corrected"
-    shown = replace(log, trajectories={"odometry": odometry, other_name: true, **others})
-    return Spoiled(shown, "odometry", log, name, repair_trajectory=other_name)
+    poses = drifting_odometry(log.trajectory(name).poses, rng, (a1, a2, a3, a4), times * WORN_TURN_BIAS)
+    return _along_wrong(log, name, "odometry", Trajectory(poses, WHEELS, "odom"))
+
+
+def _grid_origin(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    size, angle = _size(CAUSES["grid_origin"], rng, signed=False), rng.uniform(0.0, 2.0 * math.pi)
+    offset = np.array([size * math.cos(angle), size * math.sin(angle)])
+    first = log.stamps_ns[round(log.n_scans * float(rng.uniform(*RESTARTED)))]
+    moved = with_positions(log, name, lambda stamps, xy: xy + np.where((stamps >= first)[:, np.newaxis], offset, 0.0))
+    return _along_wrong(log, name, "localization", replace(moved, description=LOCALIZATION))
+
+
+def _truncation(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
+    side = _size(CAUSES["truncation"], rng, signed=False)
+    middle = np.median(log.trajectory(name).poses[:, :2], axis=0)
+    centred = replace(
+        log,
+        trajectories={key: with_positions(log, key, lambda _, xy: xy - middle) for key in log.trajectories},
+    )
+    wrong = with_positions(centred, name, lambda _, xy: truncated_positions(xy, side))
+    if np.array_equal(wrong.poses, centred.trajectory(name).poses):
+        raise ConfigError("puzzle.still", "The robot does not move in this log: no pose is truncated to another cell.")
+    return _along_wrong(centred, name, "localization", replace(wrong, description=LOCALIZATION))
 
 
 def _time_offset(log: ScanLog, name: str, rng: np.random.Generator) -> Spoiled:
@@ -201,6 +228,8 @@ _SPOILERS: Mapping[str, Callable[[ScanLog, str, np.random.Generator], Spoiled]] 
         "mount_x": _mount_x,
         "beam_order": _beam_order,
         "drift": _drift,
+        "grid_origin": _grid_origin,
+        "truncation": _truncation,
         "time_offset": _time_offset,
         "people": _people,
     }

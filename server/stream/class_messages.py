@@ -36,7 +36,8 @@ class ClassView(Struct):
     """What the lecturer's page shows. Places are map metres."""
 
     page: Annotated[
-        Literal["lecture", "lab", "other"], Meta(description="the page; other: no page that can be followed")
+        Literal["lecture", "lab", "logs", "other"],
+        Meta(description="the page; logs: the map of a log; other: no page that can be followed"),
     ]
     hash: Annotated[Hash, Meta(description="fragment of its address: slide, step, deck")] = ""
     blank: Annotated[bool, Meta(description="whether the screen is blank")] = False

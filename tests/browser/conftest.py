@@ -11,8 +11,9 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect
 
 from tests.browser.lateness import late_script
-from tests.browser.looking import SECONDS, settled_digest
+from tests.browser.looking import SECONDS, settled_digest, until
 from tests.browser.running import running_chromium, running_server
+from tests.server.library.small_logs import carmen
 
 expect.set_options(timeout=SECONDS * 1000)
 
@@ -41,6 +42,30 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def logs_dir(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder whose logs the service lists. It reads what tests put there, so nothing is until it is needed."""
     return tmp_path_factory.mktemp("logs")
+
+
+@pytest.fixture
+def two_logs(logs_dir: Path) -> Iterator[None]:
+    """Two logs in the folder of the service, one of them without scans, which other tests do not see."""
+    yard, empty = logs_dir / "fleet-yard.log", logs_dir / "fleet-empty.log"
+    yard.write_bytes(carmen(40))
+    empty.write_text("# CARMEN Logfile\nODOM 0 0 0 0 0 0 1 a 1\n")
+    yield
+    yard.unlink()
+    empty.unlink()
+
+
+@pytest.fixture
+def mapped_logs(context: BrowserContext, server: str, two_logs: None) -> None:
+    """The logs of the service mapped, as on the page *Map all logs*: maps, findings and a failure."""
+    del two_logs
+    assert context.request.post(f"{server}/api/fleet", data={"again": False}).status == 202
+
+    def is_done() -> bool:
+        counts = context.request.get(f"{server}/api/fleet", max_retries=2).json()["counts"]
+        return bool(counts["done"] and counts["failed"] and not counts["queued"] + counts["running"] + counts["none"])
+
+    until("the logs to be mapped", is_done)
 
 
 @pytest.fixture(scope="session")

@@ -120,6 +120,16 @@ def test_axe_finds_nothing(dressed: Page, server: str, path: str) -> None:
 
 
 @each_look
+@pytest.mark.usefixtures("mapped_logs")
+def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
+    dressed.goto(f"{server}/fleet.html")
+    for state in ("done", "failed"):
+        expect(dressed.locator(f".fleet-card.{state}").first).to_be_visible()
+    dressed.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
+    nothing_wrong(dressed)
+
+
+@each_look
 def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) -> None:
     page = dressed
     open_lab(scans=15)

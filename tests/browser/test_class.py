@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import partial
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 from tests.browser.conftest import WatchedPage, standing_world, visiting
 from tests.browser.cutting_proxy import cutting_proxy
-from tests.browser.looking import await_map, await_true, open_group, until
+from tests.browser.looking import await_map, await_true, map_digest, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_wrong
 from tests.browser.test_targets import small
 
@@ -149,3 +149,96 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
         expect(phone).to_have_url(re.compile("#cell/4$"))
         expect(phone.get_by_role("heading", name="A cell was hit four times.").first).to_be_visible()
     ended(page)
+
+
+def test_the_map_of_a_log_is_followed_and_copied(page: Page, visitor: BrowserContext, server: str) -> None:
+    code = opened(page, server, "/logs.html")
+    phone = visitor.new_page()
+    phone.goto(f"{server}/class/{code}")
+    expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    phone.wait_for_url("**/logs.html")
+    await_map(phone)
+
+    def held(name: str) -> Callable[[], bool]:
+        """Whether a value of the follower's page is that of the lecturer's page."""
+        read = f"() => JSON.stringify(gridbloom.connection.store.{name})"
+        return lambda: bool(phone.evaluate(read) == page.evaluate(read))
+
+    # time, parameters, map, selected cell, visible part, explanation
+    page.evaluate("""() => {
+      const { store } = gridbloom.connection;
+      store.send({ type: "pause" });
+      store.send({ type: "seek", index: 30 });
+      store.setParameter("range_max", 4);
+      store.pinned.value = [3.5, 2.5];
+      store.setView({ x: 3, y: 2, scale: 0.02 });
+    }""")
+    digest = settled_digest(page)
+    until("the lecturer's map", lambda: map_digest(phone) == digest)
+    for name in ("frame.peek().index", "mapping.values.peek()", "pinned.peek()"):
+        until(name, held(name))
+    until("the visible part", lambda: phone.evaluate("() => gridbloom.connection.store.view.peek().x") == 3)
+    page.evaluate(
+        "() => { const { store } = gridbloom.connection; store.explain(store.frame.peek().pose.slice(0, 2)); }"
+    )
+    why = phone.get_by_role("tabpanel", name="Why", include_hidden=True)
+    expect(why.locator(".why-chart").first).to_be_visible()
+    expect(phone.get_by_role("button", name="Ask for the robot")).to_have_count(0)
+    nothing_wrong(phone)
+
+    # a copy is the follower's own
+    phone.get_by_role("button", name="Try it yourself").click()
+    expect(phone.get_by_role("button", name="Back to the class")).to_be_visible()
+    phone.get_by_role("tab", name="Poses").wait_for()
+    until("the copied map", lambda: map_digest(phone) == digest)
+    phone.evaluate("() => gridbloom.connection.store.setParameter('range_max', 2)")
+    until("another map", lambda: map_digest(phone) != digest)
+    assert settled_digest(page) == digest
+    phone.get_by_role("button", name="Back to the class").click()
+    until("the lecturer's map again", lambda: map_digest(phone) == digest)
+
+    page.get_by_role("button", name="All logs").click()
+    expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
+    ended(page)
+
+
+#: Sections with a prediction below their figure, and the answer that it gives.
+PREDICTIONS = {
+    "log-odds": "16 hits",
+    "no-return": "beams",
+    "resolution": "960 kB",
+    "odometry": "m",
+    "kidnapping": "scans",
+}
+
+
+def test_the_predictions_of_the_lecture_are_asked_of_the_class(
+    page: Page, visitor: BrowserContext, server: str
+) -> None:
+    code = opened(page, server, "/lecture.html")
+    phone = visitor.new_page()
+    phone.goto(f"{server}/class/{code}")
+    phone.wait_for_url("**/lecture.html*")
+    card = phone.get_by_role("region", name="Question to the class")
+    for section, answer in PREDICTIONS.items():
+        page.goto(f"{server}/lecture.html#{section}")
+        predict = page.locator(f"#{section}").get_by_role("region", name="Predict")
+        predict.get_by_role("button", name="Ask the class").click()
+        card.get_by_role("button", name="Answer", exact=True).click()
+        expect(predict.locator("title")).not_to_have_count(0)  # the columns of the answers, on the lecturer's page only
+        until("the answer", partial(one_answer, predict))
+        expect(card.get_by_role("img", name="1 answered")).to_have_count(0)
+        predict.get_by_role("button", name="Show the result").click()
+        expect(predict.get_by_role("status")).to_contain_text(answer)
+        expect(card.get_by_role("img", name="1 answered.")).to_be_visible()
+        expect(card.get_by_role("status")).to_contain_text("1 answered. ")
+        nothing_wrong(page, f"#{section} .prediction")
+        page.get_by_role("button", name="Close the question").click()
+        expect(card).to_have_count(0)
+    ended(page)
+
+
+def one_answer(predict: Locator) -> bool:
+    """Whether one answer is drawn on the axis of a prediction."""
+    return sum(int(title.split()[0]) for title in predict.locator("title").all_text_contents()) == 1

@@ -3,25 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_true
-from tests.server.library.small_logs import carmen
-
-
-@pytest.fixture
-def two_logs(logs_dir: Path) -> Iterator[None]:
-    """Two logs in the folder of the service, one of them without scans, which other tests do not see."""
-    yard, empty = logs_dir / "fleet-yard.log", logs_dir / "fleet-empty.log"
-    yard.write_bytes(carmen(40))
-    empty.write_text("# CARMEN Logfile\nODOM 0 0 0 0 0 0 1 a 1\n")
-    yield
-    yard.unlink()
-    empty.unlink()
 
 
 @pytest.mark.usefixtures("two_logs")

@@ -1,8 +1,8 @@
 """Cause and effect on one screen: what one uses and the part of the map that it changes are in the viewport together.
 
-Of the lab, the log page and the front page, at four sizes. ``make test`` uses every third control at one of the sizes,
-in turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay in place and are
-not covered is looked at in every group at every size.
+Of the lab, the log page, the front page and the maps of all logs, at four sizes. ``make test`` uses every third control
+at one of the sizes, in turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures
+stay in place and are not covered is looked at in every group at every size.
 """
 
 from __future__ import annotations
@@ -135,6 +135,22 @@ def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
         expect(more).to_be_in_viewport(ratio=1)
         turns.sizes_left -= 1
     assert screen.changes > 0
+
+
+@pytest.mark.usefixtures("mapped_logs")
+@pytest.mark.parametrize(("size", "scheme"), ONE_AFTER_THE_OTHER)
+def test_of_the_maps_of_all_logs(page: Page, server: str, size: tuple[int, int], scheme: Literal["light"]) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+    page.goto(f"{server}/fleet.html")
+    first = page.locator(".fleet-card").first
+    used = page.get_by_role("search").locator("input[type=search], .choice-option, select")
+    for choice, shown in (("Failed", "failed"), ("All", "done")):
+        page.get_by_role("radio", name=choice, exact=True).check()
+        expect(page.locator(f".fleet-card.{shown}").first).to_be_visible()
+        for one in (*used.all(), first, page.locator(".fleet-work")):
+            expect(one).to_be_in_viewport(ratio=0.99)
+        assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)

@@ -15,8 +15,12 @@ FITS = "() => document.documentElement.scrollWidth <= document.documentElement.c
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
-@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/puzzles.html"])
-def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme) -> None:
+@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/fleet.html", "/puzzles.html"])
+def test_a_page_opens_without_errors(
+    page: Page, server: str, path: str, scheme, request: pytest.FixtureRequest
+) -> None:
+    if path == "/fleet.html":
+        request.getfixturevalue("mapped_logs")
     page.emulate_media(color_scheme=scheme)
     page.goto(server + path)
     what = {
@@ -24,6 +28,7 @@ def test_a_page_opens_without_errors(page: Page, server: str, path: str, scheme)
         "/lecture.html": ".lesson-figure",
         "/lab.html": ".picture canvas",
         "/logs.html": ".log-card",
+        "/fleet.html": ".fleet-card.done img",
         "/puzzles.html": ".puzzles-card",
     }[path]
     expect(page.locator(what).first).to_be_visible()

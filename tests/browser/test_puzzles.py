@@ -16,6 +16,9 @@ def test_a_puzzle_is_solved_from_start_to_end(page: Page, server: str) -> None:
     score = page.locator(".case-score")
     expect(score).to_have_text("0 points")
 
+    page.set_viewport_size({"width": 1280, "height": 720})
+    for place in (case.get_by_role("radio").first, case.get_by_role("button", name="This is the cause")):
+        expect(place).to_be_in_viewport(ratio=0.99)
     case.get_by_role("radio", name="The hit window is too wide").check()
     case.get_by_role("button", name="This is the cause").click()
     expect(case.get_by_role("radio", name="The hit window is too wide – no")).to_be_disabled()

@@ -42,6 +42,7 @@ def small(page: Page) -> list[object]:
     return found
 
 
+@pytest.mark.usefixtures("mapped_logs")
 @pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
 def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page]) -> None:
     page.emulate_media(reduced_motion="reduce")
@@ -54,6 +55,10 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
     expect(page.locator(".figure-awaited")).to_have_count(0)
     page.evaluate("() => dispatchEvent(new Event('afterprint'))")
     found["lecture"] = small(page)
+    page.goto(f"{server}/fleet.html")
+    page.locator(".fleet-card.failed").first.wait_for()
+    page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
+    found["fleet"] = small(page)
     page.route("**/scenes/*/plain/**", lambda route: route.fulfill(content_type="text/html", body="<!doctype html>"))
     open_lab(scans=15)
     for place in ("lab", "log", "puzzle"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import pytest
@@ -131,6 +132,19 @@ def test_the_choice_of_trajectory_follows_other_clients(viewer: Page) -> None:
     expect(viewer.get_by_role("radio", name="wheel odometry")).to_be_checked()
     poses_from[viewer].get_by_text("ground truth", exact=True).tap()
     expect(other.get_by_role("radio", name="ground truth")).to_be_checked()
+
+
+@pytest.mark.usefixtures("mapped_logs")
+def test_a_finger_chooses_among_the_maps_of_all_logs_and_opens_one(page: Page, server: str) -> None:
+    page.goto(f"{server}/fleet.html")
+    yard = page.locator(".fleet-card", has_text="fleet-yard")
+    expect(yard).to_be_visible()
+    page.locator("label", has_text="Failed").tap()
+    expect(yard).to_have_count(0)
+    expect(page.locator(".fleet-card")).to_contain_text(["fleet-empty.log"])
+    page.locator("label", has_text=re.compile("^All$")).tap()
+    yard.get_by_role("link").tap()
+    expect(page).to_have_url(re.compile("log=folder-"))
 
 
 # --- the lecture -----------------------------------------------------------------------------------------------------

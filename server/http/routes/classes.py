@@ -24,7 +24,7 @@ from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, CopyBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
-from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry
+from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry, log_plan
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
 
 if TYPE_CHECKING:
@@ -217,10 +217,12 @@ async def fork(
 
 
 async def _copy(session: SessionHost, max_story_s: float) -> Plan:
-    """Return the plan of a session with the state that another one has now."""
-    story = session.model.story
+    """Return the plan of a session with the state that another one has now: a world, or a view of a log."""
+    recording, story = session.model.recording, session.model.story
+    if recording is not None:
+        return log_plan(recording.log, title=session.model.title, view=recording.view(), playing=False)
     if story is None:
-        raise MapperError("class.fork", "Only a simulated world can be copied; the map of a log cannot.")
+        raise MapperError("class.fork", "Only a simulated world or the map of a log can be copied.")
     now = NewSimulation.model_validate(_request_of(await story.current()))
     begun = None if now.story is None else now.story.model_dump()
     return simulation_plan(now.world, now.seed, begun, max_story_s=max_story_s)
@@ -259,7 +261,7 @@ async def page(
     classes: OpenClasses,
     brake: CodeBrake,
     code: str,
-    name: Literal["lecture.html", "lab.html", "puzzles.html", "other.html"],
+    name: Literal["lecture.html", "lab.html", "logs.html", "puzzles.html", "other.html"],
 ) -> Response:
     """Return a page that follows a class."""
     try:

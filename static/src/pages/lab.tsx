@@ -18,16 +18,16 @@ import { Dock } from "../ui/Dock";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { Working } from "../ui/Working";
+import { type Live, watchClassSession } from "./classSession";
 import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
-import { useClass } from "./lab/classLab";
-import { watchClassSession } from "./lab/classSession";
 import { groupsOf } from "./lab/groups";
 import { visibleState } from "./lab/link";
 import { useReading } from "./lab/reading";
 import { Stage } from "./lab/Stage";
-import { keepAddress, type Live, openSession, restore } from "./lab/session";
+import { keepAddress, openSession, restore } from "./lab/session";
 import { Starting } from "./Starting";
+import { useClass } from "./useClass";
 import { replay } from "./worldSession";
 
 /** The current session; null until the server has opened one. */
@@ -111,7 +111,7 @@ function Lab() {
   const store = session?.store ?? null;
   const comparison = useComparison(store);
   const openGroup = useOpenGroup(store, "model");
-  const isFollowing = useClass(session, openGroup);
+  const isFollowing = useClass(session, { page: "lab", group: openGroup });
   // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
@@ -169,7 +169,7 @@ function Lab() {
 if (followedCode === null) void connectLab();
 else {
   followPages("lab");
-  watchClassSession((next) => {
+  watchClassSession("lab", (next) => {
     live.peek()?.stop();
     if (next) {
       exposeHook(next, () => null);

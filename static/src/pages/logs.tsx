@@ -6,13 +6,15 @@ import "./logs/finder.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
+import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
-import { showOther } from "../tools/classroom/pages";
+import { ShowsOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
 import { lazy } from "../ui/lazy";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
+import { ClassLog, followLogs } from "./logs/ClassLog";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
 import { Guest } from "./logs/Guest";
 import { Library } from "./logs/Library";
@@ -194,15 +196,27 @@ function Page() {
   return <Opening onCancel={cancelOpening} />;
 }
 
-resume();
-showOther();
+/** The page of a lecturer, or of somebody who is in no class; followers see the maps of logs only. */
+function Own() {
+  const { session, kind } = place.value;
+  const isMapOfLog = link === null && session !== null && !kind;
+  return (
+    <>
+      <Page />
+      {!isMapOfLog && <ShowsOther />}
+    </>
+  );
+}
+
+if (followedCode === null) resume();
+else followLogs();
 render(
   <>
-    <SiteHeader current="logs">
+    <SiteHeader current="logs" links={followedCode === null}>
       <ClassButton />
     </SiteHeader>
     <main id="main" tabIndex={-1}>
-      <Page />
+      {followedCode === null ? <Own /> : <ClassLog />}
     </main>
     <ConfirmDialog />
     <ClassHost />

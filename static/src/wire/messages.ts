@@ -403,8 +403,8 @@ export interface ClassLook {
 
 /** What the lecturer's page shows. Places are map metres. */
 export interface ClassView {
-  /** the page; other: no page that can be followed */
-  readonly page: "lab" | "lecture" | "other";
+  /** the page; logs: the map of a log; other: no page that can be followed */
+  readonly page: "lab" | "lecture" | "logs" | "other";
   /** fragment of its address: slide, step, deck */
   readonly hash?: string;
   /** whether the screen is blank */
@@ -1736,7 +1736,7 @@ const isClassLook: Check = isObject({
   height: isPositive,
 });
 const isClassView: Check = isObject({
-  page: isLiteral("lab", "lecture", "other"),
+  page: isLiteral("lab", "lecture", "logs", "other"),
   hash: optional(isText),
   blank: optional(isFlag),
   look: optional(oneOf(isClassLook, isNull)),

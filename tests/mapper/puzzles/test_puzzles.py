@@ -14,9 +14,10 @@ from mapper.grid.wall_agreement import wall_agreement
 from mapper.mapping.parameters import MappingConfig
 from mapper.puzzles import CAUSES, RECIPES, points, puzzle_of, repair_share, spoil
 from mapper.puzzles.drives import LIDAR, TRUE, drive, swept
+from mapper.puzzles.positions import truncated_positions
 from mapper.puzzles.scoring import Measures, repair_shares
 from mapper.puzzles.spoiling import disc_ranges
-from mapper.sensors.scan import ScanLog
+from mapper.sensors.scan import ScanLog, Trajectory
 
 PARAMETERS = MappingConfig(range_max=8.0)
 
@@ -75,6 +76,37 @@ def test_a_time_offset_moves_stamps_and_leaves_the_motion(log: ScanLog) -> None:
     assert timed.at(log.stamps_ns)[5:-5] == pytest.approx(log.trajectory(TRUE).poses[5:-5], abs=1e-6)
 
 
+def test_truncation_is_that_of_python_and_moves_what_is_below_zero_by_one_cell() -> None:
+    xy = np.random.default_rng(5).uniform(-3.0, 3.0, (200, 2))
+    by_int = [[int(v / 0.25) * 0.25 + v % 0.25 for v in row] for row in xy]
+    assert truncated_positions(xy, 0.25) == pytest.approx(np.array(by_int), abs=1e-12)
+    assert truncated_positions(xy, 0.25) - xy == pytest.approx(np.where(xy < 0.0, 0.25, 0.0), abs=1e-12)
+    assert truncated_positions(np.array([-0.1, 0.0, 0.1]), 0.25) == pytest.approx([0.15, 0.0, 0.1])
+
+
+def test_truncated_poses_are_right_above_zero_only_between_the_scans_too(log: ScanLog) -> None:
+    found = spoil(log, "truncation", 3)
+    right, wrong = found.log.trajectory(found.repair_trajectory), found.log.trajectory(found.trajectory)
+    assert np.median(right.poses[:, :2], axis=0) == pytest.approx([0.0, 0.0], abs=1e-12)
+    side = np.abs(wrong.poses - right.poses).max()
+    assert 0.3 <= side <= 0.5
+    assert right.timed is not None
+    assert wrong.timed is not None
+    for true, cut in ((right.poses, wrong.poses), (right.timed.poses, wrong.timed.poses)):
+        assert (cut - true)[:, :2] == pytest.approx(np.where(true[:, :2] < 0.0, side, 0.0), abs=1e-9)
+        assert np.array_equal(cut[:, 2], true[:, 2])
+
+
+def test_another_origin_displaces_all_poses_from_one_scan_on(log: ScanLog) -> None:
+    found = spoil(log, "grid_origin", 3)
+    off = (found.log.trajectory(found.trajectory).poses - log.trajectory(TRUE).poses)[:, :2]
+    moved = np.hypot(*off.T) > 0.0
+    assert 0.4 * log.n_scans <= np.argmax(moved) <= 0.6 * log.n_scans
+    assert moved[np.argmax(moved) :].all()
+    assert off[moved] == pytest.approx(np.tile(off[-1], (moved.sum(), 1)), abs=1e-12)
+    assert 0.4 <= np.hypot(*off[-1]) <= 0.8
+
+
 def test_people_only_shorten_readings_and_beams_at_max_range_are_no_longer_infinite(log: ScanLog) -> None:
     people = spoil(log, "people", 3).log.ranges
     assert np.all(people <= log.ranges)
@@ -103,9 +135,11 @@ def test_a_sweep_is_measured_from_the_poses_of_its_beams(log: ScanLog) -> None:
 
 
 def test_what_cannot_be_spoiled_is_refused(log: ScanLog) -> None:
+    still = replace(log, trajectories={"none": Trajectory(np.zeros((log.n_scans, 3)))})
     for bad, cause, said in (
         (log, "sweep", "cannot be spoiled"),
         (log.take(slice(0, 1)), "drift", "at least two scans"),
+        (still, "truncation", "does not move"),
         (replace(log, stamps_ns=np.zeros_like(log.stamps_ns)), "time_offset", "stamps of this log are equal"),
     ):
         with pytest.raises(ConfigError, match=said):

@@ -163,6 +163,52 @@ async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, 
     assert guest.http.get(f"/class/{code}").headers["location"] == "/join?refused=class.unknown"
 
 
+async def test_the_map_of_a_log_is_followed_and_copied_and_the_copy_says_nothing_of_the_log(
+    lecturer: Person, guest: Person
+) -> None:
+    wanted = {"kind": "log", "log": "sample-office", "playing": False}
+    session = lecturer.http.post("/api/sessions", json=wanted).json()["id"]
+    class_path = f"/api/classes/{lecturer.http.post('/api/classes').json()['code']}"
+    async with lecturer.stream(f"/api/sessions/{session}/stream") as socket:
+        watcher = Watcher(socket)
+        await watcher.until(lambda: watcher.complete)
+        await watcher.send("seek", index=25)
+        await watcher.send("parameters", values={"range_max": 4.0})
+        await watcher.until(lambda: watcher.newest["frame"]["index"] == 25)
+        await watcher.until(lambda: watcher.newest["parameters"]["values"]["range_max"] == 4.0)
+        async with lecturer.stream(f"{class_path}/stream") as front, guest.stream(f"{class_path}/stream") as back:
+            await Seat(front).send("show", view={"page": "logs", "group": "settings"}, session=session)
+            await Seat(back).until("view", lambda message: message["stage"] == 1)
+            path = class_path.removeprefix("/api/classes")
+            assert guest.http.get(f"/class{path}").headers["location"] == f"/class{path}/logs.html"
+            assert guest.http.get(f"/class{path}/logs.html").status_code == 200
+            async with guest.stream(f"{class_path}/session") as shown:
+                follower = Watcher(shown)
+                await follower.until(lambda: follower.complete)
+                assert follower.newest["hello"]["session"] == ""
+                await follower.send("seek", index=3)
+                assert (await follower.answer("error"))["code"] == "class.read_only"
+            made = guest.http.post(f"{class_path}/sessions")
+            assert made.status_code == 201, made.text
+            async with guest.stream(made.json()["stream"]) as copied:
+                own = Watcher(copied)
+                await own.until(lambda: own.complete and own.newest["frame"]["index"] == 25)
+                assert own.newest["hello"]["log"]["id"] == ""
+                assert own.newest["parameters"]["values"]["range_max"] == 4.0
+                maps = [
+                    person.http.get(f"/api/sessions/{id_}/map.pgm")
+                    for person, id_ in ((lecturer, session), (guest, made.json()["id"]))
+                ]
+                assert [one.status_code for one in maps] == [200, 200]
+                assert maps[0].content == maps[1].content
+                await own.send("parameters", values={"range_max": 2.0})
+                await own.until(lambda: own.newest["parameters"]["values"]["range_max"] == 2.0)
+            assert watcher.newest["parameters"]["values"]["range_max"] == 4.0
+            refused = guest.http.get(f"/api/sessions/{made.json()['id']}/links")
+            assert refused.json()["code"] == "security.token"
+    lecturer.http.delete(class_path)
+
+
 async def test_a_session_that_is_not_shown_any_more_is_not_seen(lecturer: Person, guest: Person) -> None:
     session, code = lab_of(lecturer), lecturer.http.post("/api/classes").json()["code"]
     path = f"/api/classes/{code}"

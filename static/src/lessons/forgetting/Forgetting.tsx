@@ -1,13 +1,14 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 import { evidenceScale, LogOddsBackground, readingScale, ZoneNames } from "../../render/chart/LogOddsBackground";
 import { toPixel } from "../../render/chart/scale";
-import { askedAs, lecturersClass, showsAnswers } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { Slider } from "../../ui/Slider";
 import type { ClassQuestion } from "../../wire/protocol";
+import { type GuessQuestion, useClassGuess } from "../common/classGuess";
 import { RobotShape } from "../common/DragHandle";
+import { GuessColumns } from "../common/GuessColumns";
 import { Plot } from "../common/Plot";
 import { Scene, Walls } from "../common/Scene";
 import { useSeen, useSteps } from "../common/useSteps";
@@ -18,7 +19,10 @@ const OFF: Clamp = { on: false, low: -2, high: 3.5 };
 const MS_PER_SCAN = 70;
 const MOST_SCANS = 120;
 /** What a class is asked. */
-const QUESTION = "The table is taken away. After how many scans has the map with the clamp forgotten it?";
+const QUESTION: GuessQuestion = {
+  text: "The table is taken away. After how many scans has the map with the clamp forgotten it?",
+  axis: { low: 0, high: MOST_SCANS, unit: "scans" },
+};
 
 const scans = (count: number): string => `${count} scan${count === 1 ? "" : "s"}`;
 
@@ -65,18 +69,8 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
     () => step(1),
   );
   const done = t !== null && t >= end;
-  const asked = askedAs(QUESTION);
-  const room = lecturersClass.value;
-  const right = done ? clamped.forgottenAfter : null;
-  useEffect(() => {
-    if (room && asked && !asked.is_revealed && right !== null) room.send({ type: "reveal", right });
-  }, [room, asked?.id, right]);
   // The chart shows the answers where the lecturer sees it.
-  const shows = room !== null && asked !== null && isInSight.value;
-  useEffect(() => {
-    if (shows) return showsAnswers(QUESTION);
-    return;
-  }, [shows]);
+  const { asked, ask } = useClassGuess(QUESTION, done ? clamped.forgottenAfter : null, isInSight.value);
   return (
     <figure class="forgetting" ref={root} aria-label="A table is removed: the map with the clamp and without it">
       <div class="side-by-side">
@@ -113,13 +107,8 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
             prediction.value = value;
           }}
         />
-        {room && t === null && !asked && (
-          <Button
-            icon="people"
-            onClick={() =>
-              room.send({ type: "ask", text: QUESTION, axis: { low: 0, high: MOST_SCANS, unit: "scans" } })
-            }
-          >
+        {ask && t === null && (
+          <Button icon="people" onClick={ask}>
             Ask the class
           </Button>
         )}
@@ -262,7 +251,7 @@ function Chart({ width, seen, t, end, clamped, free, prediction, asked, clamp }:
   return (
     <>
       <LogOddsBackground width={width} evidence={up} limits={[clamp.low, clamp.high]} />
-      {asked && <Guesses asked={asked} x={(after) => x(seen + after)} />}
+      {asked && <GuessColumns asked={asked} x={(after) => x(seen + after)} foot={HEIGHT} height={0.6 * HEIGHT} />}
       <line class="forgetting-gone" x1={x(seen)} x2={x(seen)} y1={8} y2={HEIGHT - 8} />
       <line class="forgetting-guess" x1={guess} x2={guess} y1={8} y2={HEIGHT - 8} />
       <text class="guess" x={guess + 5} y={22}>
@@ -292,25 +281,5 @@ function Chart({ width, seen, t, end, clamped, free, prediction, asked, clamp }:
         {t === null ? "after its removal" : "without it"}
       </text>
     </>
-  );
-}
-
-/** The guesses of a class, as columns on the axis of the scans. */
-function Guesses({ asked, x }: { readonly asked: ClassQuestion; readonly x: (after: number) => number }) {
-  const counts = asked.counts ?? [];
-  const most = Math.max(1, ...counts);
-  const each = MOST_SCANS / Math.max(1, counts.length);
-  return (
-    <g class="forgetting-class">
-      {counts.map((count, i) => {
-        const height = (0.6 * HEIGHT * count) / most;
-        const from = x(i * each);
-        return (
-          <rect key={i} x={from + 1} width={x((i + 1) * each) - from - 2} y={HEIGHT - height} height={height}>
-            <title>{`${count} guessed ${i * each} to ${(i + 1) * each}`}</title>
-          </rect>
-        );
-      })}
-    </g>
   );
 }

@@ -1,4 +1,4 @@
-import { computed, type Signal, useSignal } from "@preact/signals";
+import { computed, type Signal, signal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
@@ -6,7 +6,7 @@ import type { Point } from "../../wire/protocol";
 import { cellsOf, phantoms } from "../common/counts";
 import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Beams, Scene, Walls } from "../common/Scene";
-import { GEOMETRY, GLASS, mapAt, POLICIES, type Policy, scanAt, WALLS } from "./model";
+import { FIRST_PLACE, GEOMETRY, GLASS, mapAt, POLICIES, type Policy, scanAt, WALLS } from "./model";
 
 const NAMES: Record<Policy, string> = {
   ignore: "ignored",
@@ -16,14 +16,16 @@ const NAMES: Record<Policy, string> = {
 
 const inside = ([x, y]: Point): Point => [Math.min(8.9, Math.max(0.7, x)), Math.min(5.7, Math.max(0.7, y))];
 
+/** Where the robot is. */
+export const robotAt = signal(FIRST_PLACE);
+
 /** The maps of the same scans under three policies; the robot can be dragged in each of them. */
 export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
-  const at = useSignal<Point>([2.4, 2.5]);
   return (
     <figure class="noreturn" aria-label="Beams without a return, interpreted in three ways">
       <div class="side-by-side three">
         {POLICIES.map((policy) => (
-          <Panel key={policy} policy={policy} at={at} rangeMax={rangeMax} />
+          <Panel key={policy} policy={policy} at={robotAt} rangeMax={rangeMax} />
         ))}
       </div>
       <div class="figure-controls no-print">

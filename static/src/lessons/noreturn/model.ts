@@ -21,6 +21,9 @@ export const GLASS: readonly Wall[] = [[3.9, 0.5, 3.9, 2.1]];
 export const POLICIES = ["ignore", "free", "hit"] as const;
 export type Policy = (typeof POLICIES)[number];
 
+/** Where the robot stands at first. */
+export const FIRST_PLACE: Point = [2.4, 2.5];
+
 const BEAMS = 180;
 const SCANS = 4;
 
@@ -33,6 +36,10 @@ export function scanAt([x, y]: Point, rangeMax: number): LaserScan {
   });
   return { ...scan, ranges };
 }
+
+/** How many beams of a scan have no return. */
+export const withoutReturn = (point: Point, rangeMax: number): number =>
+  scanAt(point, rangeMax).ranges.filter((range) => !Number.isFinite(range)).length;
 
 /** The map of a few scans from one place, under a policy. */
 export function mapAt(point: Point, rangeMax: number, policy: Policy): OccupancyGrid {

@@ -9,10 +9,20 @@ import type { Pose } from "../../wire/protocol";
 import { Scene } from "../common/Scene";
 import type { StageTransform } from "../common/Stage";
 import { useSeen } from "../common/useSteps";
-import { byOdometry, corrected, errorOf, GEOMETRY, mapAlong, type Noise, otherEnds, TRUTH, WALLS } from "./model";
+import {
+  byOdometry,
+  corrected,
+  errorOf,
+  GEOMETRY,
+  mapAlong,
+  type Noise,
+  otherEnds,
+  TRUTH,
+  USUAL,
+  WALLS,
+} from "./model";
 import "./odometry.css";
 
-export const USUAL: Noise = { way: 0.05, turn: (4 * Math.PI) / 180 };
 const DEGREE = Math.PI / 180;
 
 /** Milliseconds without input before matching goes on, and those that a slice of it may take. */

@@ -69,6 +69,9 @@ export interface Noise {
   readonly turn: number;
 }
 
+/** The noise of the first state. */
+export const USUAL: Noise = { way: 0.05, turn: (4 * Math.PI) / 180 };
+
 /** Draws of a standard normal distribution by run and step, so that another noise scales the same errors. */
 const RUNS = 60;
 const DRAWS: readonly (readonly Point[])[] = Array.from({ length: RUNS }, (_, run) => {

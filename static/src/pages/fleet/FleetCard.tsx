@@ -51,7 +51,11 @@ function About({ facts }: { facts: Facts }) {
     <>
       <p class="quiet number">
         {facts.scans.toLocaleString("en")} scans, {metres(cols, resolution)} × {metres(rows, resolution)} m
-        {facts.contrast !== null && <>, sharpness {facts.contrast.toFixed(2)}</>}
+        {facts.contrast !== null && (
+          <>
+            , <span class="fleet-measure">sharpness {facts.contrast.toFixed(2)}</span>
+          </>
+        )}
       </p>
       {findings.length === 0 ? (
         <p class="quiet">No findings</p>

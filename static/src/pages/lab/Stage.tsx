@@ -12,8 +12,8 @@ import { WorldView } from "../../tools/picture/WorldView";
 import { PlacingHint, RobotAnnouncement } from "../../tools/placing/Placing";
 import { Readout } from "../../tools/readout/Readout";
 import { Button } from "../../ui/Button";
+import type { Live } from "../classSession";
 import "./stage.css";
-import type { Live } from "./session";
 
 interface StageProps {
   readonly session: Live | null;

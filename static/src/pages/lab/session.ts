@@ -1,14 +1,8 @@
 import { computed, effect } from "@preact/signals";
-import type { Connection } from "../../store/connect";
 import type { Store } from "../../store/store";
 import { LIKELIHOOD_FIELD } from "../../tools/localization/model";
 import { CancelledError, createWorld, RefusedError } from "../worldSession";
 import { currentLinkState, fragmentOf, type LinkState, linkFromAddress, type VisibleState } from "./link";
-
-/** The connection to a session, with its id. */
-export interface Live extends Connection {
-  readonly id: string;
-}
 
 /** The session that the lab shows, and a notice on how it was opened. */
 export interface Opened {

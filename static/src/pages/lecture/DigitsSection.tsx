@@ -1,11 +1,15 @@
 import { signal } from "@preact/signals";
+import { Prediction } from "../../lessons/common/Prediction";
 import { Digits } from "../../lessons/digits/Digits";
-import type { Readings } from "../../lessons/digits/model";
+import { type Readings, run, saturatedAt } from "../../lessons/digits/model";
 import { DragNumber } from "../../ui/DragNumber";
 import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
+
+/** The hits of the question. */
+const WEAKER: Readings = { hits: 60, misses: 60, pHit: 0.75, pMiss: 0.25 };
 
 /** q¹⁰⁰⁰ as a power of ten. */
 const PRODUCT = (q: number): string => `10 to the power of ${(1000 * Math.log10(q)).toFixed(0).replace("-", "−")}`;
@@ -18,6 +22,17 @@ export function DigitsSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<Digits readings={readings} />}
+      predict={
+        <Prediction
+          text="Each hit alone gives p = 0.75. After how many hits is p, computed in 32 bits, exactly 1?"
+          axis={{ low: 0, high: 60, unit: "hits" }}
+          step={1}
+          reveal={() => {
+            readings.value = WEAKER;
+            return saturatedAt(run(WEAKER), "p") ?? WEAKER.hits;
+          }}
+        />
+      }
       sources={[
         ["probabilistic-robotics", "chapter 4"],
         ["ieee754", "binary32"],

@@ -1,3 +1,4 @@
+import { Prediction } from "../../lessons/common/Prediction";
 import { LaterFigure } from "./LaterFigure";
 import { OnStage } from "./OnStage";
 import { Section, type SectionHead } from "./Section";
@@ -12,6 +13,14 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
         <OnStage scene="kidnapping" label="A robot that is carried away, and the particles that look for it">
           <LaterFigure id="kidnapping" />
         </OnStage>
+      }
+      predict={
+        <Prediction
+          text="The robot was carried away four scans ago, as in the first state of the figure. After how many more scans is most of the belief within half a metre of it?"
+          axis={{ low: 0, high: 60, unit: "scans" }}
+          step={1}
+          reveal={async () => (await import("../../lessons/localization/foundAgain")).foundAgain()}
+        />
       }
       sources={[
         ["probabilistic-robotics", "table 8.3"],

@@ -1,4 +1,6 @@
-import { NoReturn } from "../../lessons/noreturn/NoReturn";
+import { Prediction } from "../../lessons/common/Prediction";
+import { FIRST_PLACE, withoutReturn } from "../../lessons/noreturn/model";
+import { NoReturn, robotAt } from "../../lessons/noreturn/NoReturn";
 import { noReturn, noReturnRange as rangeMax } from "../../lessons/stage/controls";
 import { Choice } from "../../ui/Choice";
 import { DragNumber } from "../../ui/DragNumber";
@@ -30,6 +32,18 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
             />
           </div>
         </>
+      }
+      predict={
+        <Prediction
+          text="The robot is back at its first place, and the max range is raised from 3 m to 5 m. How many of the 180 beams have no return?"
+          axis={{ low: 0, high: 180, unit: "beams" }}
+          step={1}
+          reveal={() => {
+            robotAt.value = FIRST_PLACE;
+            rangeMax.value = 5;
+            return withoutReturn(FIRST_PLACE, 5);
+          }}
+        />
       }
       sources={[
         ["rep-117", ""],

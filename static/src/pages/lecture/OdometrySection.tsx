@@ -1,5 +1,7 @@
 import { signal } from "@preact/signals";
-import { Drift, USUAL } from "../../lessons/odometry/Drift";
+import { Prediction } from "../../lessons/common/Prediction";
+import { Drift } from "../../lessons/odometry/Drift";
+import { byOdometry, errorOf, USUAL } from "../../lessons/odometry/model";
 import { driftError } from "../../lessons/stage/controls";
 import { DragNumber } from "../../ui/DragNumber";
 import { Slider } from "../../ui/Slider";
@@ -7,6 +9,8 @@ import { Section, type SectionHead } from "./Section";
 
 const noise = signal(USUAL);
 const DEGREE = Math.PI / 180;
+/** The noise of the question. */
+const TWICE = { ...USUAL, turn: 2 * USUAL.turn };
 
 export function OdometrySection({ id, number, title }: SectionHead) {
   const { way, turn } = noise.value;
@@ -35,6 +39,17 @@ export function OdometrySection({ id, number, title }: SectionHead) {
             />
           </div>
         </>
+      }
+      predict={
+        <Prediction
+          text="The error of the heading is doubled to 8° per metre. By how much are the poses by odometry off then (root mean square)?"
+          axis={{ low: 0, high: 6, unit: "m" }}
+          step={0.1}
+          reveal={() => {
+            noise.value = TWICE;
+            return errorOf(byOdometry(TWICE));
+          }}
+        />
       }
       sources={[["probabilistic-robotics", "chapter 5, for the errors of odometry"]]}
       after={

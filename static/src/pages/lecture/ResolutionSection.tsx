@@ -1,3 +1,5 @@
+import { Prediction } from "../../lessons/common/Prediction";
+import { sizeOf } from "../../lessons/resolution/model";
 import { Resolution } from "../../lessons/resolution/Resolution";
 import { Section, type SectionHead } from "./Section";
 
@@ -8,6 +10,14 @@ export function ResolutionSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<Resolution />}
+      predict={
+        <Prediction
+          text="The floor takes 154 kB in cells of 5 cm. How much memory does it take in cells of 2 cm?"
+          axis={{ low: 0, high: 4000, unit: "kB" }}
+          step={10}
+          reveal={() => sizeOf(0.02).bytes / 1000}
+        />
+      }
       sources={[["occupancy-grid", ""]]}
       after={
         <p>

@@ -33,11 +33,13 @@ interface SectionProps extends SectionHead {
   /** The text before the figure, and after it. */
   readonly children: ComponentChildren;
   readonly after?: ComponentChildren;
+  /** A guess about the figure, below it; slides have questions of their own. */
+  readonly predict?: ComponentChildren;
   readonly sources: readonly (SourceName | readonly [SourceName, string])[];
 }
 
 /** One lesson: a heading, text, one interactive figure, and the sources. */
-export function Section({ id, number, title, figure, children, after, sources }: SectionProps) {
+export function Section({ id, number, title, figure, children, after, predict, sources }: SectionProps) {
   const shown = shownOf(id);
   const frame = useFittedWidth(shown === "section");
   return (
@@ -64,6 +66,7 @@ export function Section({ id, number, title, figure, children, after, sources }:
           </LazyFigure>
         </div>
       </div>
+      {!shown && predict}
       {after && <div class="prose">{after}</div>}
       {sources.length > 0 && (
         <footer class="lesson-sources">

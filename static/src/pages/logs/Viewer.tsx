@@ -1,6 +1,6 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { RefObject } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { framed, type SharedView } from "../../render/view";
 import type { Store } from "../../store/store";
@@ -15,6 +15,7 @@ import { Icon } from "../../ui/Icon";
 import { reducedMotion } from "../../ui/reducedMotion";
 import { toast } from "../../ui/Toast";
 import { SessionEnded } from "../SessionEnded";
+import { useClass } from "../useClass";
 import { useConnected } from "../useConnected";
 import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
@@ -56,6 +57,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const notes = useNotes(session, store);
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, "settings");
+  const live = useMemo(() => (guest ? null : { ...connection, id: session }), [connection]);
+  useClass(live, { page: "logs", group: openGroup });
   const openNotes = (): void => {
     openGroup.value = "notes";
   };

@@ -1,20 +1,16 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
-import { CompareReadout } from "../../tools/compare/Readout";
-import { BeliefView } from "../../tools/picture/BeliefView";
-import { ComputingMap } from "../../tools/picture/ComputingMap";
-import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { WhyGroup } from "../../tools/why/Why";
 import { Button } from "../../ui/Button";
 import { Dock, type DockGroup } from "../../ui/Dock";
 import { toast } from "../../ui/Toast";
 import { Compare } from "../logs/compare/Compare";
-import { BothMaps, useComparison } from "../logs/compare/useComparison";
+import { useComparison } from "../logs/compare/useComparison";
 import { Doctor, findingsBadge, useDoctor } from "../logs/Doctor";
+import { MapStage } from "../logs/MapStage";
 import { Settings } from "../logs/Settings";
-import { Transport } from "../logs/Transport";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { SessionEnded } from "../SessionEnded";
 import { useConnected } from "../useConnected";
@@ -124,32 +120,14 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
         )}
         {now && now.repair !== null && <output class="viewer-badge">repaired {Math.floor(100 * now.repair)} %</output>}
       </header>
-      <div class="viewer-stage">
-        <div class="viewer-map">
-          <BeliefView
-            store={store}
-            comparison={comparison}
-            onPicture={(made) => {
-              picture.current = made;
-            }}
-          />
-          <BothMaps store={store} comparison={comparison} />
-          {trouble.value && (
-            <p class="viewer-over" role="status">
-              {trouble.value}
-            </p>
-          )}
-          <ComputingMap store={store} />
-        </div>
-        <Transport store={store} />
-        <div class="viewer-readout">
-          {comparison.isOn.value ? (
-            <CompareReadout store={store} summedOver={comparison.summedOver.value} />
-          ) : (
-            <Readout store={store} />
-          )}
-        </div>
-      </div>
+      <MapStage
+        store={store}
+        comparison={comparison}
+        trouble={trouble}
+        onPicture={(made) => {
+          picture.current = made;
+        }}
+      />
       <Dock label="About this puzzle" groups={groups} open={openGroup} />
     </div>
   );

@@ -73,9 +73,9 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
             canFork && (
               <>
                 <Button kind="primary" disabled={isForking.value} onClick={() => void tryOut()}>
-                  {isForking.value ? "Copying the world …" : "Try it yourself"}
+                  {isForking.value ? "Copying …" : "Try it yourself"}
                 </Button>
-                {!room.drives.value && (
+                {!room.drives.value && hasRobot(room) && (
                   <Button pressed={hasHand.value} icon="robot" onClick={() => raise(!hasHand.value)}>
                     {hasHand.value ? "Asked for the robot" : "Ask for the robot"}
                   </Button>
@@ -89,12 +89,15 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
   );
 }
 
+/** Whether the lecturer shows a world whose robot can be driven. */
+const hasRobot = (room: Classroom): boolean => room.shown.value?.view.page !== "logs";
+
 const isPuzzlePage = location.pathname.endsWith("/puzzles.html");
 
 function described(room: Classroom, isOwn: boolean): string {
   if (!room.isConnected.value) return "Connecting to the class …";
   if (isPuzzlePage) return "The puzzle of the class.";
-  if (isOwn) return "Your own world.";
+  if (isOwn) return hasRobot(room) ? "Your own world." : "Your own copy of the map.";
   if (room.drives.value) return "You drive the robot: click into a map, drag the robot, or use the arrow keys.";
   return "Following the lecturer.";
 }

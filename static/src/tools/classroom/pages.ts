@@ -1,6 +1,6 @@
 /** Which page a follower's browser shows, and that of a lecturer who shows a page that cannot be followed. */
 
-import { effect } from "@preact/signals";
+import { effect, useSignalEffect } from "@preact/signals";
 import { classroom, followedCode } from "../../store/classroom";
 import type { ClassView } from "../../wire/protocol";
 
@@ -18,10 +18,18 @@ export function followPages(page: Page | null): void {
   });
 }
 
+function sendOther(): void {
+  const room = classroom.value;
+  if (room && !room.isFollowed) room.send({ type: "show", view: OTHER });
+}
+
 /** On a page that cannot be followed: tell the followers so. */
 export function showOther(): void {
-  effect(() => {
-    const room = classroom.value;
-    if (room && !room.isFollowed) room.send({ type: "show", view: OTHER });
-  });
+  effect(sendOther);
+}
+
+/** The same, as a part of what a page shows that cannot be followed while the rest of the page can. */
+export function ShowsOther() {
+  useSignalEffect(sendOther);
+  return null;
 }

@@ -2,8 +2,8 @@
 
 import { effect, signal } from "@preact/signals";
 import { askedAs, type Classroom, classroom } from "../../../store/classroom";
-import { throttled } from "../../../tools/classroom/lab";
 import { followPages } from "../../../tools/classroom/pages";
+import { throttled } from "../../../tools/classroom/session";
 import type { ClassView } from "../../../wire/protocol";
 import {
   blank,

@@ -1,10 +1,10 @@
-/** The lab in a class: what the lecturer's page shows is sent, and the pages of the followers show the same. */
+/** A session in a class: what the lecturer's page shows of it is sent, and the pages of the followers show the same. */
 
 import { effect, type Signal } from "@preact/signals";
 import { framed, type SharedView } from "../../render/view";
 import type { Classroom } from "../../store/classroom";
 import type { Store } from "../../store/store";
-import type { ClassView } from "../../wire/protocol";
+import type { ClassCommand, ClassView } from "../../wire/protocol";
 
 /** Least time between two messages of what is shown, and of the explanation of a cell. */
 const SHOW_EVERY_MS = 60;
@@ -31,16 +31,29 @@ const sizeOf = (store: Store): { readonly width: number; readonly height: number
   return sizes[0] ?? null;
 };
 
-/** Send what the lecturer's lab shows, until the returned function is called. */
-export function showLab(room: Classroom, store: Store, session: string, group: Signal<string>): () => void {
-  const show = throttled((view: ClassView) => room.send({ type: "show", view, session }), SHOW_EVERY_MS);
-  const explain = throttled<typeof store.why.value>((why) => room.send({ type: "explain", why }), EXPLAIN_EVERY_MS);
+/** A page that shows a session. */
+export type SessionPage = "lab" | "logs";
+
+/** Send what the lecturer's page shows of its session, until the returned function is called. */
+export function showSession(
+  room: Classroom,
+  store: Store,
+  session: string,
+  page: SessionPage,
+  group: Signal<string>,
+): () => void {
+  let isShown = true; // what was throttled may come later
+  const send = (command: ClassCommand): void => {
+    if (isShown) room.send(command);
+  };
+  const show = throttled((view: ClassView) => send({ type: "show", view, session }), SHOW_EVERY_MS);
+  const explain = throttled<typeof store.why.value>((why) => send({ type: "explain", why }), EXPLAIN_EVERY_MS);
   const stops = [
     effect(() => {
       const view = store.view.value;
       const size = sizeOf(store);
       show({
-        page: "lab",
+        page,
         hash: "",
         blank: false,
         look: store.viewHeld.value && view && size ? { ...view, ...size } : null,
@@ -54,12 +67,21 @@ export function showLab(room: Classroom, store: Store, session: string, group: S
     effect(() => explain(store.explainedPoint.value ? store.why.value : null)),
   ];
   return () => {
+    isShown = false;
     for (const stop of stops) stop();
   };
 }
 
-/** Let a follower's lab show what the lecturer's does, until the returned function is called. */
-export function followLab(room: Classroom, store: Store, group: Signal<string>): () => void {
+/**
+ * Let a follower's page show what the lecturer's does, until the returned function is called; `groups` are the ids of
+ * the groups of controls that the follower's page has, null for all.
+ */
+export function followSession(
+  room: Classroom,
+  store: Store,
+  group: Signal<string>,
+  groups: readonly string[] | null = null,
+): () => void {
   const look = (shared: SharedView | null): void => {
     const size = sizeOf(store);
     if (shared && size) store.setView(framed(shared, size));
@@ -77,7 +99,7 @@ export function followLab(room: Classroom, store: Store, group: Signal<string>):
       store.pinned.value = view.pinned ?? null;
       store.explainedPoint.value = view.explained ?? null;
       store.selectedUpdate.value = view.update ?? null;
-      if (view.group) group.value = view.group;
+      if (view.group && (groups?.includes(view.group) ?? true)) group.value = view.group;
       const now = JSON.stringify(view.look ?? null);
       if (now !== lookBefore) {
         lookBefore = now;

@@ -1,0 +1,126 @@
+import { useSignal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import { classroom } from "../../store/classroom";
+import { Button } from "../../ui/Button";
+import { shownDecimals, written } from "../../ui/numbers";
+import { Slider } from "../../ui/Slider";
+import { type GuessQuestion, useClassGuess } from "./classGuess";
+import { GuessColumns } from "./GuessColumns";
+import { Plot } from "./Plot";
+import { useSeen } from "./useSteps";
+import "./prediction.css";
+
+const HEIGHT = 92;
+const AXIS = 66;
+const PAD = 14;
+const PARTS = 4;
+
+export interface PredictionProps extends GuessQuestion {
+  /** Step of the guess. */
+  readonly step: number;
+  /** Brings the figure into the state that was asked about, and returns the number to be guessed. */
+  readonly reveal: () => number | Promise<number>;
+}
+
+/** A question about the figure above: a number is guessed, then the figure shows it. In a class everybody guesses. */
+export function Prediction({ text, axis, step, reveal }: PredictionProps) {
+  const root = useRef<HTMLElement>(null);
+  const middle = (axis.low + axis.high) / 2;
+  const guess = useSignal(middle);
+  const result = useSignal<number | null>(null);
+  const isPending = useSignal(false);
+  const showResult = async (): Promise<void> => {
+    isPending.value = true;
+    try {
+      result.value = await reveal();
+    } finally {
+      isPending.value = false;
+    }
+  };
+  const { asked, ask } = useClassGuess({ text, axis }, result.value, useSeen(root).value);
+  const awaits = asked !== null && !asked.is_revealed && (classroom.value?.isFollowed ?? false);
+  const places = shownDecimals(step);
+  const unit = axis.unit ? ` ${axis.unit}` : "";
+  const told = (value: number): string => `${written(value, places)}${unit}`;
+  return (
+    <section class="prediction no-print" ref={root} aria-label="Predict">
+      <p class="prediction-question">
+        <b>Predict.</b> {text}
+      </p>
+      <Plot height={HEIGHT}>
+        {(width) => {
+          const x = (value: number): number =>
+            PAD + ((value - axis.low) / (axis.high - axis.low || 1)) * (width - 2 * PAD);
+          return (
+            <>
+              {asked && <GuessColumns asked={asked} x={x} foot={AXIS} height={AXIS - 20} />}
+              <path class="prediction-axis" d={`M${x(axis.low)} ${AXIS}H${x(axis.high)}`} />
+              {Array.from({ length: PARTS + 1 }, (_, i) => axis.low + (i / PARTS) * (axis.high - axis.low)).map(
+                (tick, i) => (
+                  <g key={tick}>
+                    <path class="prediction-axis" d={`M${x(tick)} ${AXIS}v6`} />
+                    <text x={x(tick)} y={AXIS + 22} text-anchor={i === 0 ? "start" : i === PARTS ? "end" : "middle"}>
+                      {i === PARTS ? told(tick) : written(tick, places)}
+                    </text>
+                  </g>
+                ),
+              )}
+              <path class="prediction-guess" d={`M${x(guess.value)} 18V${AXIS}`} />
+              {result.value !== null && (
+                <path
+                  class="prediction-right"
+                  d={`M${x(Math.min(axis.high, result.value))} 10V${AXIS}m-6 -${AXIS - 10}h12`}
+                />
+              )}
+            </>
+          );
+        }}
+      </Plot>
+      <div class="figure-controls">
+        <Slider
+          label="My guess"
+          sentence="Your guess, the dashed line on the axis above."
+          value={guess.value}
+          initial={middle}
+          low={axis.low}
+          high={axis.high}
+          step={step}
+          unit={axis.unit ?? ""}
+          disabled={result.value !== null}
+          onInput={(value) => {
+            guess.value = value;
+          }}
+        />
+        {ask && result.value === null && (
+          <Button icon="people" onClick={ask}>
+            Ask the class
+          </Button>
+        )}
+        {result.value === null ? (
+          <Button kind="primary" disabled={awaits || isPending.value} onClick={() => void showResult()}>
+            {isPending.value ? "Computing …" : "Show the result"}
+          </Button>
+        ) : (
+          <Button
+            icon="restart"
+            onClick={() => {
+              result.value = null;
+            }}
+          >
+            Guess again
+          </Button>
+        )}
+      </div>
+      <p class="quiet" role="status">
+        {result.value !== null && verdict(guess.value, result.value, step, told)}
+        {awaits && "Answer in the line of the class; the lecturer shows the result."}
+      </p>
+    </section>
+  );
+}
+
+function verdict(guess: number, was: number, step: number, told: (value: number) => string): string {
+  const off = guess - was;
+  if (Math.abs(off) < step) return `It is ${told(was)}. Your guess was right.`;
+  return `It is ${told(was)}. Your guess was ${told(Math.abs(off))} too ${off > 0 ? "high" : "low"}.`;
+}

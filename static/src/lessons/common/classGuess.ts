@@ -1,0 +1,36 @@
+/** The guess of a figure as a question to the whole class. */
+
+import { useEffect } from "preact/hooks";
+import { askedAs, lecturersClass, showsAnswers } from "../../store/classroom";
+import type { ClassAxis, ClassQuestion } from "../../wire/protocol";
+
+/** A question whose answer is a number on an axis. */
+export interface GuessQuestion {
+  readonly text: string;
+  readonly axis: ClassAxis;
+}
+
+export interface ClassGuess {
+  /** The question with its answers, while the class is asked; null otherwise. */
+  readonly asked: ClassQuestion | null;
+  /** Ask the class; null where this page is not the lecturer's, or the question is asked already. */
+  readonly ask: (() => void) | null;
+}
+
+/**
+ * The state of a question in the class. The result is revealed to the class once `right` is known to the figure; while
+ * `isInSight`, the figure shows the answers on the lecturer's page and the class's line does not.
+ */
+export function useClassGuess({ text, axis }: GuessQuestion, right: number | null, isInSight: boolean): ClassGuess {
+  const asked = askedAs(text);
+  const room = lecturersClass.value;
+  useEffect(() => {
+    if (room && asked && !asked.is_revealed && right !== null) room.send({ type: "reveal", right });
+  }, [room, asked?.id, right]);
+  const shows = room !== null && asked !== null && isInSight;
+  useEffect(() => {
+    if (shows) return showsAnswers(text);
+    return;
+  }, [shows, text]);
+  return { asked, ask: room && !asked ? () => room.send({ type: "ask", text, axis }) : null };
+}

@@ -1,0 +1,47 @@
+import type { ReadonlySignal } from "@preact/signals";
+import type { Picture } from "../../render/picture/Picture";
+import type { Store } from "../../store/store";
+import type { Comparison } from "../../tools/compare/comparison";
+import { CompareReadout } from "../../tools/compare/Readout";
+import { BeliefView } from "../../tools/picture/BeliefView";
+import { ComputingMap } from "../../tools/picture/ComputingMap";
+import { Readout } from "../../tools/readout/Readout";
+import { BothMaps } from "./compare/useComparison";
+import { Transport } from "./Transport";
+
+interface MapStageProps {
+  readonly store: Store;
+  readonly comparison: Comparison;
+  /** An error of the connection; null for none. */
+  readonly trouble: ReadonlySignal<string | null>;
+  /** Whether nothing in it can be used. */
+  readonly isInert?: boolean;
+  /** Called with the picture of the map. */
+  readonly onPicture: (picture: Picture) => void;
+}
+
+/** The map of a log with its playback and the values of the cell under the pointer, without the log page's tools. */
+export function MapStage({ store, comparison, trouble, isInert = false, onPicture }: MapStageProps) {
+  return (
+    <div class="viewer-stage" inert={isInert}>
+      <div class="viewer-map">
+        <BeliefView store={store} comparison={comparison} onPicture={onPicture} />
+        <BothMaps store={store} comparison={comparison} />
+        {trouble.value && (
+          <p class="viewer-over" role="status">
+            {trouble.value}
+          </p>
+        )}
+        <ComputingMap store={store} />
+      </div>
+      <Transport store={store} />
+      <div class="viewer-readout">
+        {comparison.isOn.value ? (
+          <CompareReadout store={store} summedOver={comparison.summedOver.value} />
+        ) : (
+          <Readout store={store} />
+        )}
+      </div>
+    </div>
+  );
+}

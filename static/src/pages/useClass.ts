@@ -1,0 +1,27 @@
+import { type Signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { classroom } from "../store/classroom";
+import { followSession, type SessionPage, showSession } from "../tools/classroom/session";
+import type { Live } from "./classSession";
+
+interface Options {
+  readonly page: SessionPage;
+  /** The id of the open group of controls. */
+  readonly group: Signal<string>;
+  /** The groups that a follower's page has; all without them. */
+  readonly groups?: readonly string[];
+}
+
+/** Take part in a class with a session; returns whether the page follows the lecturer. */
+export function useClass(session: Live | null, { page, group, groups }: Options): boolean {
+  const live = useSignal(session);
+  live.value = session;
+  useSignalEffect(() => {
+    const room = classroom.value;
+    const now = live.value;
+    if (!room || !now) return;
+    if (!room.isFollowed) return showSession(room, now.store, now.id, page, group);
+    if (room.isFollowing.value) return followSession(room, now.store, group, groups);
+    return;
+  });
+  return useComputed(() => classroom.value?.isFollowing.value ?? false).value;
+}
