@@ -121,8 +121,8 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
         </Button>
       </div>
       <figcaption class="quiet number">
-        Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end.{" "}
-        Poses off by <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
+        Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. Poses off by{" "}
+        <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
         {isDone ? (
           <b class="drift-matched">{written(errorOf(matched.value), 2)} m</b>
         ) : (

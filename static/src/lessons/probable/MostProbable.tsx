@@ -6,7 +6,18 @@ import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Plot } from "../common/Plot";
 import { Walls } from "../common/Scene";
 import { Stage } from "../common/Stage";
-import { FIRST, GEOMETRY, LAST, likelihood, motionModel, type PlaceName, POSITIONS, placeOf, posterior, squaredDistances } from "./model";
+import {
+  FIRST,
+  GEOMETRY,
+  LAST,
+  likelihood,
+  motionModel,
+  type PlaceName,
+  POSITIONS,
+  placeOf,
+  posterior,
+  squaredDistances,
+} from "./model";
 import "./probable.css";
 
 const PLACES: readonly { readonly value: PlaceName; readonly label: string }[] = [

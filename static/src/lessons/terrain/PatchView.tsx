@@ -1,7 +1,6 @@
-import { useRef } from "preact/hooks";
-import { Handle } from "../../ui/Handle";
-import { keyed, snap, written } from "../../ui/numbers";
+import { written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
+import { ValueHandle } from "../common/ValueHandle";
 import { heightAt, type Place, type Plane } from "./model";
 
 const HEIGHT = 280;
@@ -81,34 +80,24 @@ interface PointHandleProps {
 }
 
 function PointHandle({ index, z, at: [px, py], metre, isUsed, onMove }: PointHandleProps) {
-  const from = useRef(z);
   return (
-    <Handle
+    <ValueHandle
       label={`Point ${index + 1}`}
       sentence="Moves this point up or down."
       axis="y"
       tone={isUsed ? "tone-robot" : "tone-hit"}
-      now={z}
-      low={HEIGHTS.low}
-      high={HEIGHTS.high}
+      value={z}
+      range={HEIGHTS}
       text={`${written(z, 2)} m high`}
       grab={{ x: px - 20, y: py - 20, width: 40, height: 40 }}
-      onStart={() => {
-        from.current = z;
-      }}
-      onDrag={(_, dy, fine) => onMove(snap(from.current - ((fine ? 0.2 : 1) * dy) / metre, HEIGHTS))}
-      onEnd={() => undefined}
-      onKey={(key, shift) => {
-        const next = keyed(key, shift, z, HEIGHTS);
-        if (next !== null) onMove(next);
-        return next !== null;
-      }}
+      perPixel={-1 / metre}
+      onValue={onMove}
     >
       {isUsed ? (
         <circle class="patch-point" cx={px} cy={py} r={DOT} />
       ) : (
         <path class="patch-point left-out" d={`M${px - 6} ${py - 6}l12 12M${px + 6} ${py - 6}l-12 12`} />
       )}
-    </Handle>
+    </ValueHandle>
   );
 }
