@@ -10,9 +10,6 @@ PAGES = ROOT / "static"
 LECTURE = PAGES / "src" / "pages" / "lecture"
 CONCEPTS = (ROOT / "docs" / "concepts.md").read_text()
 LINES = {"L": 15, "N": 10, "W": 6, "T": 9}
-#: Concepts whose rooms later issues build; all others have a place now.
-LATER: set[str] = set()
-
 SECTIONS = re.findall(r'\{ id: "([\w-]+)", title: "', (LECTURE / "lessons.ts").read_text())
 
 
@@ -33,8 +30,7 @@ def test_every_place_exists() -> None:
     for number, concept, place in rows("Checklist"):
         assert concept
         names = re.findall(r"`([^`]+)`", place)
-        assert bool(names) is (number not in LATER), number
-        assert names or re.search(r"issue \d+", place), number
+        assert names, number
         for name in names:
             page, _, anchor = name.partition("#")
             assert (PAGES / page).is_file(), name

@@ -160,9 +160,13 @@ export function inverseRangeSensorModel(
     const half = Math.min(Math.abs(scan.angle_increment) / 2, Math.PI / 4);
     const right = heading + bearingOf(scan, beam) - half;
     const [cr, sr, cl, sl] = [Math.cos(right), Math.sin(right), Math.cos(right + 2 * half), Math.sin(right + 2 * half)];
-    for (let row = 0; row < rows; row++) {
+    // Cells farther away get no evidence from this beam.
+    const reach = Math.ceil((free ? zMax : Math.min(zMax, z + r / 2)) / resolution);
+    const [bottom, top] = [Math.max(0, Math.floor(row0 - reach)), Math.min(rows - 1, Math.ceil(row0 + reach))];
+    const [first, last] = [Math.max(0, Math.floor(col0 - reach)), Math.min(cols - 1, Math.ceil(col0 + reach))];
+    for (let row = bottom; row <= top; row++) {
       const dRow = row + 0.5 - row0;
-      for (let col = 0; col < cols; col++) {
+      for (let col = first; col <= last; col++) {
         const dCol = col + 0.5 - col0;
         if (cr * dRow - sr * dCol < 0 || cl * dRow - sl * dCol >= 0) continue;
         const s = Math.sqrt(dCol * dCol + dRow * dRow) * resolution;

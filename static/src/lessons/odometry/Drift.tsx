@@ -5,7 +5,7 @@ import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { whenIdle } from "../../ui/whenIdle";
-import type { Pose } from "../../wire/protocol";
+import type { Point, Pose } from "../../wire/protocol";
 import { Scene } from "../common/Scene";
 import type { StageTransform } from "../common/Stage";
 import { useSeen } from "../common/useSteps";
@@ -37,6 +37,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
   const seen = useSeen(figure);
   const raw = useComputed(() => byOdometry(noise.value));
   const rawMap = useComputed(() => mapAlong(raw.value));
+  const ends = useComputed(() => otherEnds(noise.value));
   const matched = useSignal<readonly Pose[]>(NONE);
   const matchedMap = useSignal<OccupancyGrid>(mapAlong(NONE));
 
@@ -69,7 +70,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
           <Scene geometry={GEOMETRY} label="The map along the odometry" grid={rawMap} walls={WALLS}>
             {(transform) => (
               <>
-                <Ends transform={transform} noise={noise.value} />
+                <Ends transform={transform} ends={ends.value} />
                 <Path transform={transform} poses={TRUTH} tone="truth" />
                 <Path transform={transform} poses={raw.value} tone="raw" />
               </>
@@ -120,8 +121,8 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
         </Button>
       </div>
       <figcaption class="quiet number">
-        Dashed: the true path. Dots: where {otherEnds(noise.value).length} other drives with the same noise would end.{" "}
-        Poses off by <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
+        Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. Poses off by{" "}
+        <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
         {isDone ? (
           <b class="drift-matched">{written(errorOf(matched.value), 2)} m</b>
         ) : (
@@ -144,7 +145,7 @@ function Path({ transform, poses, tone }: PathProps) {
   return <path class={`drift-path ${tone}`} d={places.join("")} />;
 }
 
-function Ends({ transform, noise }: { readonly transform: StageTransform; readonly noise: Noise }) {
-  const dots = otherEnds(noise).map(([x, y]) => `M${transform.x(x).toFixed(1)} ${transform.y(y).toFixed(1)}h0`);
+function Ends({ transform, ends }: { readonly transform: StageTransform; readonly ends: readonly Point[] }) {
+  const dots = ends.map(([x, y]) => `M${transform.x(x).toFixed(1)} ${transform.y(y).toFixed(1)}h0`);
   return <path class="drift-ends" d={dots.join("")} />;
 }

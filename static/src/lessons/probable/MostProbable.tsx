@@ -6,7 +6,18 @@ import { DragHandle, RobotShape } from "../common/DragHandle";
 import { Plot } from "../common/Plot";
 import { Walls } from "../common/Scene";
 import { Stage } from "../common/Stage";
-import { FIRST, GEOMETRY, LAST, likelihood, motionModel, type PlaceName, POSITIONS, placeOf, posterior } from "./model";
+import {
+  FIRST,
+  GEOMETRY,
+  LAST,
+  likelihood,
+  motionModel,
+  type PlaceName,
+  POSITIONS,
+  placeOf,
+  posterior,
+  squaredDistances,
+} from "./model";
 import "./probable.css";
 
 const PLACES: readonly { readonly value: PlaceName; readonly label: string }[] = [
@@ -32,7 +43,8 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
   const name = useSignal<PlaceName>("cabinets");
   const says = useSignal(SAYS);
   const place = useComputed(() => placeOf(name.value));
-  const fits = useComputed(() => likelihood(place.value, uncertainty.value.reading));
+  const squares = useComputed(() => squaredDistances(place.value));
+  const fits = useComputed(() => likelihood(squares.value, uncertainty.value.reading));
   const moved = useComputed(() => motionModel(says.value, uncertainty.value.odometry));
   const product = useComputed(() => posterior(fits.value, moved.value));
 

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { likelihood, motionModel, POSITIONS, placeOf, posterior } from "./model";
+import { likelihood, motionModel, POSITIONS, placeOf, posterior, squaredDistances } from "./model";
 
 const best = (name: Parameters<typeof placeOf>[0], says: number, sigma = 0.5): number =>
-  posterior(likelihood(placeOf(name), 0.1), motionModel(says, sigma)).best;
+  posterior(likelihood(squaredDistances(placeOf(name)), 0.1), motionModel(says, sigma)).best;
 
 describe("the most probable position", () => {
   it("is where the scan fits, however wrong the odometry, where only one place fits", () => {

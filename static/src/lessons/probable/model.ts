@@ -88,14 +88,34 @@ function toWall([x, y]: Point, [x0, y0, x1, y1]: Wall): number {
 /** Share of readings that the map does not explain. */
 const RANDOM = 0.05;
 
-/** p(z | x, m) of each position, relative to the greatest; `sigma` is the uncertainty of a reading, metres. */
-export function likelihood({ walls, points }: Place, sigma: number): Float64Array {
-  const logs = Float64Array.from(POSITIONS, (x) =>
-    points.reduce((sum, [px, py]) => {
-      const d = Math.min(...walls.map((wall) => toWall([x + px, py], wall)));
-      return sum + Math.log((1 - RANDOM) * Math.exp(-(d * d) / (2 * sigma * sigma)) + RANDOM);
-    }, 0),
-  );
+/** Squared distance to the nearest wall of each end point, position by position, m²; they do not depend on sigma. */
+export function squaredDistances({ walls, points }: Place): Float64Array {
+  const squares = new Float64Array(POSITIONS.length * points.length);
+  let k = 0;
+  for (const x of POSITIONS) {
+    for (const [px, py] of points) {
+      let least = Number.POSITIVE_INFINITY;
+      for (const wall of walls) least = Math.min(least, toWall([x + px, py], wall));
+      squares[k++] = least * least;
+    }
+  }
+  return squares;
+}
+
+/**
+ * p(z | x, m) of each position, relative to the greatest, from {@link squaredDistances}; `sigma` is the uncertainty of
+ * a reading, metres.
+ */
+export function likelihood(squares: Float64Array, sigma: number): Float64Array {
+  const each = squares.length / POSITIONS.length;
+  const scale = -1 / (2 * sigma * sigma);
+  const logs = Float64Array.from(POSITIONS, (_, k) => {
+    let sum = 0;
+    for (let i = k * each; i < (k + 1) * each; i++) {
+      sum += Math.log((1 - RANDOM) * Math.exp((squares[i] ?? 0) * scale) + RANDOM);
+    }
+    return sum;
+  });
   return relative(logs);
 }
 

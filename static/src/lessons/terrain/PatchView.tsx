@@ -1,7 +1,6 @@
-import { useRef } from "preact/hooks";
-import { Handle } from "../../ui/Handle";
-import { keyed, type Range, snap, written } from "../../ui/numbers";
+import { type Range, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
+import { ValueHandle } from "../common/ValueHandle";
 import { heightAt, type Place, type Plane } from "./model";
 
 const HEIGHT = 260;
@@ -102,34 +101,24 @@ interface PointHandleProps {
 }
 
 function PointHandle({ index, z, range, at: [px, py], metre, isUsed, onMove }: PointHandleProps) {
-  const from = useRef(z);
   return (
-    <Handle
+    <ValueHandle
       label={`Point ${index + 1}`}
       sentence="Moves this point up or down."
       axis="y"
       tone={isUsed ? "tone-robot" : "tone-hit"}
-      now={z}
-      low={range.low}
-      high={range.high}
+      value={z}
+      range={range}
       text={`${written(z, 2)} m high`}
       grab={{ x: px - 20, y: py - 20, width: 40, height: 40 }}
-      onStart={() => {
-        from.current = z;
-      }}
-      onDrag={(_, dy, fine) => onMove(snap(from.current - ((fine ? 0.2 : 1) * dy) / metre, range))}
-      onEnd={() => undefined}
-      onKey={(key, shift) => {
-        const next = keyed(key, shift, z, range);
-        if (next !== null) onMove(next);
-        return next !== null;
-      }}
+      perPixel={-1 / metre}
+      onValue={onMove}
     >
       {isUsed ? (
         <circle class="patch-point" cx={px} cy={py} r={DOT} />
       ) : (
         <path class="patch-point left-out" d={`M${px - 6} ${py - 6}l12 12M${px + 6} ${py - 6}l-12 12`} />
       )}
-    </Handle>
+    </ValueHandle>
   );
 }

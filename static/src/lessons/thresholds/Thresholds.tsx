@@ -1,11 +1,11 @@
 import { computed, useSignal } from "@preact/signals";
-import { useMemo, useRef } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 import { probability } from "../../grid/logOdds";
-import { Handle } from "../../ui/Handle";
-import { keyed, snap, written } from "../../ui/numbers";
+import { written } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Plot } from "../common/Plot";
 import { Stage } from "../common/Stage";
+import { ValueHandle } from "../common/ValueHandle";
 import { counted, GEOMETRY, greysOf, MAP, pgmHeader, readValue, STATED, yamlText } from "./model";
 import "./thresholds.css";
 
@@ -128,7 +128,6 @@ interface HistogramProps {
 /** How many observed cells have which p, and the two thresholds to drag. */
 function Histogram({ width, free, occupied, set }: HistogramProps) {
   const right = width - 14;
-  const from = useRef(0);
   const x = (p: number): number => LEFT + (right - LEFT) * p;
   const most = Math.sqrt(Math.max(...BARS));
   const tall = (count: number): number => ((BOTTOM - 30) * Math.sqrt(count)) / most;
@@ -165,7 +164,7 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
         const [start, to] = [flags[which], flags[which] + FLAG[which]];
         const [left, end] = [Math.min(start, x(now) - 8), Math.max(to, x(now) + 8)];
         return (
-          <Handle
+          <ValueHandle
             key={which}
             label={which === "free" ? "Free below" : "Occupied above"}
             sentence={
@@ -175,28 +174,19 @@ function Histogram({ width, free, occupied, set }: HistogramProps) {
             }
             axis="x"
             tone={which === "free" ? "tone-miss" : "tone-hit"}
-            now={now}
-            low={RANGE.low}
-            high={RANGE.high}
+            value={now}
+            range={RANGE}
             text={`p ${written(now, 2)}`}
             grab={{ x: left, y: 0, width: end - left, height: BOTTOM }}
-            onStart={() => {
-              from.current = now;
-            }}
-            onDrag={(dx) => set(which, snap(from.current + dx / (right - LEFT), RANGE))}
-            onEnd={() => undefined}
-            onKey={(key, shift) => {
-              const next = keyed(key, shift, now, RANGE);
-              if (next !== null) set(which, next);
-              return next !== null;
-            }}
+            perPixel={1 / (right - LEFT)}
+            onValue={(value) => set(which, value)}
           >
             <line class="threshold" x1={x(now)} x2={x(now)} y1={20} y2={BOTTOM} />
             <rect class="pill" x={start} y={1} width={FLAG[which]} height={21} rx={10} />
             <text class="pill-text" x={start + FLAG[which] / 2} y={16} text-anchor="middle">
               {which === "free" ? "free" : "occupied"} {written(now, 2)}
             </text>
-          </Handle>
+          </ValueHandle>
         );
       })}
     </>

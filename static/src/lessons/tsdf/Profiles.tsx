@@ -1,8 +1,7 @@
-import { useRef } from "preact/hooks";
 import { toPixel } from "../../render/chart/scale";
-import { Handle } from "../../ui/Handle";
-import { keyed, plural, type Range, snap, written } from "../../ui/numbers";
+import { plural, type Range, written } from "../../ui/numbers";
 import { Plot } from "../common/Plot";
+import { ValueHandle } from "../common/ValueHandle";
 import { CLAMP, type Crossing, centreOf, MOVE, REACH, RESOLUTION, type Voxel } from "./model";
 
 const HEIGHT = 404;
@@ -37,7 +36,6 @@ export function Profiles(props: ProfilesProps) {
   const truncation = Math.min(props.truncation, TRUNCATION.high);
   const digits = scale < 0.5 ? 3 : 2;
   const metres = (value: number): string => written(value * scale, digits);
-  const before = useRef(0);
   const now = wall + (isMoved ? MOVE : 0);
   return (
     <Plot height={HEIGHT}>
@@ -149,59 +147,37 @@ export function Profiles(props: ProfilesProps) {
               </text>
             ))}
 
-            <Handle
+            <ValueHandle
               label="Wall"
               sentence="Moves the wall that is measured."
               axis="x"
               tone="tone-robot"
-              now={wall}
-              low={WALL.low}
-              high={WALL.high}
+              value={wall}
+              range={WALL}
               text={`${metres(now)} m from the sensor`}
               grab={{ x: x(now) - 20, y: 0, width: 40, height: 56 }}
-              onStart={() => {
-                before.current = wall;
-              }}
-              onDrag={(dx, _, fine) => {
-                props.onWall(snap(before.current + (fine ? 0.2 : 1) * dx * perPixel, WALL));
-              }}
-              onEnd={() => undefined}
-              onKey={(key, shift) => {
-                const next = keyed(key, shift, wall, WALL);
-                if (next !== null) props.onWall(next);
-                return next !== null;
-              }}
+              perPixel={perPixel}
+              onValue={props.onWall}
             >
               <rect class="handle-mark" x={x(now) - 5} y={4} width={10} height={24} rx={5} />
               <text class="tsdf-wall-name" x={x(now) + 10} y={18}>
                 wall, {metres(now)} m
               </text>
-            </Handle>
-            <Handle
+            </ValueHandle>
+            <ValueHandle
               label="Truncation"
               sentence="Distance before and behind a reading within which voxels are updated."
               axis="x"
               tone="tone-robot"
-              now={truncation}
-              low={TRUNCATION.low}
-              high={TRUNCATION.high}
+              value={truncation}
+              range={TRUNCATION}
               text={`${metres(truncation)} metres`}
               grab={{ x: x(knee) - 20, y: d(truncation) - 20, width: 40, height: 40 }}
-              onStart={() => {
-                before.current = truncation;
-              }}
-              onDrag={(dx, _, fine) => {
-                props.onTruncation(snap(before.current - (fine ? 0.2 : 1) * dx * perPixel, TRUNCATION));
-              }}
-              onEnd={() => undefined}
-              onKey={(key, shift) => {
-                const next = keyed(key, shift, truncation, TRUNCATION);
-                if (next !== null) props.onTruncation(next);
-                return next !== null;
-              }}
+              perPixel={-perPixel}
+              onValue={props.onTruncation}
             >
               <circle class="handle-mark" cx={x(knee)} cy={d(truncation)} r={7} />
-            </Handle>
+            </ValueHandle>
           </>
         );
       }}

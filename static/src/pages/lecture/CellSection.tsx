@@ -285,8 +285,8 @@ export function CellSection({ id, number, title }: SectionHead) {
           <p>
             Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>, the log-odds
             of the prior: what was believed before any reading. It is subtracted because the inverse model, too, starts
-            from the prior, which would otherwise be counted again with every reading. For p = 0.5 it is 0. That is the
-            whole filter. It stores one number per cell and no readings. The order of the readings does not matter,
+            from the prior, which would otherwise be counted again with every reading. For p = 0.5 it is 0. This is the
+            complete filter. It stores one number per cell and no readings. The order of the readings does not matter,
             except at the dashed lines: there the mapper <em>clamps</em> ℓ, and evidence beyond the limit is lost.{" "}
             <SectionLink to="forgetting" capital /> shows what the clamp is for.
           </p>

@@ -51,7 +51,7 @@ export function DigitsSection({ id, number, title }: SectionHead) {
             place of two products, a sum and a division, with one rounding in place of four, and a map takes millions of
             updates. And the clamp is not there against underflow: it limits how long a wrong belief lasts (
             <SectionLink to="forgetting" />
-            ). Two problems, two remedies.
+            ). The two solve different problems.
           </p>
         </>
       }

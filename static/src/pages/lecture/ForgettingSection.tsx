@@ -48,7 +48,7 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
           needs about two hours to disappear. The clamp limits the certainty of a cell and therefore the number of
           misses that are needed: from the upper limit down to the threshold it is always the same. The disadvantage is
           that evidence beyond the limit is lost, so a correct cell can be changed as quickly as a wrong one. This is
-          what the clamp is for, and the only thing: it has nothing to do with the digits of a number.
+          the only purpose of the clamp: it has nothing to do with the precision of a number.
         </p>
       }
     >

@@ -19,7 +19,7 @@ export function GraphSection({ id, number, title }: SectionHead) {
           <p>
             The solution is the pose of every node with the least sum of squared residuals, each in standard deviations,
             eᵀ Ω e. Plain least squares follow the <b class="noun-hit">wrong loop</b>: it is only one spring among many,
-            but its residual is large, and it folds the map. A <b>robust kernel</b> reduces the weight of loops with
+            but its residual is large, and it distorts the map. A <b>robust kernel</b> reduces the weight of loops with
             large residuals, as the curve shows, so the others determine the result. Its scale is large at first, so
             that no loop is rejected, and shrinks while the graph is solved. A kernel cannot tell a wrong loop that
             nothing contradicts from a right one.

@@ -64,9 +64,9 @@ export function NextSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        An occupancy grid on a plane is one of several maps. Each keeps something that it does not, and gives up
-        something for it. A planner asks for <b>free space</b> above all: a map that does not know it cannot say where a
-        robot may drive.
+        An occupancy grid on a plane is one of several maps. Each of the others stores something that it does not, and
+        lacks something in return. A planner asks for <b>free space</b> above all: a map that does not know it cannot
+        say where a robot may drive.
       </p>
     </Section>
   );

@@ -20,9 +20,9 @@ export function OctreeSection({ id, number, title }: SectionHead) {
           <p>
             Halving the side of the cells of a dense grid makes <b>eight</b> times as many of them, most in empty rooms.
             An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
-            measured: it grows with the surfaces, about <b>four</b> times. The price is a descent from the root for each
-            cell that is read or changed, and nodes that are larger than cells: in a building as small and flat as this
-            one the tree pays off only with fine cells.
+            measured: it grows with the surfaces, about <b>four</b> times. Its costs are a descent from the root for
+            each cell that is read or changed, and nodes that are larger than cells: in a building as small and flat as
+            this one the tree needs less memory only with fine cells.
           </p>
           <p>
             A <b>point cloud</b> keeps each reading and does not depend on the side of a cell; it grows with each scan,

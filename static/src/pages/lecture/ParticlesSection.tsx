@@ -27,13 +27,14 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             <b>N_eff</b> = 1 / Σ w² says how many particles the weights amount to. Resampling makes the weights equal
-            again and the set poorer; where N_eff is large, it can be left out.
+            again and the set less varied; where N_eff is large, it can be left out.
           </p>
           <p>
             How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
             particles for k bins, the Kullback-Leibler distance between the particles and the belief is below ε, with
-            the probability that belongs to the quantile z. Nothing known: many bins, and many particles. Found: few of
-            both. Go on with the steps above and watch k; drag ε and z on the curve.
+            the probability that belongs to the quantile z. While nothing is known, many bins are occupied and many
+            particles are needed; once the robot is found, few of both. Go on with the steps above and watch k; drag ε
+            and z on the curve.
           </p>
           <LaterMore id="particles" />
         </>

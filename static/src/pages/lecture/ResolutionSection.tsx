@@ -30,7 +30,7 @@ export function ResolutionSection({ id, number, title }: SectionHead) {
       <p>
         How large should a cell be? The figure shows the same scans of the door and the pillar in cells of 1, 5 and 10
         cm. The memory is that of the whole floor of 12 × 8 m with four bytes per cell. The time is measured on your
-        computer, now.
+        computer when the maps are made.
       </p>
     </Section>
   );

@@ -16,12 +16,12 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            Why is the inverse model not p(z | m) read backwards? The forward model is a distribution over{" "}
-            <b>readings</b>: it sums to one over z, for one whole map. A cell needs a distribution over its two{" "}
-            <b>states</b>, and a reading alone does not give it: Bayes’ rule also takes a prior, and sums over all maps
-            that agree with the reading. Cells before z are free <i>because</i> the beam passed them; cells behind z
-            keep their prior <i>because</i> nothing was measured there. The dashed curve is low in both places and
-            cannot tell them apart. Drag the prior: the inverse changes, the forward model does not.
+            Why does p(z | m) alone not give the inverse model? The forward model is a distribution over <b>readings</b>
+            : it sums to one over z, for one whole map. A cell needs a distribution over its two <b>states</b>, and a
+            reading alone does not give it: Bayes’ rule also takes a prior, and sums over all maps that agree with the
+            reading. Cells before z are free <i>because</i> the beam passed them; cells behind z keep their prior{" "}
+            <i>because</i> nothing was measured there. The dashed curve is low in both places and cannot tell them
+            apart. Drag the prior: the inverse changes, the forward model does not.
           </p>
           <p>
             The sum over all maps is exact here, for one beam: the reading depends on the first occupied cell only. On a
@@ -31,7 +31,7 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
           <p>
             The <b>likelihood field</b> on the stage is the other forward model: it replaces the ray by the distance
             from the end point to the nearest occupied cell. That is a table look-up, and smooth where the beam model
-            jumps. The price: it does not know that a wall hides what is behind it.
+            jumps. Its disadvantage: it does not know that a wall hides what is behind it.
           </p>
         </>
       }

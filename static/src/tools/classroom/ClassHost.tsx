@@ -1,6 +1,7 @@
 import { classroom, followedCode } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import "./classroom.css";
+import "./questions.css";
 import { FollowerBar } from "./FollowerBar";
 import { LecturerBar } from "./LecturerBar";
 import { openClassHere } from "./opening";
