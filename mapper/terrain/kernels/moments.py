@@ -14,23 +14,37 @@ from mapper.core.array_types import Float64Array
 from mapper.core.jit import jit
 
 FLATNESS = 1e-6
+_BATCH = 128  # points
 
 
 @jit
 def add_points(points: Float64Array, corner: Float64Array, size: float, out: Float64Array) -> None:
     """Add points (n, 3) to the moments of their patches. Heights are above the corner; points outside are left out.
 
-    The order of the sums is that of the points.
+    The order of the sums is that of the points. Each :data:`_BATCH` of points is gone through twice: the first loop
+    only reads a number of each patch, so that the memory of many patches is fetched at the same time.
     """
     rows, cols, _ = out.shape
+    flat = out.reshape(rows * cols, 10)
     per_metre = 1.0 / size
     x0, y0, z0 = corner[0], corner[1], corner[2]
-    for i in range(len(points)):
-        u, v, z = points[i, 0] - x0, points[i, 1] - y0, points[i, 2] - z0
-        col, row = math.floor(u * per_metre), math.floor(v * per_metre)
-        if 0 <= col < cols and 0 <= row < rows:
-            x, y = u - (col + 0.5) * size, v - (row + 0.5) * size
-            cell = out[int(row), int(col)]
+    patches, fetched = np.empty(_BATCH, dtype=np.int64), np.empty(_BATCH)
+    xs, ys, zs = np.empty(_BATCH), np.empty(_BATCH), np.empty(_BATCH)
+    for first in range(0, len(points), _BATCH):
+        n = min(_BATCH, len(points) - first)
+        for k in range(n):
+            u, v = points[first + k, 0] - x0, points[first + k, 1] - y0
+            col, row = np.floor(u * per_metre), np.floor(v * per_metre)
+            inside = (col >= 0.0) & (col < cols) & (row >= 0.0) & (row < rows)
+            patch = int(row) * cols + int(col) if inside else -1
+            patches[k] = patch
+            xs[k], ys[k], zs[k] = u - (col + 0.5) * size, v - (row + 0.5) * size, points[first + k, 2] - z0
+            if inside:
+                fetched[k] = flat[patch, 0] + flat[patch, 9]
+        for k in range(n):
+            if patches[k] < 0:
+                continue
+            cell, x, y, z = flat[patches[k]], xs[k], ys[k], zs[k]
             cell[0] += 1.0
             cell[1] += x
             cell[2] += y

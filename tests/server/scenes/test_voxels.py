@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import json
+import struct
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +13,7 @@ import trimesh
 
 from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.faces import CENTRE, VoxelFaces, chunks_of, face_rule
-from server.scenes.voxel_glb import chunk_glb, face_colors
+from server.scenes.voxel_glb import GROUP, chunk_glb, face_colors
 from server.sessions.drawings import Voxels
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.test_drawings import named, showing
@@ -42,6 +44,28 @@ def test_a_chunks_file_has_the_surface_of_its_voxels() -> None:
     np.testing.assert_array_equal(mesh.bounds, [(1, 2, 3), (5, 4, 8)])
     # Of the four sides and the two ends, only the sides are in two bands of height.
     assert len(quads) == 4 * 2 + 2
+
+
+def test_a_file_of_several_groups_of_rectangles_has_all_of_them_in_their_colours() -> None:
+    corners = [(x, y, z) for x in range(0, 10, 2) for y in range(0, 8, 2) for z in range(0, 10, 2)]
+    faces = blocks_world(*((corner, (corner[0] + 1, corner[1] + 1, corner[2] + 1)) for corner in corners))
+    (quads,) = faces.chunks.values()
+    assert len(quads) == 6 * len(corners)
+    assert len(quads) > 4 * GROUP
+    assert len(quads) % GROUP != 0
+    data = chunk_glb(quads, face_colors(PALETTE))
+    (length,) = struct.unpack_from("<I", data, 12)
+    view = json.loads(data[20 : 20 + length])["bufferViews"][1]
+    colors = np.frombuffer(data, np.uint8, view["byteLength"], 28 + length + view["byteOffset"]).reshape(-1, 4)
+    mesh = trimesh.load_mesh(io.BytesIO(data), file_type="glb", process=False)
+    is_high = mesh.triangles_center[:, 2] > 3.5  # bands of 2 m, voxels of 0.5 m
+    for corner in range(3):
+        shades = colors[mesh.faces[:, corner]]
+        np.testing.assert_array_equal(shades[:, [0, 2]] > 0, np.stack([~is_high, is_high], axis=1))
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    assert sorted(one.bounds[0].tolist() for one in mesh.split()) == sorted(map(list, corners))
+    assert mesh.area == pytest.approx(len(quads))
+    assert mesh.volume == pytest.approx(len(corners))
 
 
 async def test_only_a_changed_chunk_is_sent_and_the_old_one_is_removed_later(
