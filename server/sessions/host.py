@@ -22,9 +22,10 @@ import structlog
 from mapper.core.limits import Limits
 from server.sessions.command_queue import CommandQueue
 from server.sessions.computation import compute_tick
+from server.sessions.delivery import call_each, publish_frame, send_answers
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
-from server.sessions.model_messages import frame_fields_of, hello_message
+from server.sessions.model_messages import hello_message
 from server.sessions.requests import ReplacingRequests
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.stream.hub import Client, Hub
@@ -78,15 +79,14 @@ class SessionHost:
         self.on_close: list[Callable[[], None]] = []
         self.unwatched_since = self.commanded_at = clock()
         self._traffic, self._remake_seconds = traffic or Traffic(), remake_seconds
-        self._clock = clock
-        self._pool = pool
-        self._limits = limits
+        self._clock, self._pool, self._limits = clock, pool, limits
         self._queue = CommandQueue()
         self._wake = asyncio.Event()
         self._lock = asyncio.Lock()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
+        self._is_full = False  #: whether every client had all frames that it may have when the next tick was chosen
         self._is_draw_due = False  #: whether a layer is to be drawn that nobody watched before
         self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
         self._deferred_due = 0.0
@@ -105,7 +105,7 @@ class SessionHost:
         self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
         for message in model.messages():
             self.hub.set_slot(message)
-        self._publish_frame()
+        publish_frame(self.model, self.hub, watched=self.watched)
         if model.is_catching_up:
             self._caught_up.clear()
         self._task = self._loop.create_task(self._run(), name=f"session {model.kind}")
@@ -123,11 +123,7 @@ class SessionHost:
             await asyncio.gather(self._task, return_exceptions=True)
         for client in self.hub.clients:
             client.notify()
-        for callback in (*self.on_close,):
-            try:
-                callback()
-            except Exception:  # noqa: BLE001 - a defect in one listener must not prevent the others from closing
-                _log.exception("a listener failed while its session closed")
+        call_each(self.on_close)
         self.listeners.clear()
 
     def listen(self, callback: Callable[[], None]) -> None:
@@ -174,7 +170,7 @@ class SessionHost:
         """Note that a client has painted the frames up to ``seq``. Raises :class:`ProtocolError`."""
         was_stalled = client.is_stalled
         client.acknowledge(seq)
-        if was_stalled:
+        if was_stalled or self._is_full:
             self._wake.set()
 
     @property
@@ -247,11 +243,6 @@ class SessionHost:
         self._is_draw_due = True
         self._wake.set()
 
-    def _publish_frame(self) -> None:
-        frame, scan = frame_fields_of(self.model), self.model.scan()
-        running = self.model.playback.playing and self.watched
-        self.hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
-
     # -- the task -------------------------------------------------------------------------------------------------
 
     async def _run(self) -> None:
@@ -262,12 +253,12 @@ class SessionHost:
             if self._is_deferred_work_due():
                 await self._run_deferred_work()
             elif not (self._queue or self._is_draw_due) and self._caught_up.is_set():
-                await self._wait(self._idle_s(last + TICK_S if ticking else None))
+                await self._wait(self._idle_s(last + self._tick_s() if ticking else None))
             if self.closed:
                 return
             now = self._clock()
             last = last if ticking else now - TICK_S  # time without playback does not count
-            due = playback.playing and self.is_seen and now - last >= TICK_S
+            due = playback.playing and self.is_seen and now - last >= self._tick_s()
             commands = self._queue.waiting()
             if not (commands or due or self._is_draw_due) and self._caught_up.is_set():
                 continue
@@ -320,6 +311,11 @@ class SessionHost:
         if self._showing is not None:
             self._showing.cancel()
             self._showing = None
+
+    def _tick_s(self) -> float:
+        """Return the time from one tick to the next: a frame that no client may be sent yet is not computed."""
+        self._is_full = not self.listeners and not self.hub.has_room
+        return MAX_TICK_S if self._is_full else TICK_S
 
     def _is_deferred_work_due(self) -> bool:
         """Whether deferred work is due and no command is queued, or it has been due for :data:`MAX_DEFERRAL_S`."""
@@ -374,7 +370,7 @@ class SessionHost:
         self._tick_failed = True
         self.hub.send_all(error_message("internal", "The session stopped because of a defect in the service."))
         with contextlib.suppress(Exception):  # the defect may lie in what is shown
-            self._publish_frame()
+            publish_frame(self.model, self.hub, watched=self.watched)
 
     async def _wait(self, seconds: float | None) -> None:
         """Wait for a command or a client, at most ``seconds``."""
@@ -396,20 +392,7 @@ class SessionHost:
         if result.remade_ms is not None:
             self._remake_seconds(result.remade_ms / 1000.0)
         if result.changed:
-            self._publish_frame()
-        for client, message in result.answers:
-            if client is not None:
-                client.send(message)
-            else:
-                _log.info("command refused", code=message.get("code"))
-        for client, kind in result.resent:
-            if client is not None:
-                client.resend(kind)
-        for message in result.notices:
-            self.hub.send_all(message)
+            publish_frame(self.model, self.hub, watched=self.watched)
+        send_answers(result, self.hub)
         if result.changed:
-            for listener in (*self.listeners,):
-                try:
-                    listener()
-                except Exception:  # noqa: BLE001 - a defect in one listener must not stop the session
-                    _log.exception("a listener failed")
+            call_each(self.listeners)

@@ -83,6 +83,11 @@ class Hub:
         self.clients.discard(client)
         self.note_watched()
 
+    @property
+    def has_room(self) -> bool:
+        """Whether some client may be sent a frame."""
+        return any(client.has_room for client in self.clients)
+
     def note_watched(self) -> None:
         """Tell each layer whether a client is sent it."""
         for number, layer in enumerate(self.layers):

@@ -21,7 +21,7 @@ from mapper.simulation import explorer as exploring
 from mapper.simulation import faults as faulty
 from mapper.simulation import lidar, live_map, recording, simulation
 from mapper.simulation.kernels import driving
-from server.sessions import SessionRegistry, host, robot_report
+from server.sessions import SessionRegistry, delivery, host, robot_report
 from server.sessions.models.simulation_kind import simulation_plan
 from server.settings import Settings
 from server.stream.hub import Client, Hub
@@ -49,7 +49,7 @@ def _counted(spans: Spans) -> None:
     spans.count("record", recording.Recording, "append")
     spans.count("integrate", live_map, "integrate_scan")
     spans.count("quantise", GridLayer, "update")
-    spans.count("messages", host, "frame_fields_of")
+    spans.count("messages", delivery, "frame_fields_of")
     spans.count("messages", robot_report, "scan_fields")
     spans.count("JSON", Hub, "publish")
     spans.count("JSON", Hub, "frame_text")

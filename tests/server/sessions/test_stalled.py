@@ -6,12 +6,13 @@ import asyncio
 import struct
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 from mapper.core.limits import Limits
 from mapper.simulation.live_map import LiveMap, world_named
 from server.sessions.command_queue import MAX_QUEUED, MAX_QUEUED_OF_FOLLOWERS
-from server.sessions.host import SessionHost
+from server.sessions.host import MAX_TICK_S, SessionHost
 from server.sessions.models.simulation import SimulationModel
 from server.stream.hub import STALLED_S
 from server.stream.protocol import ProtocolError
@@ -66,4 +67,28 @@ async def test_questions_of_followers_do_not_refuse_the_lecturers_commands() -> 
             assert caught.value.code == "session.busy"
         await eventually(lambda: not host.has_queued_commands)
         host.enqueue({"type": "auto", "value": False}, followers[0])
+        await host.close()
+
+
+async def test_frames_are_rarer_while_no_client_may_be_sent_one() -> None:
+    with ThreadPoolExecutor(2) as pool:
+        host = SessionHost(job_owner=JobOwner("v"), pool=pool, limits=lambda _: Limits(), scheduler=Scheduler(2))
+        model = SimulationModel(host, LiveMap(world_named("room"), 3))
+        host.start(model)
+        client = host.join()
+        sent = [one for one in client.take() if isinstance(one, bytes)]
+        has_room = [client.has_room]  # it is taken for slow: one frame at a time
+        stamps = [model.robot_state().stamp_s]
+        for _ in range(3):
+            before = host.hub.frame_number
+            await eventually(lambda before=before: host.hub.frame_number > before)  # type: ignore[misc]
+            stamps.append(model.robot_state().stamp_s)
+        # Time goes on all the same, in the longest steps.
+        assert np.diff(stamps[1:]) == pytest.approx(MAX_TICK_S, abs=1e-3)
+        host.acknowledge(client, struct.unpack_from("<BBHIII", sent[-1])[4])
+        has_room.append(client.has_room)
+        assert has_room == [False, True]
+        before = host.hub.frame_number
+        await eventually(lambda: host.hub.frame_number > before)
+        assert [one for one in client.take() if isinstance(one, bytes)]
         await host.close()

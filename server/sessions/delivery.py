@@ -1,0 +1,44 @@
+"""Sending what a tick computed: the frame, answers to single clients, and calls of those who listen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import structlog
+
+from server.sessions.model import SessionModel
+from server.sessions.model_messages import frame_fields_of
+from server.sessions.tick import TickResult
+from server.stream.hub import Hub
+
+_log = structlog.get_logger(__name__)
+
+
+def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
+    """Publish the present state of a model; while it plays and is ``watched`` the frame is true at its tick only."""
+    frame, scan = frame_fields_of(model), model.scan()
+    running = model.playback.playing and watched
+    hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
+
+
+def send_answers(result: TickResult, hub: Hub) -> None:
+    """Send the answers to commands, what is sent again to those whose commands were refused, and the notices."""
+    for client, message in result.answers:
+        if client is not None:
+            client.send(message)
+        else:
+            _log.info("command refused", code=message.get("code"))
+    for client, kind in result.resent:
+        if client is not None:
+            client.resend(kind)
+    for message in result.notices:
+        hub.send_all(message)
+
+
+def call_each(callbacks: Iterable[Callable[[], None]]) -> None:
+    """Call each, whatever happens in the others."""
+    for callback in (*callbacks,):
+        try:
+            callback()
+        except Exception:  # noqa: BLE001 - a defect in one listener must not stop the session
+            _log.exception("a listener failed")
