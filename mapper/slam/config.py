@@ -70,6 +70,15 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
         low=0.2, high=1.0, step=0.01,
     ),
     Parameter(
+        "place_recognition", "Recognize places", "loops", "flag", True,
+        "Where no loop closes in the search window, look for corners that an earlier stretch of the way has too.",
+    ),
+    Parameter(
+        "place_drift", "Drift up to recognition", "loops", "number", 0.15,
+        "How far the pose may be off where a place is recognized, for each metre driven since.",
+        unit="m/m", low=0.02, high=1.0, step=0.01,
+    ),
+    Parameter(
         "robust", "Robust kernel", "graph", "choice", "geman_mcclure",
         "How loops that contradict the rest of the graph lose weight.",
         choices=("geman_mcclure", "cauchy", "huber", "none"),
@@ -113,6 +122,8 @@ class SlamConfig:
     loop_window: float = 4.0
     loop_score: float = 0.55
     loop_inliers: float = 0.55
+    place_recognition: bool = True
+    place_drift: float = 0.15
     robust: str = "geman_mcclure"
     robust_scale: float = 3.0
     refinement: float = 3

@@ -30,6 +30,7 @@ from mapper.slam.odometry import (
     velocities_along,
 )
 from mapper.slam.optimise import optimise
+from mapper.slam.place_recognition import PlaceRecognizer, reason_against_group
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
 from mapper.slam.scan_store import ScanStore
@@ -57,6 +58,7 @@ class Slam:
         self.front_end = FrontEnd(self.store, self.config)
         self.tried: list[Loop] = []
         self._closer = LoopCloser(self.store, self.front_end, self.config)
+        self._recognizer = PlaceRecognizer(self.store, self.front_end, self.config)
         self._loops: list[Loop] = []
         self._poses = np.zeros((512, 3))
         self._way = np.zeros(512)
@@ -123,7 +125,8 @@ class Slam:
         self.tried += tried
         closed = [loop for loop in tried if loop.accepted]
         self._loops += closed
-        return bool(closed) and self._settle(closed[0])
+        moved = bool(closed) and self._settle(closed[0])
+        return self._recognize(n) or moved
 
     def following(self, k: int, times: Float64Array) -> int:
         """Return which of the scans at ``times`` (n,), seconds, to add after scan k, the last one, without odometry."""
@@ -138,6 +141,25 @@ class Slam:
             return False
         self._waiting = 0
         self._poses[: len(self)] = self.optimised(SETTLING).poses
+        return True
+
+    def _recognize(self, n: int) -> bool:
+        """Accept a group of loops at places that were recognized, if the graph bears them; return whether one was."""
+        if not self.config.place_recognition:
+            return False
+        group = self._recognizer.try_at(n, self._poses[: n + 1], self._way[: n + 1], self._loops, self.tried)
+        if not group:
+            return False
+        before, n_before = self.optimised(), len(self._loops)
+        self._loops += self._recognizer.candidates(group)
+        after = self.optimised()
+        reason = reason_against_group(before, after)
+        if reason:
+            del self._loops[n_before:]
+            self._recognizer.refuse(group, self.tried, reason)
+            return False
+        self._recognizer.accept(group, self.tried)
+        self._poses[: len(self)] = after.poses
         return True
 
     def graph(self) -> PoseGraph:

@@ -52,6 +52,9 @@ from mapper.simulation.sensors_3d import Sensor3D, measure_3d
 from mapper.slam import SlamConfig, slam_log
 from mapper.slam.kernels.agreement import count_agreement, count_common
 from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
+from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pairs
+from mapper.slam.local_map import local_map
+from mapper.slam.scan_store import ScanStore
 from mapper.terrain import Patches, agreeing, assess, find_ground
 from mapper.volume import (
     OccupancyVolume,
@@ -203,6 +206,13 @@ def _close_a_loop(log: ScanLog) -> None:
     count_common(scans, 0, poses[0], one, poses[:1], 0.1, 1, three[:1])
     ways_from(0, np.arange(2.0), one, one + 1, np.zeros(2))
     least_of_ranges(np.zeros(2), one, one + 1, one.copy())
+    store = ScanStore([log], 30.0, 360)
+    store.append(log.ranges[0])
+    local_map(store, one, 0, poses[:1])
+    nearest_descriptors(
+        np.zeros((1, 2), dtype=np.float32), np.zeros((1, 2), dtype=np.float32), one.reshape(1, 1).copy()
+    )
+    pose_of_pairs(np.zeros((1, 2)), np.zeros((1, 2)), one, np.zeros(3), 1.0, 1.0, 1.0, 1.0, np.zeros(3))
 
 
 def _map_in_3d() -> None:

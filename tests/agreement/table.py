@@ -113,6 +113,17 @@ from tests.agreement.matching import (
     views_by_kernel,
     views_by_textbook,
 )
+from tests.agreement.places import (
+    described_by_kernel,
+    described_by_textbook,
+    group_by_search,
+    group_by_textbook,
+    local_map_by_kernel,
+    local_map_by_textbook,
+    pair_cases,
+    pairs_by_kernel,
+    pairs_by_textbook,
+)
 from tests.agreement.planning import (
     path_by_kernel,
     path_by_textbook,
@@ -278,6 +289,10 @@ TABLE = (
     Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
     Row("nearest node of each submap", nearest_by_kernel, nearest_by_textbook, graph_cases()),
     Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, match_cases()),
+    Row("local map of a stretch", local_map_by_kernel, local_map_by_textbook, match_cases(), 1e-6),
+    Row("corners and their descriptors", described_by_kernel, described_by_textbook, match_cases(), 1e-6),
+    Row("RANSAC over corners", pairs_by_kernel, pairs_by_textbook, pair_cases(), 1e-9),
+    Row("largest consistent group", group_by_search, group_by_textbook, pair_cases()),
     Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
     Row("odometry motion model", moved_by_kernel, moved_by_textbook, localization_cases(), 1e-5),
     Row("particles anywhere and around a pose", drawn_by_kernel, drawn_by_textbook, localization_cases(), 1e-5),

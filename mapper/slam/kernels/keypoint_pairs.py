@@ -1,0 +1,89 @@
+"""Keypoints of two local maps that correspond, and the relative pose on which most of them agree.
+
+Numba twins of :func:`mapper.slam.places_textbook.nearest_descriptors` and
+:func:`mapper.slam.places_textbook.pose_of_pairs`.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, pi, sin
+
+from mapper.core.array_types import Float32Array, Float64Array, Int64Array
+from mapper.core.jit import jit
+
+
+@jit
+def nearest_descriptors(ours: Float32Array, theirs: Float32Array, nearest: Int64Array) -> None:
+    """Write which of the descriptors ``theirs`` (n, d) are nearest to each of ``ours`` (m, d): (m, k).
+
+    The nearest comes first. Rows are filled with −1 where n < k. Of equal distances the first counts.
+    """
+    k = nearest.shape[1]
+    nearest[:] = -1
+    for a in range(len(ours)):
+        # The k least squares so far are kept in order.
+        kept = [1e300] * k
+        for b in range(len(theirs)):
+            square = 0.0
+            for d in range(ours.shape[1]):
+                off = float(ours[a, d]) - float(theirs[b, d])
+                square += off * off
+            if square < kept[k - 1]:
+                place = k - 1
+                while place > 0 and square < kept[place - 1]:
+                    kept[place], nearest[a, place] = kept[place - 1], nearest[a, place - 1]
+                    place -= 1
+                kept[place], nearest[a, place] = square, b
+
+
+@jit
+def pose_of_pairs(
+    ours: Float64Array, theirs: Float64Array, owner: Int64Array, guess: Float64Array, window: float,
+    turn_window: float, tolerance: float, least_distance: float, pose: Float64Array,
+) -> int:  # fmt: skip
+    """Write the pose (3,) that takes most points ``ours`` (c, 2) to their partners ``theirs`` (c, 2); return how many.
+
+    ``owner`` (c,) is the number, in ascending order, of the point that a pair is about: each point counts once. Each
+    two pairs of points at least ``least_distance`` apart, whose distances differ by at most ``tolerance`` metres, give
+    a pose; it counts where it is within ``window`` metres and ``turn_window`` radians of ``guess`` (3,). A pair agrees
+    with it to ``tolerance``. Of poses with equally many the one with the least sum of squares counts. Returns 0 where
+    no pose counts. Source: Fischler & Bolles 1981 (RANSAC), with each draw in the place of random ones.
+    """
+    most, least_sum = 0, 0.0
+    for p in range(len(ours)):
+        for q in range(p + 1, len(ours)):
+            if owner[p] == owner[q]:
+                continue
+            a_x, a_y = ours[q, 0] - ours[p, 0], ours[q, 1] - ours[p, 1]
+            b_x, b_y = theirs[q, 0] - theirs[p, 0], theirs[q, 1] - theirs[p, 1]
+            length = hypot(a_x, a_y)
+            if length < least_distance or abs(length - hypot(b_x, b_y)) > tolerance:
+                continue
+            theta = atan2(a_x * b_y - a_y * b_x, a_x * b_x + a_y * b_y)
+            off = (theta - guess[2] + pi) % (2.0 * pi) - pi
+            if abs(off) > turn_window:
+                continue
+            c, s = cos(theta), sin(theta)
+            m_x, m_y = 0.5 * (ours[p, 0] + ours[q, 0]), 0.5 * (ours[p, 1] + ours[q, 1])
+            x = 0.5 * (theirs[p, 0] + theirs[q, 0]) - (c * m_x - s * m_y)
+            y = 0.5 * (theirs[p, 1] + theirs[q, 1]) - (s * m_x + c * m_y)
+            if hypot(x - guess[0], y - guess[1]) > window:
+                continue
+            count, total, last, least = 0, 0.0, -1, 0.0
+            for k in range(len(ours)):
+                d_x = x + c * ours[k, 0] - s * ours[k, 1] - theirs[k, 0]
+                d_y = y + s * ours[k, 0] + c * ours[k, 1] - theirs[k, 1]
+                square = d_x * d_x + d_y * d_y
+                if square > tolerance * tolerance:
+                    continue
+                if owner[k] != last:
+                    count += 1
+                    total += square
+                    last, least = owner[k], square
+                elif square < least:
+                    total += square - least
+                    least = square
+            if count > most or (count == most and count > 0 and total < least_sum):
+                most, least_sum = count, total
+                pose[0], pose[1], pose[2] = x, y, theta
+    return most

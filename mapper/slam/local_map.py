@@ -1,0 +1,107 @@
+"""What a stretch of the way looks like: a local map, its corners, and a descriptor of what is around each.
+
+Source: Tipaldi & Arras 2010, FLIRT: keypoints of range data with descriptors of what is occupied and free around them.
+The keypoints here are corners of a local map of several scans, so that a place that is passed in the other direction
+has them too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Float64Array, Int64Array, UInt8Array
+from mapper.core.se2 import compose, inverse
+from mapper.slam.kernels.local_map import (
+    NO_BIN,
+    Square,
+    draw_scan,
+    write_corner_strengths,
+    write_polar_shares,
+    write_states,
+)
+from mapper.slam.scan_store import ScanStore
+
+RESOLUTION = 0.1  #: metres
+REACH = 10.0  #: metres: what is farther from the sensor is left out
+MOST_SCANS = 16  #: of a stretch
+BEAMS = 180  #: of a scan
+CORNER_RADIUS = 4  #: cells: of the walls that make a corner
+LEAST_STRENGTH = 0.5  #: of a corner, in cells of the weaker wall
+APART = 0.5  #: metres between two corners
+MOST_CORNERS = 40
+RINGS, SECTORS, RADIUS = 5, 24, 30  #: bins of a descriptor, and the cells to its edge
+FREQUENCIES = 6  #: of the sectors
+
+
+@dataclass(frozen=True, slots=True)
+class LocalMap:
+    """The corners (k, 2) of what some scans saw, metres in the frame of ``origin``, and their descriptors (k, d).
+
+    ``origin`` is a node's number; ``members`` (s,) are the nodes of the stretch.
+    """
+
+    origin: int
+    members: Int64Array
+    corners: Float64Array
+    descriptors: Float32Array
+
+
+def local_map(store: ScanStore, members: Int64Array, origin: int, poses: Float64Array) -> LocalMap:
+    """Return the local map of the scans ``members`` at ``poses`` (n_scans, 3), in the frame of the scan ``origin``."""
+    used = members[np.unique(np.linspace(0, len(members) - 1, min(len(members), MOST_SCANS)).round().astype(np.int64))]
+    local = compose(inverse(poses[origin]), poses[used])
+    seen = np.array([min(store.farthest(int(k)), REACH) for k in used])
+    low = (local[:, :2] - seen[:, np.newaxis]).min(axis=0)
+    cols, rows = np.ceil(((local[:, :2] + seen[:, np.newaxis]).max(axis=0) - low) / RESOLUTION).astype(np.int64) + 1
+    square = Square(float(low[0]), float(low[1]), RESOLUTION)
+    hits, passes = np.zeros((rows, cols), dtype=np.int32), np.zeros((rows, cols), dtype=np.int32)
+    tensors, states = np.zeros((rows, cols, 3)), np.empty((rows, cols), dtype=np.uint8)
+    stride = max(1, store.n_beams // BEAMS)
+    for k, pose in zip(used.tolist(), local, strict=True):
+        draw_scan(hits, passes, tensors, square, store.arrays, k, pose, REACH, stride)
+    write_states(hits, passes, states)
+    strengths = np.empty((rows, cols))
+    write_corner_strengths(states, hits, tensors, CORNER_RADIUS, strengths)
+    cells = strongest(strengths)
+    shares = np.empty((len(cells), 2, RINGS * SECTORS), dtype=np.float32)
+    write_polar_shares(states, cells, BINS, SIZES, shares)
+    corners = low + (cells[:, ::-1] + 0.5) * RESOLUTION
+    return LocalMap(origin, members, corners, frequencies(shares))
+
+
+def strongest(strengths: Float64Array) -> Int64Array:
+    """Return the cells (k, 2), row and column, of the strongest corners, apart from one another, the strongest first.
+
+    Of equal ones the first counts.
+    """
+    found = np.argwhere(strengths >= LEAST_STRENGTH)
+    order = np.argsort(-strengths[found[:, 0], found[:, 1]], kind="stable")
+    rest, chosen = found[order], list[Int64Array]()
+    while len(rest) and len(chosen) < MOST_CORNERS:
+        chosen.append(rest[0])
+        rest = rest[np.hypot(*(rest - rest[0]).T) * RESOLUTION > APART]
+    return np.array(chosen, dtype=np.int64).reshape(-1, 2)
+
+
+def frequencies(shares: Float32Array) -> Float32Array:
+    """Return descriptors (k, d) that a turn of the map does not change, of polar shares (k, 2, rings · sectors).
+
+    They are the amplitudes of the lowest frequencies around each ring.
+    """
+    rings = shares.reshape(-1, 2, RINGS, SECTORS)
+    amplitudes = np.abs(np.fft.rfft(rings, axis=-1))[..., :FREQUENCIES] / SECTORS
+    return np.ascontiguousarray(amplitudes.reshape(len(shares), 2 * RINGS * FREQUENCIES), dtype=np.float32)
+
+
+def _polar_bins() -> tuple[UInt8Array, Int64Array]:
+    """Return the bin (side, side) of each cell around a keypoint, ring by ring, and how many cells each has."""
+    row, col = np.mgrid[-RADIUS : RADIUS + 1, -RADIUS : RADIUS + 1]
+    ring = np.floor(np.hypot(row, col) * RINGS / (RADIUS + 0.5)).astype(np.int64)
+    sector = np.floor(np.arctan2(row, col) / (2.0 * np.pi) * SECTORS).astype(np.int64) % SECTORS
+    bins = np.where(ring < RINGS, ring * SECTORS + sector, NO_BIN)
+    return bins.astype(np.uint8), np.maximum(np.bincount(bins[bins != NO_BIN], minlength=RINGS * SECTORS), 1)
+
+
+BINS, SIZES = _polar_bins()

@@ -1,0 +1,310 @@
+"""Place recognition: loops that are off by more than the window search reaches.
+
+Each stretch of the way is a local map (:mod:`mapper.slam.local_map`). Its corners are paired with those of earlier
+stretches by their descriptors, and RANSAC finds the relative pose. Scans of the stretch are then matched with the
+earlier ones from there as in every loop. No loop is accepted by itself: only a group of them whose relative poses agree
+with one another along the way driven between them (Mangelson et al. 2018), which spans some metres, leaves no direction
+open, is contradicted by no free space along the way, and has no rival.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mapper.core.array_types import BoolArray, Float64Array, Int64Array
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.sensors.pose_graph import PoseGraph
+from mapper.slam.config import SlamConfig
+from mapper.slam.consistency import largest_consistent
+from mapper.slam.front_end import FrontEnd
+from mapper.slam.kernels.agreement import count_agreement
+from mapper.slam.kernels.graph_distance import ways_from
+from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pairs
+from mapper.slam.local_map import LocalMap, local_map
+from mapper.slam.loop_test import GATE, Loop, Place, try_loop
+from mapper.slam.matching_rules import pair_rule
+from mapper.slam.scan_store import ScanStore
+
+STAGE = "place recognition: "  #: begins the reasons of what is refused here
+
+STRETCH, SPACING = 10.0, 2.5  #: metres of the way that a local map shows, and between two of them
+LEAST_WAY = 20.0  #: metres driven between two stretches, for them to be a loop
+TURN_WINDOW, TURN_DRIFT, MOST_TURN = 0.3, 0.01, np.pi  #: radians, radians for each metre of the way, radians
+NEAREST = 5  #: descriptors that each corner is paired with
+TOLERANCE, LEAST_DISTANCE = 0.3, 1.0  #: metres: of a corner's place, and between the corners of a draw
+LEAST_CORNERS = 5  #: that must agree with a pose
+MOST_STRETCHES = 60  #: earlier ones that a stretch is compared with
+STRETCHES = 3  #: earlier ones whose poses are verified
+SCANS = 4  #: of a stretch that are matched with the earlier one
+MEMBERS = 40  #: scans of the earlier stretch that they are matched with
+WINDOW, TURN = 0.6, 0.15  #: metres, radians: around RANSAC's pose, to each side
+MEMORY = 60.0  #: metres of the way, after which a loop no longer waits for others
+LEAST_GROUP, LEAST_SPAN = 5, 2.0  #: loops of a group, and metres between the first and the farthest
+OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that two loops may disagree
+TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
+MOST_UNCERTAIN = 0.1  #: metres: standard deviation of the group in the direction that it tells least
+RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
+BEFORE, EVERY = 10.0, 1.0  #: metres of the way before the group, and between two scans, that are looked at
+AROUND, OTHERS = 4.0, 8  #: metres, and scans near where the group puts a scan that it is compared with
+BACK = 2  #: of these, that are compared with the scans on the way
+MOST_CONTRADICTED = 0.12  #: share of the points of those scans
+LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop which the graph bears
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiting:
+    """A loop that waits for others: its place in the list of all loops that were tried."""
+
+    number: int
+    loop: Loop
+
+
+class PlaceRecognizer:
+    """Recognizes places from the newest scans of the front end."""
+
+    def __init__(self, store: ScanStore, front_end: FrontEnd, config: SlamConfig) -> None:
+        self._store, self._front_end, self._config = store, front_end, config
+        self._rule = pair_rule(store.least_step)
+        self._stretches: list[Int64Array] = []  # their nodes
+        self._maps: dict[int, LocalMap] = {}  # of those that were looked at
+        self._next = STRETCH  # metres of the way, where the next stretch ends
+        self._waiting: list[_Waiting] = []
+
+    def try_at(self, j: int, poses: Float64Array, way: Float64Array, loops: list[Loop], tried: list[Loop]) -> list[int]:
+        """Look for places from node j, and add what was tried to ``tried``; return which of those form a group.
+
+        ``poses`` (j + 1, 3) are ``T_map_base``, ``way`` (j + 1,) the metres driven, ``loops`` those accepted before.
+        What waits for others stands in ``tried`` as refused. A group that is returned is then given to :meth:`accept`
+        or :meth:`refuse`.
+        """
+        if way[j] < self._next:
+            return []
+        self._next = way[j] + SPACING
+        members = np.flatnonzero(way > way[j] - STRETCH)
+        self._stretches.append(members)
+        # A stretch from which a loop closed is where it is known to be.
+        if any(loop.j >= members[0] for loop in loops):
+            return []
+        drift = self._drift(j, way, loops)
+        before = len(self._waiting)
+        self._recognize(poses, way, drift, tried)
+        if len(self._waiting) == before:
+            return []
+        self._waiting = [one for one in self._waiting if way[one.loop.j] > way[j] - MEMORY]
+        return self._group(poses, way, tried)
+
+    def candidates(self, numbers: Sequence[int]) -> list[Loop]:
+        """Return the loops of a group that was returned."""
+        return [one.loop for one in self._waiting if one.number in numbers]
+
+    def accept(self, numbers: Sequence[int], tried: list[Loop]) -> None:
+        """Accept the loops of a group. No other loop waits any longer."""
+        for one in self._waiting:
+            if one.number in numbers:
+                tried[one.number] = one.loop
+        self._waiting = []
+
+    def refuse(self, numbers: Sequence[int], tried: list[Loop], reason: str) -> None:
+        """Refuse the loops of a group for good."""
+        self._waiting = [one for one in self._waiting if one.number not in numbers]
+        for number in numbers:
+            tried[number] = _refused(tried[number], reason)
+
+    def _map(self, stretch: int) -> LocalMap:
+        """Return the local map of a stretch, in the frame of the node in its middle."""
+        if stretch not in self._maps:
+            members = self._stretches[stretch]
+            self._maps[stretch] = local_map(self._store, members, _middle(members), self._front_end.poses)
+        return self._maps[stretch]
+
+    def _drift(self, j: int, way: Float64Array, loops: list[Loop]) -> Float64Array:
+        """Return the way in the graph (j + 1,) from node j to each, metres."""
+        ends = np.array([(loop.i, loop.j) for loop in loops], dtype=np.int64).reshape(-1, 2)
+        drift = np.empty(j + 1)
+        ways_from(j, way, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), drift)
+        return drift
+
+    def _recognize(self, poses: Float64Array, way: Float64Array, drift: Float64Array, tried: list[Loop]) -> None:
+        """Pair the corners of the newest local map with those of earlier ones, and verify the best of the poses."""
+        newest = len(self._stretches) - 1
+        new = self._stretches[newest]
+        origins = np.array([_middle(members) for members in self._stretches])
+        last = np.array([members[-1] for members in self._stretches])
+        window = self._config.place_drift * drift[origins]
+        away = np.hypot(*(poses[origins] - poses[origins[-1]])[:, :2].T)
+        possible = np.flatnonzero((way[new[0]] - way[last] >= LEAST_WAY) & (away <= window + STRETCH))
+        # Of many those where the pose is least in doubt.
+        possible = np.sort(possible[np.argsort(away[possible] - window[possible], kind="stable")][:MOST_STRETCHES])
+        found: list[tuple[int, int, Float64Array]] = []
+        most = 0
+        for number in possible.tolist():
+            off, origin = float(drift[origins[number]]), origins[number]
+            guess = compose(inverse(poses[origin]), poses[origins[-1]])
+            turn_window = min(TURN_WINDOW + TURN_DRIFT * off, MOST_TURN)
+            pose = np.zeros(3)
+            count = _corners_in_common(
+                self._map(newest), self._map(number), guess, float(window[number]), turn_window, pose
+            )
+            if count >= LEAST_CORNERS:
+                found.append((count, number, pose))
+            most = max(most, count)
+        if not found and len(possible):
+            nearest = int(origins[possible[np.argmin(away[possible])]])
+            reason = f"{STAGE}at most {most} corners of an earlier stretch correspond"
+            tried.append(Loop(nearest, int(origins[-1]), 0.0, 0.0, reason, np.zeros(3), np.zeros((3, 3))))
+        for _, number, pose in sorted(found, key=lambda one: -one[0])[:STRETCHES]:
+            self._verify(self._map(newest), self._map(number), pose, tried)
+
+    def _verify(self, new: LocalMap, old: LocalMap, pose: Float64Array, tried: list[Loop]) -> None:
+        """Match scans of the newest stretch with an earlier one, from the ``pose`` (3,) of the one in the other."""
+        local = self._front_end.poses
+        place = Place.of(self._store, spread(old.members, MEMBERS), local, self._config.range_max)
+        at = compose(local[old.origin], pose)
+        for j in spread(new.members, SCANS).tolist():
+            guess = compose(at, compose(inverse(local[new.origin]), local[j]))
+            loop = try_loop(self._store, self._config, self._rule, place, old.origin, j, guess, WINDOW, TURN)
+            if loop.accepted:
+                self._waiting.append(_Waiting(len(tried), loop))
+                tried.append(_refused(loop, "too few other loops agree with it"))
+            else:
+                tried.append(_refused(loop, loop.reason))
+
+    def _group(self, poses: Float64Array, way: Float64Array, tried: list[Loop]) -> list[int]:
+        """Return the loops that wait and form a group, none where something refuses it, and say what."""
+        waiting = [one.loop for one in self._waiting]
+        if len(waiting) < LEAST_GROUP:
+            return []
+        agree = self._agree(waiting, poses, way)
+        group = largest_consistent(agree)
+        if len(group) < LEAST_GROUP:
+            return []
+        numbers = [self._waiting[int(k)].number for k in group]
+        chosen = [waiting[int(k)] for k in group]
+        reason = self._reason_against(chosen, poses, way)
+        rivals = np.flatnonzero(~agree[group].any(axis=0))
+        if not reason and len(rivals):
+            rival = len(largest_consistent(agree[np.ix_(rivals, rivals)]))
+            if rival >= RIVAL * len(group):
+                reason = f"{rival} others agree on another place"
+        if reason:
+            for number in numbers:
+                tried[number] = _refused(tried[number], reason)
+            return []
+        return numbers
+
+    def _agree(self, waiting: list[Loop], poses: Float64Array, way: Float64Array) -> BoolArray:
+        """Return which two loops (n, n) agree: the poses around the circle of both return to where they began."""
+        n = len(waiting)
+        agree = np.zeros((n, n), dtype=np.bool_)
+        measured = np.array([loop.relative for loop in waiting])
+        first, second = (np.array([getattr(loop, end) for loop in waiting]) for end in "ij")
+        for k in range(n):
+            there = compose(measured[k], compose(inverse(poses[second[k]]), poses[second]))
+            other = compose(compose(inverse(poses[first[k]]), poses[first]), measured)
+            off = compose(inverse(there), other)
+            between = np.hypot(*(poses[first] - poses[first[k]])[:, :2].T) + np.abs(way[second] - way[second[k]])
+            agree[k] = np.hypot(off[:, 0], off[:, 1]) < OFF + OFF_SHARE * between
+            agree[k] &= np.abs(wrap_angle(off[:, 2])) < TURN_OFF + TURN_OFF_SHARE * between
+        agree &= agree.T
+        np.fill_diagonal(agree, val=False)
+        return agree
+
+    def _reason_against(self, group: list[Loop], poses: Float64Array, way: Float64Array) -> str:
+        """Return what refuses a group of loops that agree, "" for nothing."""
+        ends = poses[[loop.j for loop in group], :2]
+        span = float(np.hypot(*(ends[:, np.newaxis] - ends).reshape(-1, 2).T).max())
+        if span < LEAST_SPAN:
+            return f"the loops that agree span only {span:.1f} m"
+        total = np.zeros((2, 2))
+        for loop in group:
+            yaw = float(poses[loop.i, 2] + loop.relative[2])
+            c, s = np.cos(yaw), np.sin(yaw)
+            turn = np.array([[c, -s], [s, c]])
+            total += turn @ _of_place(loop.information) @ turn.T
+        uncertain = 1.0 / np.sqrt(max(float(np.linalg.eigvalsh(total)[0]), 1e-12))
+        if uncertain > MOST_UNCERTAIN:
+            return f"the scans leave a direction open, to {uncertain:.1f} m"
+        contradicted = self._contradicted(group, poses, way)
+        if contradicted > MOST_CONTRADICTED:
+            return f"on the way there {100 * contradicted:.0f} % of the points are where earlier scans saw free space"
+        return ""
+
+    def _contradicted(self, group: list[Loop], poses: Float64Array, way: Float64Array) -> float:
+        """Return the share of points, where a group puts the way to it, that lie in free space of the other scans.
+
+        Scans of that way are compared with earlier ones nearby, and those with them.
+        """
+        ends = np.array([loop.j for loop in group])
+        later = np.flatnonzero(way >= max(float(way[ends].min()) - BEFORE, 0.0))
+        moved = [compose(compose(poses[loop.i], loop.relative), inverse(poses[loop.j])) for loop in group]
+        nearest = np.argmin(np.abs(way[ends][np.newaxis] - way[later][:, np.newaxis]), axis=1)
+        placed = poses.copy()
+        placed[later] = compose(np.array(moved)[nearest], poses[later])
+        earlier = np.flatnonzero(way < way[later[0]] - LEAST_WAY)
+        scans = self._store.arrays
+        counts, total = np.empty(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+        wanted = np.searchsorted(way, np.arange(way[later[0]], way[-1], EVERY))
+        for k in np.unique(wanted).tolist():
+            near = earlier[np.hypot(*(placed[earlier, :2] - placed[k, :2]).T) < AROUND]
+            if not len(near):
+                continue
+            chosen = spread(near, OTHERS)
+            count_agreement(scans, k, placed[k], chosen, placed, GATE, 2, counts)
+            total += counts
+            there = later[np.hypot(*(placed[later, :2] - placed[k, :2]).T) < AROUND]
+            for one in spread(near, BACK).tolist():
+                count_agreement(scans, one, placed[one], spread(there, OTHERS), placed, GATE, 2, counts)
+                total += counts
+        return float(total[2]) / max(int(total[0]), 1)
+
+
+def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
+    """Return why a graph refuses the loops at its end that it has more than ``before``, "" where it bears them.
+
+    Both are optimised. Refused is a group that the robust kernel gives little weight, or that takes it from more than
+    half as many other loops.
+    """
+    n = len(before.weight)
+    if (after.weight[n:] < LEAST_WEIGHT).any():
+        return "the rest of the graph contradicts them"
+    lost = np.count_nonzero((after.weight[:n] < LEAST_WEIGHT) & (before.weight >= LEAST_WEIGHT))
+    if 2 * lost > len(after.weight) - n:
+        return f"they contradict {lost} loops that were accepted before"
+    return ""
+
+
+def spread(values: Int64Array, most: int) -> Int64Array:
+    """Return at most ``most`` of some values, evenly spread, the first and the last among them."""
+    if len(values) <= most:
+        return values
+    return values[np.linspace(0, len(values) - 1, most).round().astype(np.int64)]
+
+
+def _corners_in_common(
+    new: LocalMap, old: LocalMap, guess: Float64Array, window: float, turn_window: float, pose: Float64Array
+) -> int:
+    """Write the pose (3,) of the new map in the old one on which most corners agree; return how many do."""
+    if not len(new.corners) or not len(old.corners):
+        return 0
+    near = np.empty((len(new.corners), min(NEAREST, len(old.corners))), dtype=np.int64)
+    nearest_descriptors(new.descriptors, old.descriptors, near)
+    owner, rank = np.nonzero(near >= 0)
+    ours, theirs = new.corners[owner], old.corners[near[owner, rank]]
+    return pose_of_pairs(ours, theirs, owner, guess, window, turn_window, TOLERANCE, LEAST_DISTANCE, pose)
+
+
+def _of_place(information: Float64Array) -> Float64Array:
+    """Return the information (2, 2) of x and y of a pose's (3, 3), whatever the angle is."""
+    part = information[:2, 2:] @ information[2:, :2] / max(float(information[2, 2]), 1e-12)
+    return np.asarray(information[:2, :2] - part)
+
+
+def _refused(loop: Loop, reason: str) -> Loop:
+    return replace(loop, reason=f"{STAGE}{reason}")
+
+
+def _middle(members: Int64Array) -> int:
+    return int(members[len(members) // 2])
