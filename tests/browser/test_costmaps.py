@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
-from tests.browser.looking import await_true, frame, map_bytes, until
+from tests.browser.looking import await_true, frame, map_bytes, open_group, until
 
 OPEN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
 COUNT = 231
@@ -92,3 +92,31 @@ def test_costs_of_each_value_and_windows_that_move(page: Page, server: str, tmp_
     seek(page, 2)
     until("the second", lambda: map_bytes(page)["cols"] == 65)
     until("its costs", lambda: np.array_equal(shown(page, 70, 65), second))
+
+
+def test_the_address_of_a_view_opens_it_again(page: Page, server: str, tmp_path: Path) -> None:
+    geometry = GridGeometry(0.1, 40, 50, (1.0, 2.0, 0.0))
+    with (tmp_path / "nine.mcap").open("wb") as file:
+        costs = [np.full((40, 50), 20 * k, np.uint8) for k in range(9)]
+        made = (
+            RecordedCostmap(t, t, "odom", "master", geometry, costs[t // 10**9]) for t in range(0, 9 * 10**9, 10**9)
+        )
+        write_costmaps(file, list(made))
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "nine.mcap")
+    await_true(page, OPEN)
+    seek(page, 6)
+    view = {"x": 3.5, "y": 4.25, "scale": 0.0125}
+    page.evaluate(
+        "(view) => { const { store } = gridbloom.connection; store.view.value = view; store.viewHeld.value = true; }",
+        view,
+    )
+    address = open_group(page, "Share").get_by_label("Address of this view").input_value()
+    page.goto("about:blank")
+    page.goto(address)
+    await_true(page, OPEN)
+    until("the costmap of the address", lambda: frame(page)["index"] == 6)
+    assert page.evaluate("() => gridbloom.connection.store.view.peek()") == view
+    assert not frame(page)["playing"]
+    assert np.array_equal(shown(page, 40, 50), costs[5])

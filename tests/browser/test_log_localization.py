@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from playwright.sync_api import Page, expect
+from pathlib import Path
+
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import await_true, open_group, until
 
@@ -49,3 +51,49 @@ def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None
     until("the first particles", lambda: (xs := particles()) and abs(sum(xs) / len(xs) - start[0]) < 0.5)
     assert len(particles()) > 99
     expect(panel.get_by_text("Entropy of the particles")).to_be_visible()
+
+
+def test_what_cannot_be_used_is_said(visitor: BrowserContext, server: str, tmp_path: Path) -> None:
+    page = visitor.new_page()  # a refused request is an error in the console
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.get_by_role("button", name="Open map").first.click()
+    await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
+    panel = open_group(page, "Localize")
+    panel.get_by_label("Mapped along").select_option("true")
+    panel.get_by_role("button", name="Use this map").click()
+    expect(panel.get_by_role("button", name="Find the robot")).to_be_enabled()
+    # A yaml with a wrong value and one with a wrong name; one that is right keeps what is of no use here.
+    panel.get_by_text("Parameters of the filter").click()
+    yaml = tmp_path / "amcl.yaml"
+    for line, said in (
+        ("z_hit: .nan", "(z_hit) must be a finite number"),
+        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
+        ("z_hit: 0.7\n    scan_topic: front", "Without effect here, and kept where you save: scan_topic."),
+    ):
+        yaml.write_text(f"amcl:\n  ros__parameters:\n    {line}\n")
+        panel.get_by_label("Yaml of an AMCL").set_input_files(yaml)
+        expect(panel.get_by_text(said)).to_be_visible()
+    with page.expect_download() as download:
+        panel.get_by_role("button", name="Save as AMCL yaml").click()
+    text = download.value.path().read_text()
+    assert "    scan_topic: front\n" in text
+    assert "    z_hit: 0.7\n" in text
+    # A pose outside the map.
+    panel.get_by_text("At a pose").click()
+    for label in ("x, m", "y, m"):
+        panel.get_by_label(label).fill("900")
+        panel.get_by_label(label).press("Tab")
+    panel.get_by_role("button", name="Find the robot").click()
+    expect(panel.get_by_text("The pose (900, 900) m is outside the map, which goes from")).to_be_visible()
+    # A map without free cells: an image that is all black.
+    (tmp_path / "full.pgm").write_bytes(b"P5\n20 20\n255\n" + bytes(400))
+    (tmp_path / "full.yaml").write_text(
+        "image: full.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+    )
+    panel.locator(".choice-option", has_text="Map files").click()
+    panel.locator("input[type=file][multiple]").set_input_files([tmp_path / "full.yaml", tmp_path / "full.pgm"])
+    expect(panel.get_by_text("full.yaml")).to_be_visible()
+    panel.get_by_text("Anywhere").click()
+    panel.get_by_role("button", name="Find the robot").click()
+    expect(panel.get_by_text("The map has no free cells")).to_be_visible()

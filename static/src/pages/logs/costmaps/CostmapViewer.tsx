@@ -1,4 +1,5 @@
 import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/navigation/CostFiles";
 import { BeliefView } from "../../../tools/picture/BeliefView";
@@ -7,8 +8,10 @@ import { Dock } from "../../../ui/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
 import { Transport } from "../Transport";
+import { viewOf } from "./address";
 import { CostReadout } from "./CostReadout";
 import { MEANINGS } from "./meanings";
+import { ShareCostmap } from "./ShareCostmap";
 import "../../../tools/navigation/navigation.css";
 import "./costmaps.css";
 import { SessionEnded } from "../../SessionEnded";
@@ -27,6 +30,10 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
   const { store, status, trouble } = connection;
   const openGroup = useSignal("costmap");
   const hello = store.hello.value;
+  const isThere = hello !== null;
+  useEffect(() => {
+    if (isThere) showAddressed(store);
+  }, [store, isThere]);
   if (status.value === "gone") {
     return (
       <SessionEnded
@@ -62,6 +69,7 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
         label="About these costmaps"
         groups={[
           { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> },
+          { id: "share", title: "Share", keeps: true, badge: null, content: () => <ShareCostmap store={store} /> },
           {
             id: "download",
             title: "Download",
@@ -78,6 +86,19 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
       />
     </div>
   );
+}
+
+/** Show what the address of the page says, once: then it says it no longer. */
+function showAddressed(store: Store): void {
+  const shown = viewOf(location.hash);
+  if (!shown) return;
+  history.replaceState(null, "", location.pathname + location.search);
+  if (shown.topic !== store.hello.peek()?.log?.trajectory) store.send({ type: "trajectory", name: shown.topic });
+  store.send({ type: "pause" });
+  store.send({ type: "seek", index: shown.index });
+  if (!shown.view) return;
+  store.view.value = shown.view;
+  store.viewHeld.value = true;
 }
 
 /** The topic, the size of the grid, and what the colours mean. */
