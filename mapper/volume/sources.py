@@ -14,6 +14,7 @@ from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds import PosedClouds, open_posed_clouds, read_cloud, read_depth_folder, read_scan_graph
 from mapper.io.clouds.depth_folder import is_depth_folder
+from mapper.io.clouds.given_poses import GivenPoses
 from mapper.io.clouds.reading import HEAD_BYTES, cloud_format
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PosedCloud
@@ -47,32 +48,51 @@ def open_source(
     *,
     topic: str | None = None,
     sensor: Float64Array | None = None,
+    poses: GivenPoses | None = None,
+    number: int = 0,
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanSource:
     """Return the scans of a cloud's file, a scan graph, a folder of depth images or a recording with clouds.
 
     The points of a cloud's file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
-    Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several.
+    Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several. With ``poses``
+    the points of a cloud's file are in the frame of its sensor, whose pose is that of ``number``, and a recording's
+    are placed by the poses at their times; a scan graph and a folder of depth images have poses of their own.
     Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
     """
     path = Path(path)
     if is_depth_folder(path):
+        _refuse(poses, path)
         folder = read_depth_folder(path, limits=limits)
         return ScanSource("depth images", map(placed_scan, folder.clouds()), len(folder), list(folder.notes))
     kind = None if path.is_dir() else cloud_format(file_head(path, limits))
     if kind == "scan graph":
+        _refuse(poses, path)
         graph = read_scan_graph(path, limits=limits, progress=progress)
         return ScanSource(kind, map(placed_scan, graph), None, [])
     if kind is None:
-        return _of_recording(open_posed_clouds(path, topic=topic, limits=limits, progress=progress))
+        given = None if poses is None else poses.at
+        return _of_recording(open_posed_clouds(path, topic=topic, given=given, limits=limits, progress=progress))
     cloud = read_cloud(path, limits=limits, progress=progress)
     notes = list(cloud.notes)
+    if poses is not None:
+        if number >= len(poses):
+            raise ConfigError(
+                "poses.too_few", f"{poses.name} has {len(poses)} poses, and {path.name} is cloud {number + 1}."
+            )
+        posed = PosedCloud(cloud, poses.matrix(number))
+        return ScanSource(kind, iter([placed_scan(posed)]), 1, notes)
     origin = cloud.sensor_pose[:3, 3] if sensor is None and cloud.sensor_pose is not None else sensor
     if origin is None:
         notes.append("The file does not say where the sensor was: its points are occupied, and nothing is free.")
     points = cloud.points[cloud.finite].astype(np.float64)
     return ScanSource(kind, iter([PlacedScan(points, origin, cloud.stamp_ns)]), 1, notes)
+
+
+def _refuse(poses: GivenPoses | None, path: Path) -> None:
+    if poses is not None:
+        raise ConfigError("poses.own", f"{path.name} states the poses of its scans; other poses have no meaning there.")
 
 
 def file_head(path: Path, limits: Limits) -> bytes:

@@ -12,6 +12,7 @@ from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds import read_depth_folder
 from mapper.io.clouds.depth_folder import is_depth_folder
+from mapper.io.clouds.given_poses import GivenPoses
 from mapper.volume.sources import open_source
 from mapper.volume.tsdf import Fused, TsdfVolume
 
@@ -40,16 +41,18 @@ def fuse_all(
     *,
     topic: str | None = None,
     sensor: Float64Array | None = None,
+    poses: GivenPoses | None = None,
+    number: int = 0,
     limits: Limits = DEFAULT_LIMITS,
     progress: Callable[[float], None] | None = None,
     is_cancelled: Callable[[], bool] = lambda: False,
 ) -> None:
     """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
 
-    ``topic`` and ``sensor`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is called with the share
-    of the scans, 0 … 1, where their number is known. Raises as the readers do, :class:`WorkCancelledError` between two
-    scans once ``is_cancelled``, and :class:`ConfigError` where the place of a sensor is not known and where nothing was
-    used.
+    ``topic``, ``sensor``, ``poses`` and ``number`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is
+    called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
+    :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
+    sensor is not known and where nothing was used.
     """
     before, scans = into.used, into.scans
 
@@ -59,14 +62,14 @@ def fuse_all(
         if is_cancelled():
             raise WorkCancelledError("tsdf.cancelled", f"The surface was cancelled after {into.scans} scans.")
 
-    if is_depth_folder(Path(path)):
+    if is_depth_folder(Path(path)) and poses is None:
         folder = read_depth_folder(path, limits=limits)
         into.notes += folder.notes
         for frame in folder.frames:
             into.count(volume.fuse_depth(frame.read(), folder.camera, frame.pose))
             step(len(folder))
     else:
-        source = open_source(path, topic=topic, sensor=sensor, limits=limits)
+        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=number, limits=limits)
         for scan in source.scans:
             if scan.origin is None:
                 raise ConfigError(

@@ -52,7 +52,7 @@ def direction_numbers(normals: Float64Array) -> UInt8Array:
     squares = squares / np.maximum(squares.sum(axis=1, keepdims=True), 1e-12)
     i = np.round(STEPS * squares[:, 0]).astype(np.int64)
     j = np.minimum(np.round(STEPS * squares[:, 1]).astype(np.int64), STEPS - i)
-    return (1 + (i * (STEPS + 1) + j) * 2 + (normals[:, 2] >= 0.0)).astype(np.uint8)
+    return np.asarray(1 + (i * (STEPS + 1) + j) * 2 + (normals[:, 2] >= 0.0), dtype=np.uint8)
 
 
 def directions() -> NDArray[np.float64]:

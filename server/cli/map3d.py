@@ -25,6 +25,8 @@ from server.cli.common import (
 from server.cli.surface import MESHES, map_surface, write_mesh_file
 
 if TYPE_CHECKING:
+    from mapper.core.array_types import Float64Array
+    from mapper.io.clouds.given_poses import GivenPoses
     from mapper.volume import OccupancyVolume, Octree, OctreeFile
 
 _ROWS = {row.name: row for row in VOLUME_PARAMETERS}
@@ -69,6 +71,15 @@ def map3d(
             metavar="X,Y,Z", help="Where the sensor of a cloud's file was (m, m, m), if the file does not say it."
         ),
     ] = None,
+    poses_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--poses",
+            metavar="POSES.tum",
+            help="Poses of the sensor: one for each cloud's file, in order, whose points are in the sensor's frame; or "
+            "those of a recording, by their times.",
+        ),
+    ] = None,
     tsdf: Annotated[
         bool, typer.Option("--tsdf", help="Fuse a surface of truncated signed distances instead of occupied voxels.")
     ] = False,
@@ -84,11 +95,12 @@ def map3d(
 
     heights = None if band is None else numbers("--band", "two numbers, LOW,HIGH in metres", 2, band)
     place = None if sensor is None else np.array(numbers("--sensor", "three numbers, X,Y,Z in metres", 3, sensor))
+    poses = None if poses_file is None else _poses(poses_file, inputs, place)
     typed = {name: value for name, value in parameters.items() if value is not None}
     if tsdf:
         if projection is not None or band is not None:
             fail("--map and --band are of occupied voxels and have no meaning with --tsdf.")
-        map_surface(inputs, out, typed, topic=topic, sensor=place, as_json=as_json)
+        map_surface(inputs, out, typed, topic=topic, sensor=place, poses=poses, as_json=as_json)
         return
     endings = (*KINDS, *MESHES)
     for path in out:
@@ -120,9 +132,9 @@ def map3d(
         # A tree may be larger than a map may be.
         from_tree = read is not None and (rest or projection is not None or meshes)
         volume = read.tree.volume(config) if read is not None and from_tree else OccupancyVolume(config)
-    for path in rest:
+    for number, path in enumerate(rest):
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
-            source = open_source(path, topic=topic, sensor=place)
+            source = open_source(path, topic=topic, sensor=place, poses=poses, number=number)
             insert_all(volume, source, scans, bar)
         notes += [f"{path.name}: {note}" for note in source.notes]
     tree = read.tree if read is not None and not rest else Octree.of(volume)
@@ -160,6 +172,28 @@ def map3d(
         typer.echo(f"  wrote {path}")
     for note in notes:
         typer.echo(f"  note: {note}")
+
+
+def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenPoses:
+    """Return the poses of a file, or end the command where they are not one for each cloud."""
+    from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415 - start-up
+    from mapper.io.clouds.given_poses import GivenPoses  # noqa: PLC0415 - start-up
+    from mapper.io.clouds.reading import cloud_format  # noqa: PLC0415 - start-up
+    from mapper.volume.octree_files import is_octree  # noqa: PLC0415 - start-up
+    from mapper.volume.sources import file_head  # noqa: PLC0415 - start-up
+
+    if place is not None:
+        fail("--sensor is the place of one cloud's sensor, and has no meaning with --poses.")
+    with refusing(path):
+        poses = GivenPoses.read(path)
+    clouds = 0
+    for one in inputs:
+        with refusing(one):
+            head = b"" if one.is_dir() else file_head(one, DEFAULT_LIMITS)
+        clouds += cloud_format(head) is not None and not is_octree(head)
+    if clouds and clouds != len(poses):
+        fail(f"{path.name} has {len(poses)} poses for {clouds} clouds; each cloud needs one, in this order.")
+    return poses
 
 
 def _first_octree(path: Path) -> OctreeFile | None:

@@ -15,6 +15,7 @@ from server.cli.common import fail, print_json, progress_bar, refusing, value_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from mapper.io.clouds.given_poses import GivenPoses
     from mapper.volume import Mesh
 
 ROWS = {row.name: row for row in TSDF_PARAMETERS}
@@ -28,6 +29,7 @@ def map_surface(
     *,
     topic: str | None,
     sensor: NDArray[Any] | None,
+    poses: GivenPoses | None,
     as_json: bool,
 ) -> None:
     """Fuse what the inputs hold, write the surface and print what was done."""
@@ -49,9 +51,9 @@ def map_surface(
     except MapperError as error:
         fail(error.message)
     volume, did, notes = TsdfVolume(config), Fusions(), []
-    for path in inputs:
+    for number, path in enumerate(inputs):
         with refusing(path), progress_bar(f"Fusing {path.name}") as bar:
-            fuse_all(volume, path, did, topic=topic, sensor=sensor, progress=bar)
+            fuse_all(volume, path, did, topic=topic, sensor=sensor, poses=poses, number=number, progress=bar)
         notes += [f"{path.name}: {note}" for note in did.notes]
         did.notes.clear()
     mesh = surface_mesh(volume)

@@ -42,7 +42,7 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable
     page.evaluate(f"() => {{ {_STORE}.pinned.value = [3.0, 4.4]; }}")
     asked = terrain.get_by_label("The patch that was clicked")
     expect(asked).to_contain_text("Patch of 0.25 m at (3.0, 4.4)")
-    n = page.evaluate(f"() => {_STORE}.terrain.message.peek().patch.moments[0]")
+    n = page.evaluate(f"() => {_STORE}.terrain.message.peek().patch.points.length / 3")
     expect(asked.get_by_role("cell").first).to_have_text(f"{n:.0f}")
     panel = open_group(page, "3D map")
     # Coarser voxels need less memory, live.

@@ -26,15 +26,18 @@ class PosedClouds:
     """The clouds of one topic along the recording's transforms; each iteration reads the recording.
 
     Clouds at times of which the recording does not say where their frame was are left out. With ``deskew`` points that
-    state their times are put where they are seen from the sensor's pose at the cloud's stamp.
+    state their times are put where they are seen from the sensor's pose at the cloud's stamp. With ``given`` the poses
+    are those that it returns, not those of the transforms.
     """
 
     stream: CloudStream
     deskew: bool = True
+    given: Mounts | None = None
 
     def __iter__(self) -> Iterator[PosedCloud]:
+        where = self.given or self.stream.poses
         for cloud in self.stream:
-            poses = self.stream.poses(cloud.frame_id, np.array([cloud.stamp_ns]))
+            poses = where(cloud.frame_id, np.array([cloud.stamp_ns]))
             if poses is None:
                 raise ReadError(
                     "clouds.no_poses",
@@ -42,7 +45,7 @@ class PosedClouds:
                     "was: it needs tf up to a fixed frame, or odometry.",
                 )
             if np.isfinite(poses[0]).all():
-                yield PosedCloud(deskewed(cloud, self.stream.poses) if self.deskew else cloud, poses[0])
+                yield PosedCloud(deskewed(cloud, where) if self.deskew else cloud, poses[0])
 
 
 def deskewed(cloud: PointCloud, poses: Mounts) -> PointCloud:
@@ -79,13 +82,15 @@ def open_posed_clouds(
     *,
     topic: str | None = None,
     deskew: bool = True,
+    given: Mounts | None = None,
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> PosedClouds:
     """Return the clouds of the recording at ``path`` along its transforms, those of ``topic``; else of the first topic.
 
     A topic of depth images (sensor_msgs/Image of 16UC1, mono16 or 32FC1, or a CompressedImage of them, with its
-    CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. Raises
+    CameraInfo beside it) counts as one of clouds; without a name it is taken where there are no others. ``given``
+    returns the poses, ``T_map_sensor`` (n, 4, 4), at stamps, in place of the transforms. Raises
     :class:`ReadError` for a file that is no recording, has no clouds, or lacks the topic, and as
     :func:`mapper.io.clouds.open_clouds`.
     """
@@ -105,4 +110,4 @@ def open_posed_clouds(
     if topic is not None and topic not in known:
         has = ", ".join(known) or "none"
         raise ReadError("clouds.topic", f"The recording has no clouds on {topic!r:.80}; it has them on: {has:.300}.")
-    return PosedClouds(known[topic or usual[0]], deskew)
+    return PosedClouds(known[topic or usual[0]], deskew, given)

@@ -48,12 +48,18 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
         raise ReadError(
             "depth.no_poses", f"No pose of {poses.name} is at the time of any of {len(images)} depth images."
         )
-    matrices = _between(stamps, values, wanted[inside])
+    matrices = poses_between(stamps, values, wanted[inside])
     kept = [one for one, is_inside in zip(images, inside, strict=True) if is_inside]
     return [(path, stamp, pose) for (path, stamp), pose in zip(kept, matrices, strict=True)], notes
 
 
-def _between(stamps: NDArray[np.int64], values: NDArray[np.float64], wanted: NDArray[np.int64]) -> NDArray[np.float64]:
+def poses_between(
+    stamps: NDArray[np.int64], values: NDArray[np.float64], wanted: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return poses (m, 4, 4) at stamps ``wanted`` (m,), ns, between those of ``values`` (n, 7) at ascending ``stamps``.
+
+    Positions are interpolated linearly, rotations along the shortest turn; ``values`` are as :func:`tum_rows` has them.
+    """
     from scipy.spatial.transform import Rotation, Slerp  # noqa: PLC0415 # 0.2 s, only for folders of this kind
 
     seconds, at = (stamps - stamps[0]) * 1e-9, (wanted - stamps[0]) * 1e-9

@@ -18,7 +18,7 @@ export function VoxelWhy({ store }: { readonly store: Store }) {
     <Panel title="Why is this voxel so?">
       <p class="quiet">Click a voxel in the picture, or enter a place:</p>
       <Place store={store} />
-      <p role="status" class="quiet">
+      <p aria-live="polite" class="quiet">
         {isComputing && "Going through the beams of all scans …"}
       </p>
       {(now?.centre || ofSurface?.centre) && (

@@ -1,0 +1,57 @@
+"""Poses of a sensor that a TUM file states, for clouds that do not say where they were taken."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import Float64Array, Int64Array
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.clouds.tum_poses import FARTHEST_NS, poses_between
+from mapper.io.trajectories.tum import tum_rows
+
+
+@dataclass(frozen=True, slots=True)
+class GivenPoses:
+    """``T_map_sensor`` at stamps (n,), ns, in the file's order.
+
+    ``values`` (n, 7) are x y z, metres, and the unit quaternion x y z w; ``name`` is the file's.
+    """
+
+    name: str
+    stamps: NDArray[np.int64]
+    values: NDArray[np.float64]
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> GivenPoses:
+        """Return the poses of a TUM file. Raises as :func:`mapper.io.trajectories.tum.tum_rows`."""
+        return cls(Path(path).name, *tum_rows(Path(path), limits))
+
+    def __len__(self) -> int:
+        return len(self.stamps)
+
+    def matrix(self, number: int) -> Float64Array:
+        """Return pose ``number`` of the file as ``T_map_sensor`` (4, 4)."""
+        one = slice(number, number + 1)
+        return np.asarray(poses_between(self.stamps[one], self.values[one], self.stamps[one])[0])
+
+    def at(self, frame_id: str, wanted: Int64Array) -> Float64Array:
+        """Return the poses (n, 4, 4) at stamps (n,), ns, of whatever frame; NaN where none is near.
+
+        Between two poses they are interpolated, as those of depth images are.
+        """
+        del frame_id  # the file states the poses of the sensor itself
+        stamps, first = np.unique(self.stamps, return_index=True)
+        values = self.values[first]
+        after = np.clip(np.searchsorted(stamps, wanted), 0, len(stamps) - 1)
+        before = np.maximum(after - 1, 0)
+        gap = np.minimum(np.abs(wanted - stamps[before]), np.abs(wanted - stamps[after]))
+        inside = (wanted >= stamps[0]) & (wanted <= stamps[-1]) & (gap <= FARTHEST_NS)
+        poses = np.full((len(wanted), 4, 4), np.nan)
+        if inside.any():
+            poses[inside] = poses_between(stamps, values, wanted[inside])
+        return poses
