@@ -89,6 +89,19 @@ def await_true(page: Page, condition: str, arg: Any = None) -> None:
     page.wait_for_function(condition, arg=arg, polling=POLLING_MS)
 
 
+def await_end(progress: Locator) -> None:
+    """Wait until a progress bar is gone, for as long as its value goes on changing."""
+    value = progress.evaluate_all("bars => bars[0]?.value ?? null")
+    while value is not None:
+        before = value
+
+        def changed(before: float = before) -> bool:
+            return progress.evaluate_all("bars => bars[0]?.value ?? null") != before  # type: ignore[no-any-return]
+
+        until(f"the progress bar leaves {before}", changed)
+        value = progress.evaluate_all("bars => bars[0]?.value ?? null")
+
+
 def map_digest(page: Page) -> str:
     """Return a digest of the map that the browser holds."""
     held = page.evaluate(_MAP_DIGEST)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from playwright.sync_api import BrowserContext, Page, expect
 
-from tests.browser.looking import await_true, open_group, until
+from tests.browser.looking import await_end, await_true, open_group, until
 
 _STORE = "gridbloom.connection.store"
 
@@ -40,6 +40,7 @@ def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None
     assert abs(float(panel.get_by_label("x, m").input_value()) - start[0]) < 0.1
     find.click()
     await_true(page, f"() => {_STORE}.trajectory.peek()?.name === 'localized'")
+    await_end(panel.locator("progress"))
     expect(panel.get_by_text("Found: the poses in the map")).to_be_visible()
     panel.get_by_role("button", name="Show the start").click()
     await_true(page, f"() => {_STORE}.localization.peek()?.n_updates === 1")

@@ -56,7 +56,7 @@ async def two(postgresql: Cluster, tmp_path: Path) -> AsyncIterator[Two]:
     made = []
     for name in ("a", "b"):
         settings = Settings(data_dir=tmp_path / name, blobs=str(tmp_path / "bucket"), database=url)  # type: ignore[arg-type]
-        made.append(Library(settings, LibraryLimits(lease_s=0.5)))
+        made.append(Library(settings, LibraryLimits(lease_s=5.0)))
         await made[-1].start()
     yield Two(made[0], made[1], tmp_path)
     for library in made:
