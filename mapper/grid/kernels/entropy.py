@@ -34,4 +34,4 @@ def _slot(bits: int) -> int:
     Multiplicative hashing: the upper twelve of the product's lower 32 bits (Knuth, The Art of Computer Programming 3,
     section 6.4).
     """
-    return ((uint64(bits) * _GOLDEN) >> uint64(20)) & uint64(SLOTS - 1)
+    return int(((uint64(bits) * _GOLDEN) >> uint64(20)) & uint64(SLOTS - 1))
