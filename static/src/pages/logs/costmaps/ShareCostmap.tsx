@@ -29,17 +29,17 @@ export function ShareCostmap({ store }: { readonly store: Store }) {
           The address opens this costmap of the recording, with the visible part of it, for everyone who may open the
           recording on this service.
         </p>
+        <div class="actions">
+          <Button kind="primary" icon="link" onClick={() => void copy()}>
+            Copy the address
+          </Button>
+        </div>
         <input
           readOnly
           aria-label="Address of this view"
           value={address}
           onFocus={(event) => event.currentTarget.select()}
         />
-        <div class="actions">
-          <Button kind="primary" icon="link" onClick={() => void copy()}>
-            Copy the address
-          </Button>
-        </div>
         <p role="status" class="quiet">
           {said.value}
         </p>
