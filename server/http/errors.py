@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketState
 
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from server.classes import ClassBudgetError, ClassNotFoundError, ClassRightError
@@ -101,7 +102,8 @@ async def _mapper_error(connection: Request | WebSocket, error: Exception) -> JS
     assert isinstance(error, MapperError)  # noqa: S101 - for the type checker: it is registered for this class
     if isinstance(connection, WebSocket):
         # A browser shows nothing of a refused handshake: the socket is opened and closed, so that the page knows why.
-        await connection.accept(subprotocol=next(iter(connection.scope["subprotocols"]), None))
+        if connection.application_state == WebSocketState.CONNECTING:
+            await connection.accept(subprotocol=next(iter(connection.scope["subprotocols"]), None))
         await connection.close(REFUSED.code, error.code)
         return None
     status = status_of(error)

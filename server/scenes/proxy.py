@@ -2,7 +2,8 @@
 
 viser's client is one page without further files, so it is served from the installed package, compressed once, and
 only the WebSocket is forwarded: viser's HTTP server, which reads files, is not reachable from outside. Of the browser's
-messages only those that :func:`server.scenes.browser_messages.passes` accepts are forwarded.
+messages only those that :func:`server.scenes.browser_messages.passes` accepts are forwarded, and viser's messages only
+as fast as the browser draws them (:mod:`server.scenes.pacing`).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import asyncio
 import gzip
 import hashlib
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata
@@ -25,6 +26,8 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from server.scenes.browser_messages import passes
+from server.scenes.client_script import SCRIPT
+from server.scenes.pacing import DRAWN, Pace
 from server.scenes.visitors import VISITOR_HEADER
 from server.sessions.drawings import MAX_DRAWING_BYTES
 
@@ -66,6 +69,7 @@ def client_page(*, plain_view: bool = False) -> Page:
     spec = find_spec("viser")  # does not import it
     assert spec is not None and spec.origin is not None  # noqa: S101, PT018 - a dependency
     plain = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes().replace(*_TITLE, 1)
+    plain = plain.replace(b"<head>", b"<head>" + SCRIPT, 1)
     if plain_view:
         plain = plain.replace(b"</head>", _PLAIN_STYLE, 1)
     return Page(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:32]}"')
@@ -99,17 +103,24 @@ def page_headers(host: str) -> dict[str, str]:
     }
 
 
-async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
-    """Connect the browser's WebSocket to viser's Unix socket at ``path`` until one of them closes; close the other.
+async def take(browser: WebSocket) -> bool:
+    """Accept a browser's WebSocket; return False where it was refused for want of viser's subprotocol.
 
-    The scene knows the connection as ``visitor``'s.
-
-    The caller has not accepted the socket yet. A socket without viser's subprotocol is refused, as viser itself
-    refuses clients of another version.
+    Viser itself refuses clients of another version. Call it before the scene is made: viser's client closes a socket
+    that is not accepted within 5 s.
     """
     if SUBPROTOCOL not in browser.scope.get("subprotocols", ()):
         await browser.close(1002, f"The subprotocol must be {SUBPROTOCOL}.")
-        return
+        return False
+    await browser.accept(SUBPROTOCOL)
+    return True
+
+
+async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
+    """Connect a browser's accepted WebSocket to viser's Unix socket at ``path`` until one closes; close the other.
+
+    The scene knows the connection as ``visitor``'s.
+    """
     try:
         async with asyncio.timeout(CONNECT_S):
             scene = await unix_connect(
@@ -126,8 +137,11 @@ async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
         await browser.close(1011, "The scene does not answer.")
         return
     async with _closed_in_the_end(scene):
-        await browser.accept(SUBPROTOCOL)
-        pumps = [asyncio.create_task(_to_scene(browser, scene)), asyncio.create_task(_to_browser(scene, browser))]
+        pace = Pace()
+        pumps = [
+            asyncio.create_task(_to_scene(browser, scene, pace)),
+            asyncio.create_task(_to_browser(scene, browser, pace)),
+        ]
         try:
             await asyncio.wait(pumps, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -149,19 +163,27 @@ async def pass_on(browser: WebSocket, path: Path, visitor: str = "") -> None:
 async def _closed_in_the_end(scene: ClientConnection) -> AsyncIterator[None]:
     """Close the connection after the block, also where the wait for viser's answer to that is cancelled.
 
-    websockets closes the socket with that answer: a service that ends cancels its tasks, perhaps for the second time
-    while a slow scene has not answered yet.
+    Viser answers once what it has sent is read. websockets closes the socket with that answer: a service that ends
+    cancels its tasks, perhaps for the second time while a slow scene has not answered yet.
     """
     try:
         yield
     finally:
+        reading = asyncio.create_task(_read_to_the_end(scene))
         try:
             await scene.close()
         finally:
+            reading.cancel()
             scene.transport.abort()
 
 
-async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:
+async def _read_to_the_end(scene: ClientConnection) -> None:
+    with suppress(ConnectionClosed):
+        async for _ in scene:
+            pass
+
+
+async def _to_scene(browser: WebSocket, scene: ClientConnection, pace: Pace) -> int:
     """Forward the browser's messages; return the close code for the browser's socket, 0 if it is closed already."""
     while True:
         message = await browser.receive()
@@ -170,17 +192,20 @@ async def _to_scene(browser: WebSocket, scene: ClientConnection) -> int:
         data = message.get("bytes")
         if data is None or len(data) > MAX_FROM_BROWSER:
             return 1003 if data is None else TOO_BIG
-        if passes(data):
+        if data == DRAWN:
+            pace.drawn()
+        elif passes(data):
             try:
                 await scene.send(data)
             except ConnectionClosed:
                 return 1001
 
 
-async def _to_browser(scene: ClientConnection, browser: WebSocket) -> int:
+async def _to_browser(scene: ClientConnection, browser: WebSocket, pace: Pace) -> int:
     """Forward viser's messages; return the code to close the browser's socket with, 0 where it is closed already."""
     try:
         async for data in scene:
+            await pace.turn()
             await browser.send_bytes(data if isinstance(data, bytes) else data.encode())
     except ConnectionClosed as closed:
         return 1002 if closed.rcvd is not None and closed.rcvd.code == 1002 else 1001

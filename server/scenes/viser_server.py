@@ -44,6 +44,7 @@ def _serve(
     """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
     del port
     options["process_request"] = None  # viser's own serves files over HTTP
+    options["ping_interval"] = None  # both ends are in one process, and the proxy does not read while a browser is slow
     bound = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=int(host))
 
     async def of_visitor(connection: ServerConnection) -> None:

@@ -7,6 +7,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
+from server.scenes.pacing import DRAWN, MOST_AHEAD
 from tests.browser.conftest import LOOKS
 from tests.browser.looking import await_map, frame, open_group, until
 
@@ -77,6 +78,8 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
 
 
 def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> None:
+    sent: list[bytes | str] = []
+    page.on("websocket", lambda socket: socket.on("framesent", sent.append))
     page.goto(f"{server}/lab.html")
     await_map(page)
     open_group(page, "Scene")
@@ -84,3 +87,5 @@ def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> No
     expect(scene.locator("canvas").first).to_be_visible()
     # The parameters stand in viser's own panel, under the same labels.
     expect(scene.get_by_text("Hit window").first).to_be_attached()
+    # It reports what it has drawn, so that a slow one is not sent more.
+    until("the view reports drawn messages", lambda: page.title() and sent.count(DRAWN) > MOST_AHEAD)

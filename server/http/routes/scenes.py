@@ -93,9 +93,11 @@ async def socket(
     websocket: WebSocket, sessions: Sessions, scenes: OpenScenes, visitor: Visitor, session_id: str
 ) -> None:
     """Forward the page's WebSocket to the session's scene."""
-    from server.scenes.proxy import pass_on  # noqa: PLC0415 - imported with the first 3D view
+    from server.scenes.proxy import pass_on, take  # noqa: PLC0415 - imported with the first 3D view
 
     session = sessions.get(session_id)
+    if not await take(websocket):
+        return
     scene = await scenes.get(session)
     scene.enter()
     try:

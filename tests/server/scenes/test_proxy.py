@@ -9,7 +9,7 @@ from typing import Any
 from starlette.websockets import WebSocket
 from websockets.utils import accept_key
 
-from server.scenes.proxy import SUBPROTOCOL, pass_on
+from server.scenes.proxy import SUBPROTOCOL, pass_on, take
 from tests.server.service import PATIENCE_S
 
 CLOSE = 0x88  #: the first byte of a close frame
@@ -32,11 +32,12 @@ async def test_a_proxy_that_is_cancelled_twice_leaves_no_socket_open(tmp_path: P
         ended.set()
         writer.close()
 
-    accepted = asyncio.Event()
+    accepted, connected = asyncio.Event(), asyncio.Event()
 
     async def receive() -> dict[str, Any]:
         if not accepted.is_set():
             return {"type": "websocket.connect"}
+        connected.set()
         await asyncio.Event().wait()  # the browser says nothing either
         raise AssertionError
 
@@ -47,8 +48,10 @@ async def test_a_proxy_that_is_cancelled_twice_leaves_no_socket_open(tmp_path: P
     path = tmp_path / "scene"
     async with asyncio.timeout(PATIENCE_S), await asyncio.start_unix_server(mute, path):
         scope = {"type": "websocket", "subprotocols": [SUBPROTOCOL]}
-        proxy = asyncio.create_task(pass_on(WebSocket(scope, receive, send), path))
-        await accepted.wait()
+        browser = WebSocket(scope, receive, send)
+        assert await take(browser)
+        proxy = asyncio.create_task(pass_on(browser, path))
+        await connected.wait()
         proxy.cancel()
         await asked_to_close.wait()
         assert not proxy.done()
