@@ -13,7 +13,7 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from server.classes import Classes
 from server.downloads import Downloads
-from server.http.errors import CatchAll, Ending, install_error_handlers
+from server.http.errors import CatchAll, Ending, EnoughMemory, install_error_handlers
 from server.http.metrics import Metrics
 from server.http.routes import (
     class_puzzles,
@@ -55,6 +55,7 @@ from server.scenes import Scenes
 from server.sessions import KINDS, Kind, SessionRegistry
 from server.settings import Settings
 from server.version import package_version
+from server.work.memory_reserve import MemoryReserve
 
 END_S = 2.0  #: seconds that the shutdown waits for sessions that compute or whose kernels are being compiled
 
@@ -63,10 +64,12 @@ _log = structlog.get_logger(__name__)
 
 @asynccontextmanager
 async def _lifespan(
-    settings: Settings, kinds: Mapping[str, Kind], sign_ins: SignIns, app: FastAPI
+    settings: Settings, kinds: Mapping[str, Kind], sign_ins: SignIns, reserve: MemoryReserve, app: FastAPI
 ) -> AsyncIterator[None]:
     metrics = Metrics()
     async with AsyncExitStack() as stack:
+        guarding = asyncio.create_task(reserve.watch(), name="memory")
+        stack.callback(guarding.cancel)
         registry = SessionRegistry(settings, remake_seconds=metrics.remake_seconds.observe, traffic=metrics.traffic)
         metrics.watch(registry, kinds)
         await registry.start()
@@ -112,6 +115,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
     settings = (Settings() if settings is None else settings).with_token()
     token = None if settings.token is None else settings.token.get_secret_value()
     sign_ins = SignIns(token, settings.data_dir / "sign-ins.json")
+    reserve = MemoryReserve()
     app = FastAPI(
         title="Gridbloom",
         description="Occupancy grid maps that fill in: live worlds and robot logs.",
@@ -119,7 +123,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
         openapi_url="/api/openapi.json",
         docs_url=None,  # FastAPI's own page loads its scripts from another host
         redoc_url=None,
-        lifespan=partial(_lifespan, settings, kinds, sign_ins),
+        lifespan=partial(_lifespan, settings, kinds, sign_ins, reserve),
     )
     install_error_handlers(app)
     routers = (
@@ -160,6 +164,7 @@ def create_app(settings: Settings | None = None, kinds: Mapping[str, Kind] = KIN
     routes = [route for router in routers for route in router.routes]
     # The last one added is the outermost.
     app.add_middleware(CatchAll)
+    app.add_middleware(EnoughMemory, reserve=reserve)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=6)
     app.add_middleware(Security, settings=settings, routes=routes, sign_ins=sign_ins)
     app.add_middleware(Ending)

@@ -242,5 +242,8 @@ def _end(*_: object) -> NoReturn:
     """
     left_behind = threading.Timer(THREADS_END_S, os._exit, (0,))
     left_behind.daemon = True
-    left_behind.start()
+    try:
+        left_behind.start()
+    except (RuntimeError, MemoryError):  # there is no memory for a thread
+        os._exit(0)
     raise SystemExit(0)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 import numpy as np
-from scipy import ndimage
 
-from mapper.core.array_types import BoolArray, Float64Array, Int8Array
-from mapper.core.errors import ConfigError, LimitError
+from mapper.core.array_types import Float64Array, Int8Array
+from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse, transform_points
+from mapper.editing.areas import Covered, polygon_cells, stroke_cells
 from mapper.editing.operations import (
     VALUES,
     Crop,
@@ -25,7 +25,7 @@ from mapper.editing.operations import (
     Paint,
     Rotate,
 )
-from mapper.grid.cell_box import CellBox
+from mapper.editing.specks import without_specks
 from mapper.grid.occupancy_grid import GridGeometry
 
 MAX_EDITS = 2000
@@ -34,6 +34,8 @@ _LEAST_KEPT = 3  #: states
 MOST_KEPT_CELLS = 1 << 26  #: of all kept states
 _AT_ONCE = 1 << 16  #: cells that are turned at a time
 _EDGE = 1e-6  #: cells; so that a turn by 90° does not add a row for the sake of a rounding error
+
+Check: TypeAlias = "Callable[[], None]"  #: called between two parts of an edit; it raises an error to cancel the edit
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,15 +51,24 @@ class EditedMap:
     """A map of ``values`` (rows, cols) int8, 0 … 100 or −1 unknown as in nav_msgs/OccupancyGrid, and its edits.
 
     ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden; None: 0 everywhere.
+    ``may_continue`` is called about every hundredth of a second during an edit; if it returns False, the edit raises
+    :class:`WorkCancelledError`, and nothing has changed.
     """
 
-    def __init__(self, geometry: GridGeometry, values: Int8Array, keepout: Int8Array | None = None) -> None:
+    def __init__(
+        self,
+        geometry: GridGeometry,
+        values: Int8Array,
+        keepout: Int8Array | None = None,
+        may_continue: Callable[[], bool] = lambda: True,
+    ) -> None:
         if values.shape != geometry.shape:
             raise ConfigError("edit.shape", f"The map has {values.shape} values for {geometry.shape} cells.")
         if keepout is not None and keepout.shape != geometry.shape:
             raise ConfigError("edit.shape", f"The keepout mask has {keepout.shape} values for {geometry.shape} cells.")
         zones = np.zeros(geometry.shape, dtype=np.int8) if keepout is None else keepout.astype(np.int8)
         first = _State(geometry, values.astype(np.int8), zones)
+        self._may_continue = may_continue
         self._kept: dict[int, _State] = {0: first}
         self._state = first
         self._operations: list[Operation] = []
@@ -113,7 +124,7 @@ class EditedMap:
             raise LimitError(
                 "edit.too_many", f"A map can have at most {MAX_EDITS} edits; save it, and edit the result."
             )
-        self._state = _APPLY[type(operation)](self._state, operation)
+        self._state = self._after(self._state, operation)
         del self._operations[self._n :]
         self._operations.append(operation)
         self._n += 1
@@ -148,8 +159,16 @@ class EditedMap:
         begin = max(k for k in self._kept if k <= n) if n < self._n else self._n
         state = self._kept[begin] if n < self._n else self._state
         for operation in self._operations[begin:n]:
-            state = _APPLY[type(operation)](state, operation)
+            state = self._after(state, operation)
         self._state, self._n = state, n
+
+    def _after(self, state: _State, operation: Operation) -> _State:
+        self._check()
+        return _APPLY[type(operation)](state, operation, self._check)
+
+    def _check(self) -> None:
+        if not self._may_continue():
+            raise WorkCancelledError("edit.cancelled", "The edit was cancelled.")
 
 
 def _from_lattice(geometry: GridGeometry, lattice: list[tuple[float, float]]) -> Float64Array:
@@ -157,128 +176,37 @@ def _from_lattice(geometry: GridGeometry, lattice: list[tuple[float, float]]) ->
     return transform_points(geometry.origin, np.array(lattice, dtype=np.float64) * geometry.resolution)
 
 
-def _box_around(geometry: GridGeometry, lattice: Float64Array, reach: float) -> CellBox | None:
-    """Return the cells whose centres can be within ``reach`` cells of the points' bounding box; None outside the map.
-
-    ``lattice`` (n, 2) are lattice coordinates.
-    """
-    low, high = np.floor(lattice.min(axis=0) - reach - 1.0), np.ceil(lattice.max(axis=0) + reach + 1.0)
-    col0, row0 = (int(v) for v in np.maximum(low, 0))
-    col1, row1 = (int(v) for v in np.minimum(high, (geometry.cols, geometry.rows)))
-    return CellBox(row0, row1, col0, col1) if row0 < row1 and col0 < col1 else None
-
-
-def _near_segment(v: Float64Array, a: Float64Array, b: Float64Array, reach: float) -> tuple[Float64Array, Float64Array]:
-    """Return the first and the last u (n,) of the points (u, v) within ``reach`` of the segment from a to b.
-
-    The first is greater than the last where a line v has no such point.
-    """
-    first, last = np.full(v.shape, math.inf), np.full(v.shape, -math.inf)
-    for u_end, v_end in (a, b):  # the discs at both ends
-        half = np.sqrt(np.maximum(reach * reach - (v - v_end) ** 2, 0.0))
-        on = np.abs(v - v_end) <= reach
-        first[on], last[on] = np.minimum(first, u_end - half)[on], np.maximum(last, u_end + half)[on]
-    length = float(np.hypot(*(b - a)))
-    if length > 0.0:  # the rectangle between them, by its four sides
-        side = reach / length * np.array([a[1] - b[1], b[0] - a[0]])
-        corners = [a + side, b + side, b - side, a - side]
-        for (p_u, p_v), (q_u, q_v) in zip(corners, [*corners[1:], corners[0]], strict=True):
-            if p_v != q_v:
-                on = (min(p_v, q_v) <= v) & (v <= max(p_v, q_v))
-                u = p_u + (v - p_v) / (q_v - p_v) * (q_u - p_u)
-                first[on], last[on] = np.minimum(first, u)[on], np.maximum(last, u)[on]
-    return first, last
-
-
-def _within(geometry: GridGeometry, points: Float64Array, width: float) -> tuple[CellBox, BoolArray] | None:
-    """Return a box and which of its cells (rows, cols) are within half a width of the line through ``points``.
-
-    What is near a segment is convex: it covers one run of the cells of each row, of which the ends are counted.
-    """
-    lattice = geometry.to_lattice(points)
-    reach = width / 2.0 / geometry.resolution
-    box = _box_around(geometry, lattice, reach)
-    if box is None:
-        return None
-    rows, cols = box.row1 - box.row0, box.col1 - box.col0
-    ends = np.zeros((rows, cols + 1), dtype=np.int32)
-    place = lattice - (box.col0, box.row0)
-    for a, b in zip(place, [*place[1:], place[-1]], strict=True):
-        row0 = max(math.floor(min(a[1], b[1]) - reach - 0.5), 0)
-        row1 = min(math.ceil(max(a[1], b[1]) + reach + 0.5), rows)
-        if row0 >= row1:
-            continue
-        at = np.arange(row0, row1)
-        first, last = _near_segment(at + 0.5, a, b, reach)
-        on = first <= last
-        begin = np.clip(np.ceil(first[on] - 0.5), 0, cols).astype(np.int64)
-        end = np.clip(np.floor(last[on] - 0.5) + 1.0, 0, cols).astype(np.int64)
-        runs = begin < end
-        ends[at[on][runs], begin[runs]] += 1
-        ends[at[on][runs], end[runs]] -= 1
-    near = np.cumsum(ends[:, :cols], axis=1) > 0
-    held = np.floor(place).astype(np.int64)
-    held = held[((held >= 0) & (held < (cols, rows))).all(axis=1)]
-    near[held[:, 1], held[:, 0]] = True
-    return box, near
-
-
-def _inside(geometry: GridGeometry, polygon: Float64Array) -> tuple[CellBox, BoolArray] | None:
-    """Return a box and which of its cells (rows, cols) have their centres in a polygon, by the even-odd rule.
-
-    Each side is crossed by one line of centres in each of its rows: the cells before the crossing change sides.
-    """
-    lattice = geometry.to_lattice(polygon)
-    box = _box_around(geometry, lattice, 0.0)
-    if box is None:
-        return None
-    rows, cols = box.row1 - box.row0, box.col1 - box.col0
-    crossings = np.zeros((rows, cols + 1), dtype=np.int32)
-    place = lattice - (box.col0, box.row0)
-    for (a_u, a_v), (b_u, b_v) in zip(place, np.roll(place, -1, axis=0), strict=True):
-        row0, row1 = max(math.ceil(min(a_v, b_v) - 0.5), 0), min(math.ceil(max(a_v, b_v) - 0.5), rows)
-        if row0 < row1:
-            at = np.arange(row0, row1)
-            u = a_u + (at + 0.5 - a_v) / (b_v - a_v) * (b_u - a_u)
-            crossings[at, np.clip(np.ceil(u - 0.5), 0, cols).astype(np.int64)] += 1
-    after = np.cumsum(crossings[:, ::-1], axis=1)[:, ::-1]  # crossings at or after the cell before
-    return box, after[:, 1:] % 2 == 1
-
-
-def _with(old: Int8Array, found: tuple[CellBox, BoolArray] | None, value: int, what: str) -> Int8Array:
-    if found is None:
+def _with(old: Int8Array, covered: Covered | None, value: int, what: str) -> Int8Array:
+    if covered is None:
         raise ConfigError("edit.outside", f"{what} is outside the map.")
-    box, cells = found
+    box, bands = covered
     new = old.copy()
-    new[box.row0 : box.row1, box.col0 : box.col1][cells] = value
+    part = new[box.row0 : box.row1, box.col0 : box.col1]
+    for row0, cells in bands:
+        part[row0 : row0 + len(cells)][cells] = value
     return new
 
 
-def _paint(state: _State, edit: Paint) -> _State:
-    found = _within(state.geometry, np.array(edit.points), edit.width)
-    return _State(state.geometry, _with(state.values, found, VALUES[edit.state], "The stroke"), state.keepout)
+def _paint(state: _State, edit: Paint, check: Check) -> _State:
+    covered = stroke_cells(state.geometry, np.array(edit.points), edit.width, check)
+    return replace(state, values=_with(state.values, covered, VALUES[edit.state], "The stroke"))
 
 
-def _fill(state: _State, edit: Fill) -> _State:
-    found = _inside(state.geometry, np.array(edit.polygon))
-    return _State(state.geometry, _with(state.values, found, VALUES[edit.state], "The area"), state.keepout)
+def _fill(state: _State, edit: Fill, check: Check) -> _State:
+    covered = polygon_cells(state.geometry, np.array(edit.polygon), check)
+    return replace(state, values=_with(state.values, covered, VALUES[edit.state], "The area"))
 
 
-def _keepout(state: _State, edit: Keepout) -> _State:
-    found = _inside(state.geometry, np.array(edit.polygon))
-    return _State(state.geometry, state.values, _with(state.keepout, found, int(edit.value), "The keepout zone"))
+def _keepout(state: _State, edit: Keepout, check: Check) -> _State:
+    covered = polygon_cells(state.geometry, np.array(edit.polygon), check)
+    return replace(state, keepout=_with(state.keepout, covered, int(edit.value), "The keepout zone"))
 
 
-def _despeckle(state: _State, edit: Despeckle) -> _State:
-    groups, _ = ndimage.label(state.values == VALUES["occupied"], structure=np.ones((3, 3)))
-    sizes = np.bincount(groups.ravel())
-    small = sizes <= edit.cells
-    small[0] = False
-    values = np.where(small[groups], np.int8(VALUES["free"]), state.values)
-    return _State(state.geometry, values, state.keepout)
+def _despeckle(state: _State, edit: Despeckle, check: Check) -> _State:
+    return replace(state, values=without_specks(state.values, edit.cells, check))
 
 
-def _rotate(state: _State, edit: Rotate) -> _State:
+def _rotate(state: _State, edit: Rotate, check: Check) -> _State:
     old = state.geometry
     x, y, yaw = compose((0.0, 0.0, edit.angle), old.origin)
     turned = GridGeometry(old.resolution, old.rows, old.cols, (float(x), float(y), float(yaw)), old.limits)
@@ -289,6 +217,7 @@ def _rotate(state: _State, edit: Rotate) -> _State:
     values: Int8Array = np.full(new.shape, VALUES["unknown"], dtype=np.int8)
     keepout: Int8Array = np.zeros(new.shape, dtype=np.int8)
     for begin in range(0, values.size, _AT_ONCE):
+        check()
         flat = np.arange(begin, min(begin + _AT_ONCE, values.size))
         at = turned.world_to_cell(new.cell_to_world(np.column_stack(np.divmod(flat, cols))))
         held = ((at >= 0) & (at < old.shape)).all(axis=1)
@@ -298,7 +227,7 @@ def _rotate(state: _State, edit: Rotate) -> _State:
     return _State(new, values, keepout)
 
 
-def _crop(state: _State, edit: Crop) -> _State:
+def _crop(state: _State, edit: Crop, _: Check) -> _State:
     (x0, y0), (x1, y1) = edit.corners
     box = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
     old = state.geometry
@@ -313,14 +242,12 @@ def _crop(state: _State, edit: Crop) -> _State:
     return _State(new, state.values[part].copy(), state.keepout[part].copy())
 
 
-def _origin(state: _State, edit: Origin) -> _State:
+def _origin(state: _State, edit: Origin, _: Check) -> _State:
     old = state.geometry
     x, y, yaw = (float(v) for v in compose(inverse((edit.x, edit.y, edit.yaw)), old.origin))
-    return _State(
-        GridGeometry(old.resolution, old.rows, old.cols, (x, y, yaw), old.limits), state.values, state.keepout
-    )
+    return replace(state, geometry=GridGeometry(old.resolution, old.rows, old.cols, (x, y, yaw), old.limits))
 
 
-_APPLY: dict[type[Operation], Callable[[_State, Any], _State]] = {
+_APPLY: dict[type[Operation], Callable[[_State, Any, Check], _State]] = {
     Paint: _paint, Fill: _fill, Keepout: _keepout, Despeckle: _despeckle, Rotate: _rotate, Crop: _crop, Origin: _origin,
 }  # fmt: skip

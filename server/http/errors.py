@@ -28,6 +28,7 @@ from server.library.notes import NoteNotFoundError, NoteReadOnlyError
 from server.library.puzzles import PuzzleGoneError
 from server.sessions import SessionBudgetError, SessionNotFoundError
 from server.stream.close_codes import REFUSED
+from server.work.memory_reserve import MemoryReserve, is_out_of_memory
 
 _log = structlog.get_logger(__name__)
 
@@ -75,6 +76,8 @@ _STATUS_OF_CODE = {
     "slam.too_many": 429,
     "trajectory.too_many": 409,
 }
+
+_BEGINNING = frozenset({"POST", "PUT", "PATCH"})  #: methods of requests that begin something
 
 
 def error_response(
@@ -146,14 +149,42 @@ class CatchAll:
 
         try:
             await self._app(scope, receive, watched)
-        except Exception:
+        except Exception as error:
             if scope["type"] != "http":
                 raise
-            _log.exception("a request failed", method=scope["method"])
+            is_short = is_out_of_memory(error)
+            if is_short:
+                _log.warning("a request needed more memory than there is", method=scope["method"], error=str(error))
+            else:
+                _log.exception("a request failed", method=scope["method"])
             if started:
                 raise  # part of the answer is sent: only closing the connection shows the failure
-            response = error_response(500, "internal", "The request failed because of a defect in the service.")
+            response = (
+                out_of_memory()
+                if is_short
+                else error_response(500, "internal", "The request failed because of a defect in the service.")
+            )
             await response(scope, receive, send)
+
+
+def out_of_memory() -> JSONResponse:
+    """Return the answer to a request for which there is no memory."""
+    message = "The service has no memory left for this now. Try again later."
+    return error_response(503, "service.memory", message, headers={"Retry-After": "30"})
+
+
+class EnoughMemory:
+    """Middleware: refuse requests that begin something while memory is short; what is there can be read and deleted."""
+
+    def __init__(self, app: ASGIApp, reserve: MemoryReserve) -> None:
+        self._app, self._reserve = app, reserve
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, or refuse it."""
+        if scope["type"] == "http" and scope["method"] in _BEGINNING and self._reserve.is_short():
+            await out_of_memory()(scope, receive, send)
+            return
+        await self._app(scope, receive, send)
 
 
 class Ending:

@@ -8,7 +8,7 @@ client has of a layer.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -164,8 +164,20 @@ class GridLayer(Layer):
         """Set ``values`` (rows, cols) from 0 to 254, 255 for none; as :meth:`set`, without rounding (worker thread)."""
         if values.shape != geometry.shape or values.dtype != np.uint8:
             raise ValueError(f"values of shape {values.shape} {values.dtype} do not fit a grid {geometry.shape}")
-        picture, is_new = self._picture_of(geometry, 0.0, 254.0)
-        picture.set_cells((values - np.uint8(127)).view(np.int8))  # 255 becomes -128, which is no value
+        # 255 becomes -128, which is no value.
+        return self.set_cells(geometry, 0.0, 254.0, [(0, (values - np.uint8(127)).view(np.int8))])
+
+    def set_cells(
+        self, geometry: GridGeometry, low: float, high: float, bands: Iterable[tuple[int, NDArray[np.int8]]]
+    ) -> bool:
+        """Set the cells of the picture themselves, in which −127 … 127 are ``low`` … ``high`` (worker thread).
+
+        ``bands`` are the first row and the cells (rows, cols) of bands of whole tiles; −128 is no value. Return whether
+        a new epoch begins.
+        """
+        picture, is_new = self._picture_of(geometry, low, high)
+        for row0, cells in bands:
+            picture.set_cells(cells, row0 // TILE)
         return is_new
 
     def _picture_of(self, geometry: GridGeometry, low: float, high: float) -> tuple[TilePicture, bool]:

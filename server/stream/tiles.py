@@ -105,9 +105,9 @@ class TilePicture:
         cells = np.where(none, NEVER_OBSERVED, np.clip(np.rint(scaled), -127, 127)).astype(np.int8)
         self._set_part(cells, first_row, first_col)
 
-    def set_cells(self, cells: NDArray[np.int8]) -> None:
-        """Set the picture's ``cells`` (rows, cols) themselves (worker thread)."""
-        self._set_part(cells, 0, 0)
+    def set_cells(self, cells: NDArray[np.int8], first_row: int = 0) -> None:
+        """Set ``cells`` (rows, cols) of the picture themselves, from a row of tiles on (worker thread)."""
+        self._set_part(cells, first_row, 0)
 
     def _set_part(self, cells: NDArray[np.int8], first_row: int, first_col: int) -> None:
         """Set the cells from a tile on; ``cells`` ends at the end of a tile or of the picture."""
@@ -146,14 +146,12 @@ class TilePicture:
         """Return ``tiles`` (n, 2), (ty, tx), each compressed."""
         if len(tiles) == 0:
             return []
-        rows, cols = self.geometry.shape
-        cells = self.cells
-        if rows % TILE or cols % TILE:  # the last tiles of a grid that is not whole tiles
-            cells = np.full((-(-rows // TILE) * TILE, -(-cols // TILE) * TILE), NEVER_OBSERVED, dtype=np.int8)
-            cells[:rows, :cols] = self.cells
-        by_tile = cells.reshape(cells.shape[0] // TILE, TILE, cells.shape[1] // TILE, TILE).swapaxes(1, 2)
+        by_tile = np.full((len(tiles), TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
+        for whole, (ty, tx) in zip(by_tile, (tiles * TILE).tolist(), strict=True):
+            part = self.cells[ty : ty + TILE, tx : tx + TILE]  # less than a tile at the end of the grid
+            whole[: part.shape[0], : part.shape[1]] = part
         # All in one call: each one gives the interpreter's lock away and has to wait for it again.
-        parts = zstandard.BufferWithSegments(by_tile[tiles[:, 0], tiles[:, 1]].data, _SEGMENTS[: 16 * len(tiles)])
+        parts = zstandard.BufferWithSegments(by_tile.data, _SEGMENTS[: 16 * len(tiles)])
         packed = _compressor().multi_compress_to_buffer(parts)
         return [packed[i].tobytes() for i in range(len(tiles))]
 

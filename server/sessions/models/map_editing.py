@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any, ClassVar
 
 import numpy as np
 
+from mapper.core.array_types import Int8Array
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.editing import EditedMap, Operation, parse_operation
+from mapper.editing.areas import row_bands
 from mapper.editing.files import map_files
-from mapper.grid import GridGeometry
+from mapper.grid import TILE, CellBox, GridGeometry
+from mapper.grid.kernels.quantise import NEVER_OBSERVED
 from mapper.io.maps.reading import grid_of_values
 from mapper.mapping.parameters import MappingConfig
 from server.library.given_map import GivenMap
@@ -24,6 +27,7 @@ from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer
+from server.stream.tiles import TilePicture, picture_range
 
 MOST_CELLS = 1 << 24  #: of a map that is edited
 MOST_LISTED = 12  #: of the last edits, in the message ``map_edits``
@@ -36,6 +40,11 @@ _FIELDS = {
     "crop": {"points": "corners"},
     "origin": {"points": "points", "angle": "yaw"},
 }  #: of each operation: the field of the command ``map_edit``, and its own
+
+#: The picture's value (256,) of each value of the keepout mask, by its bits: 1 … 127 as they are, else none.
+_ZONE_SHADES = np.where((np.arange(256) > 0) & (np.arange(256) < 128), np.arange(256) - 127, NEVER_OBSERVED).astype(
+    np.int8
+)
 
 
 def operation_of(command: dict[str, Any]) -> Operation:
@@ -58,7 +67,7 @@ class MapModel(SessionModel):
         super().__init__(Playback(playing=False))
         self._host, self._given, self._log_id = host, given, log_id
         geometry = _limited(given.geometry, host.limits())
-        self._edited = EditedMap(geometry, given.values, given.keepout)
+        self._edited = EditedMap(geometry, given.values, given.keepout, host.may_continue)
         self._map = GridLayer("map", "Map")
         self._keepout = GridLayer("keepout", "Keepout zones", "keepout")
         self._is_stale = True
@@ -145,10 +154,16 @@ class MapModel(SessionModel):
 
     def _draw(self) -> None:
         self._is_stale = False
-        edited, whole = self._edited, MappingConfig()
-        self._map.update(grid_of_values(edited.geometry, edited.values), whole, None, whole=True)
-        zones = np.where(edited.keepout > 0, edited.keepout, -1).astype(np.int8)
-        self._keepout.set_bytes(edited.geometry, zones.view(np.uint8))
+        edited = self._edited
+        self._map.set_cells(edited.geometry, *picture_range(MappingConfig()), self._bands(edited.values, _map_shades()))
+        self._keepout.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.keepout, _ZONE_SHADES))
+
+    def _bands(self, values: Int8Array, shades: Int8Array) -> Iterator[tuple[int, Int8Array]]:
+        """Yield the first row and the picture's cells of bands of whole tiles; other sessions compute between them."""
+        rows, cols = values.shape
+        for row0, row1 in row_bands(rows, cols, multiple=TILE):
+            self._host.may_continue()
+            yield row0, shades[values[row0:row1].view(np.uint8)]
 
     # -- on the event loop ----------------------------------------------------------------------------------------
 
@@ -160,6 +175,18 @@ class MapModel(SessionModel):
 
 def _files(edited: EditedMap, stem: str, source: str) -> list[tuple[str, bytes]]:
     return list(map_files(edited, stem, source))
+
+
+@cache
+def _map_shades() -> Int8Array:
+    """Return the picture's value (256,) of each value of nav_msgs/OccupancyGrid, by its bits."""
+    values = np.arange(-1, 101, dtype=np.int8)
+    grid = grid_of_values(GridGeometry(1.0, 1, values.size), values[np.newaxis])
+    picture = TilePicture(grid.geometry, *picture_range(MappingConfig()))
+    picture.update(grid, CellBox(0, 1, 0, values.size))
+    shades = np.full(256, NEVER_OBSERVED, dtype=np.int8)
+    shades[values.view(np.uint8)] = picture.cells[0]
+    return shades
 
 
 def _limited(geometry: GridGeometry, limits: Limits) -> GridGeometry:

@@ -1,5 +1,6 @@
 """Edits of a map against cells found one by one, undone and done again, and saved, read and carried out again."""
 
+import itertools
 import json
 import math
 from collections.abc import Mapping
@@ -10,11 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from scipy import ndimage
 
-from mapper.core.errors import ConfigError, LimitError, ReadError
-from mapper.editing import EditedMap, edited_map, operation_dict, parse_operation
+from mapper.core.errors import ConfigError, LimitError, ReadError, WorkCancelledError
+from mapper.editing import EditedMap, areas, edited_map, operation_dict, parse_operation
 from mapper.editing.files import apply_edits, edits_text, parse_edits, save_edited
 from mapper.editing.operations import Paint
+from mapper.editing.specks import without_specks
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 
@@ -242,9 +245,9 @@ def test_many_steps_are_undone_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     done: list[Paint] = []
     paint = edited_map._APPLY[Paint]
 
-    def counted(state: Any, edit: Paint) -> Any:
+    def counted(state: Any, edit: Paint, check: Any) -> Any:
         done.append(edit)
-        return paint(state, edit)
+        return paint(state, edit, check)
 
     monkeypatch.setitem(edited_map._APPLY, Paint, counted)
     assert edited.undo(44)
@@ -253,6 +256,65 @@ def test_many_steps_are_undone_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not edited.undo()
     assert edited.redo(99)
     assert (len(edited.operations), edited.can_redo, len(done)) == (45, False, 46)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_bands_of_rows_make_the_same_edits_as_the_whole_map(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lines that cross themselves and leave the map; specks that several bands share."""
+    points = np.random.default_rng(seed).uniform((-0.5, -0.8), (4.5, 3.2), (9, 2)).tolist()
+    edits = [STROKE | {"points": points}, AREA | {"polygon": points}, ZONE | {"polygon": points}]
+    edits += [{"op": "despeckle", "cells": seed + 2}]
+    whole = [after(made(0.2), one) for one in edits]
+    for cells in (1, 3 * 40):
+        monkeypatch.setattr(areas, "BAND_CELLS", cells)
+        for one, expected in zip(edits, whole, strict=True):
+            edited = after(made(0.2), one)
+            np.testing.assert_array_equal(edited.values, expected.values)
+            np.testing.assert_array_equal(edited.keepout, expected.keepout)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5])
+def test_specks_across_bands_are_those_of_the_whole_map(share: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the groups that SciPy finds in all rows at once; a comb joins groups in its last row only."""
+    values = np.where(np.random.default_rng(2).random((60, 50)) < share, 100, 0).astype(np.int8)
+    values[40:59, ::4], values[59, :30] = 100, 100
+    groups, _ = ndimage.label(values == 100, structure=np.ones((3, 3)))
+    sizes = np.bincount(groups.ravel())
+    for band, cells in itertools.product((1, 50, 400, 1 << 18), (1, 7, 30, 10_000)):
+        monkeypatch.setattr(areas, "BAND_CELLS", band)
+        expected = np.where((groups > 0) & (sizes[groups] <= cells), 0, values)
+        np.testing.assert_array_equal(without_specks(values, cells, lambda: None), expected)
+
+
+@pytest.mark.parametrize("edit", [STROKE, AREA, ZONE, {"op": "despeckle", "cells": 3}, TURN, CUT, MOVE])
+def test_an_edit_that_is_cancelled_changes_nothing(edit: Mapping[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(areas, "BAND_CELLS", 100)
+    left = math.inf
+
+    def may_continue() -> bool:
+        nonlocal left
+        left -= 1
+        return left >= 0
+
+    source = made()
+    edited = EditedMap(source.geometry, source.values, None, may_continue)
+    after(edited, STROKE, ZONE)
+    before = edited.values.copy(), edited.keepout.copy(), edited.geometry, edited.operations
+    for left in range(1000):  # noqa: B007 - it is what may_continue counts
+        try:
+            after(edited, edit)
+        except WorkCancelledError as error:
+            assert error.code == "edit.cancelled"  # noqa: PT017 - the last one succeeds
+            np.testing.assert_array_equal(edited.values, before[0])
+            np.testing.assert_array_equal(edited.keepout, before[1])
+            assert (edited.geometry, edited.operations) == before[2:]
+        else:
+            break
+    assert len(edited.operations) == 3
+    left = 0
+    with pytest.raises(WorkCancelledError):
+        edited.undo(2)
+    assert (len(edited.operations), edited.n_undone) == (3, 0)
 
 
 def test_a_tall_map_is_turned_in_few_pieces_and_as_whole(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import Limits
 from mapper.costmap.build import DEFAULT, load_masks
 from mapper.editing import EditedMap, parse_operation
+from mapper.editing.areas import BAND_CELLS
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import open_costmaps
 from mapper.io.maps import load_map
@@ -30,10 +31,14 @@ class Host:
     """What a map needs of its host."""
 
     def __init__(self, most: int = 1 << 24) -> None:
-        self.most = most
+        self.most, self.yielded = most, 0
 
     def limits(self) -> Limits:
         return Limits(max_cells=self.most)
+
+    def may_continue(self) -> bool:
+        self.yielded += 1
+        return True
 
 
 def model(rows: int = 20, most: int = 1 << 24) -> MapModel:
@@ -83,6 +88,40 @@ def test_commands_are_the_operations_of_the_editor() -> None:
     assert (shown.messages()[0]["n"], shown.messages()[0]["undone"]) == (0, 7)
     shown.obey({"type": "map_history", "steps": 3}, result)
     assert (shown.messages()[0]["n"], shown.messages()[0]["notes"]) == (3, ["A note."])
+
+
+SIDE_M = 100.0
+ALL = [[0.0, 0.0], [SIDE_M, 0.0], [SIDE_M, SIDE_M], [0.0, SIDE_M]]
+
+
+@pytest.mark.parametrize(
+    ("command", "passes"),
+    [
+        ({"type": "map_edit", "op": "paint", "state": "free", "width": 1.0, "points": ALL}, 1),
+        ({"type": "map_edit", "op": "fill", "state": "free", "points": ALL}, 1),
+        ({"type": "map_edit", "op": "keepout", "value": 100, "points": ALL}, 1),
+        ({"type": "map_edit", "op": "despeckle", "value": 20}, 2),
+        ({"type": "map_edit", "op": "rotate", "angle": 0.1}, 1),
+        ({"type": "map_edit", "op": "crop", "points": [[0.0, 0.0], [SIDE_M, SIDE_M]]}, 0),
+        ({"type": "map_history", "steps": -1}, 2),
+        ({"type": "map_history", "steps": 2}, 2),
+    ],
+    ids=lambda value: value.get("op", f"steps {value.get('steps')}") if isinstance(value, dict) else None,
+)
+def test_a_large_map_is_edited_and_drawn_in_slices(command: dict[str, Any], passes: int) -> None:
+    """Other sessions may compute after each band of cells, in each pass over the map and over the two pictures."""
+    n = 1024
+    given = GivenMap("hall", GridGeometry(SIDE_M / n, n, n), np.zeros((n, n), np.int8), ())
+    host = Host(1 << 27)
+    shown = MapModel(host, given, log_id="hall")  # type: ignore[arg-type]
+    for _ in range(3):
+        shown.obey({"type": "map_edit", "op": "fill", "state": "unknown", "points": ALL}, TickResult())
+    shown.obey({"type": "map_history", "steps": -2 if command.get("steps") == 2 else 0}, TickResult())
+    host.yielded = 0
+    result = TickResult()
+    shown.obey(command, result)
+    shown.draw(result)
+    assert host.yielded >= (passes + 2) * n * n // BAND_CELLS
 
 
 def test_what_a_map_refuses() -> None:
