@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.volume.kernels.faces import CHUNK
 from mapper.volume.occupancy import OccupancyVolume
-from mapper.volume.voxel_classes import ChunkKey
+from mapper.volume.voxel_classes import ChunkKey, Painted
 
 REACH = 2  #: voxels around a voxel whose plane its normal is perpendicular to
 STEPS = 8  #: of the square of each component, in which directions are told apart
@@ -44,6 +44,12 @@ def voxel_normals(volume: OccupancyVolume, chunk: ChunkKey) -> tuple[Int64Array,
     is_back = np.where(np.abs(facing) > 1e-9, facing < 0.0, normals[:, 2] < 0.0)
     normals[is_back] *= -1.0
     return (z * CHUNK + y) * CHUNK + x, normals
+
+
+def painted_directions(volume: OccupancyVolume, chunk: ChunkKey) -> Painted:
+    """Return the directions that the occupied voxels of a chunk face, as the colours of :class:`VoxelFaces`."""
+    numbers, normals = voxel_normals(volume, chunk)
+    return {chunk: (numbers, direction_numbers(normals))}
 
 
 def direction_numbers(normals: Float64Array) -> UInt8Array:

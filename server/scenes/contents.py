@@ -80,7 +80,7 @@ class SceneContents:
         return max(min(late) - time.monotonic(), 0.0) if late else None
 
     def _show_one(self, reading: Reading) -> None:
-        drawing, started = reading.drawing, time.monotonic()
+        drawing, started, queued = reading.drawing, time.monotonic(), self._server.queued
         with self._server.atomic():
             drawer = self._drawers.get(drawing.name)
             if drawer is None:
@@ -91,7 +91,9 @@ class SceneContents:
         took = reading.seconds + time.monotonic() - started
         if took < QUICK_S:
             took = 0.0
-        self._due[drawing.name] = started + max(1.0 / drawer.max_hz, took / SHARE)
+        was_sent = self._server.queued > queued
+        pause = 1.0 / drawer.max_hz if was_sent or drawer.reads_live_arrays else 0.0
+        self._due[drawing.name] = started + max(pause, took / SHARE)
 
     def _is_allowed(self, drawing: Drawing) -> bool:
         """Return whether a drawing is small enough to be sent; log once that it is not."""

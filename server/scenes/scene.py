@@ -1,8 +1,9 @@
 """The 3D view of one session: a viser server behind the proxy, updated after the session's ticks.
 
 It shows the model's ``drawings()`` and ``controls()`` and does not depend on the kind of session. Nothing is computed
-while no browser shows it; otherwise the session is read at most :data:`MAX_HZ` times a second, and each drawing at most
-as often as its drawer states.
+while no browser shows it; otherwise something is sent at most :data:`MAX_HZ` times a second, and of each drawing at
+most as often as its drawer states. Reading the session while there is nothing to send takes at most :data:`SHARE` of
+the time.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from server.sessions.drawings import Point, Quaternion
 from server.sessions.scene_controls import Bounds
 
 MAX_HZ = 15.0
+SHARE = 0.2
 DEFAULT_BOUNDS: Bounds = (-10.0, -10.0, 10.0, 10.0)
 SETTLE_S = 0.25  #: interval at which a control that waits for the session's confirmation is checked
 
@@ -218,13 +220,17 @@ class Scene:
         while True:
             await self._changed.wait()
             self._changed.clear()
+            pause_s = 1.0 / MAX_HZ
             if self._watching:
+                queued = self._server.queued
                 try:
                     state = await read_state(self._session, self._drawers, self._contents.due)
                     await asyncio.to_thread(self._draw, state)
+                    if self._server.queued == queued:  # the next change need not wait
+                        pause_s = min(pause_s, (time.monotonic() - state.read_at) / SHARE)
                 except Exception:  # noqa: BLE001 - a scene that cannot be drawn must not end the session's view for good
                     _log.exception("scene not drawn", session=short_hash(self._session.id))
-            await asyncio.sleep(1.0 / MAX_HZ)
+            await asyncio.sleep(pause_s)
 
     def _draw(self, state: SceneState) -> None:
         """Draw what changed (a thread)."""

@@ -94,6 +94,11 @@ class ViserServer(viser.ViserServer):
             descriptor = os.dup(bound.fileno())
         super().__init__(host=str(descriptor), port=0, label="Gridbloom", verbose=False)
 
+    @property
+    def queued(self) -> int:
+        """How many messages for all browsers have been queued since the start."""
+        return self._websock_server.get_message_buffer().message_counter
+
     def request_share_url(self, verbose: bool = True) -> None:
         """Open no public tunnel."""
 

@@ -252,15 +252,17 @@ class SessionHost:
             ticking = playback.playing and self.is_seen
             if self._is_deferred_work_due():
                 await self._run_deferred_work()
-            elif not (self._queue or self._is_draw_due) and self._caught_up.is_set():
-                await self._wait(self._idle_s(last + self._tick_s() if ticking else None))
+            elif not (self._queue or self._is_draw_due):
+                idle_s = self._idle_s(last + self._tick_s() if ticking else None)
+                await self._wait(idle_s if self._caught_up.is_set() else self.model.catch_up_pause_s)
             if self.closed:
                 return
             now = self._clock()
             last = last if ticking else now - TICK_S  # time without playback does not count
             due = playback.playing and self.is_seen and now - last >= self._tick_s()
             commands = self._queue.waiting()
-            if not (commands or due or self._is_draw_due) and self._caught_up.is_set():
+            is_due = commands or due or self._is_draw_due
+            if not is_due and (self._caught_up.is_set() or self.model.catch_up_pause_s > 0.0):
                 continue
             self._is_draw_due = False
             dt = min(now - last, MAX_TICK_S) if due else 0.0

@@ -188,6 +188,11 @@ class SessionModel(ABC):
         return False
 
     @property
+    def catch_up_pause_s(self) -> float:
+        """Seconds from now for which a tick that only catches up waits, so that what was computed is sent first."""
+        return 0.0
+
+    @property
     def fraction(self) -> float | None:
         """The share of the present computation that is done, 0 to 1; None if not known (any thread)."""
         return None

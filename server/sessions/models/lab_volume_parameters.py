@@ -12,7 +12,7 @@ from mapper.simulation.sensors_3d import SENSOR_3D_PARAMETERS, Sensor3D
 from mapper.volume import VolumeConfig
 
 HIGHEST = 2.4  #: metres: no world of the lab is higher
-COLOURS = ("height", "belief")
+COLOURS = ("height", "belief", "normal")
 
 TABLE: tuple[Parameter, ...] = (
     *SENSOR_3D_PARAMETERS,

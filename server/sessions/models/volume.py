@@ -304,6 +304,11 @@ class VolumeModel(SessionModel):
         return self._map.index != self._target and not self.playback.playing
 
     @property
+    def catch_up_pause_s(self) -> float:
+        """The time that is left for sending the surface."""
+        return self._surface.sending_s if self._is_surface and self._shown.index == self._target else 0.0
+
+    @property
     def fraction(self) -> float | None:
         """The share of the wanted scans that is in the map, or of the terrain that is done."""
         if self._terrain.share is not None:

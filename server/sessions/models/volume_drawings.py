@@ -13,7 +13,7 @@ from mapper.volume.changes import Changes
 from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.scan_sequence import ScanSequence
 from mapper.volume.voxel_classes import Painted, voxel_classes
-from mapper.volume.voxel_normals import direction_numbers, directions, voxel_normals
+from mapper.volume.voxel_normals import painted_directions
 from server.sessions.drawings import Drawing, Points, Voxels
 from server.sessions.models.chosen_voxel import HIT, ChosenVoxel
 from server.sessions.models.volume_look import (
@@ -22,11 +22,11 @@ from server.sessions.models.volume_look import (
     CLASS_COLOURS,
     COLOURS,
     HEIGHT_RAMP,
+    NORMAL_COLOURS,
     PLAIN,
     REMOVED,
     SIDE_COLOURS,
     Look,
-    normal_colors,
     ramp_of,
 )
 
@@ -35,7 +35,6 @@ MOST_CLASSED = 2_000_000  #: whose classes are counted; of more, every second po
 MOST_MOVING = 6000  #: that are drawn of the newest scan while the map changes: 72 kB on the wire
 DRAWN = ("show", "colour", "band", "whole", "cut_low", "cut_high")  #: the look's values that change the drawings
 WITHOUT_VOXELS = ("points", "surface")
-NORMAL_COLOURS = normal_colors(np.round(127.0 * directions()).astype(np.int8))
 PALETTES = {"side": SIDE_COLOURS, "probability": BELIEF_RAMP, "class": CLASS_COLOURS, "normal": NORMAL_COLOURS}
 NUMBERED = ("probability", "class", "normal")  #: colourings whose rectangles are not those of heights
 NO_CHUNKS: dict[ChunkKey, NDArray[np.uint8]] = {}
@@ -122,7 +121,8 @@ class VolumeDrawings:
         classes = self._classes_at(volume.config.resolution) if look.colour == "class" else None
         # Low chunks first: the ground, and what stands on it.
         for key in sorted(self._pending, key=lambda one: (one[2], one[1], one[0])):
-            self.faces.update(volume, rule, [key], painted=_facing(volume, key) if look.colour == "normal" else classes)
+            painted = painted_directions(volume, key) if look.colour == "normal" else classes
+            self.faces.update(volume, rule, [key], painted=painted)
             self._pending.discard(key)
             if is_over():
                 break
@@ -204,12 +204,6 @@ class VolumeDrawings:
         ]  # fmt: skip
         found += [one for one in (self._points, self._newest) if one is not None]
         return [*found, *self.chosen.drawings, *self._changes]
-
-
-def _facing(volume: OccupancyVolume, key: ChunkKey) -> Painted:
-    """Return the directions that the occupied voxels of a chunk face, as colours."""
-    numbers, normals = voxel_normals(volume, key)
-    return {key: (numbers, direction_numbers(normals))}
 
 
 def _chunks_of_keys(keys: Int64Array, size: float) -> dict[ChunkKey, NDArray[np.uint8]]:

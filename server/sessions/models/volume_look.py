@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.parameter import Parameter, check_fields, check_table
+from mapper.volume.voxel_normals import directions
 
 HEIGHTS = ("cut_low", "cut_high", "band_low", "band_high")  #: rows whose bounds are those of the map
 COLOURS = 24  #: of a ramp
@@ -104,3 +105,7 @@ def normal_colors(normals: NDArray[np.int8]) -> NDArray[np.uint8]:
         squares[:, [axis]] * np.where(away[:, [axis]] < 0.0, sides[2 * axis], sides[2 * axis + 1]) for axis in range(3)
     )
     return np.round(np.asarray(mixed)).astype(np.uint8)
+
+
+#: Of the directions that voxels face, by their numbers, the first of which is 1.
+NORMAL_COLOURS = normal_colors(np.round(127.0 * directions()).astype(np.int8))

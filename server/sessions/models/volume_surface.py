@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from server.sessions.models.chosen_voxel import ChosenVoxel
 
 MESH_S = 0.05  #: of meshing chunks, after which the others wait for the next tick
+SENDING_S = 0.1  #: for which other work waits after the mesh has changed: the changed triangles are sent first
 MOST_TRIANGLES = 4_000_000  #: that are drawn
 FINEST_M = 0.02  #: of the voxels at first
 
@@ -56,6 +57,7 @@ class VolumeSurface:
         self._first = self.config
         self._chunks = SurfaceChunks()
         self._replayed: ReplayedSurface | None = None
+        self._sent_at = 0.0  #: when the mesh should be sent, seconds of :func:`time.monotonic`
         self.is_busy = False  #: whether an answer about a voxel is being computed
         #: Of each chunk its mesh, the heights that it was cut at, and what is left.
         self._shown: dict[ChunkKey, tuple[ChunkMesh, tuple[float, float], ChunkMesh | None]] = {}
@@ -109,6 +111,12 @@ class VolumeSurface:
         if (touched := now.take_touched()) is None or len(touched):
             self._chunks.note_change(now.volume, touched)
         self._chunks.work(now.volume, lambda: time.monotonic() - began > MESH_S)
+        self._sent_at = time.monotonic() + SENDING_S
+
+    @property
+    def sending_s(self) -> float:
+        """Seconds that are left for sending the whole mesh; 0 where it is sent, or not whole yet."""
+        return 0.0 if self.is_stale else max(self._sent_at - time.monotonic(), 0.0)
 
     def file(self, kind: str, index: int) -> bytes:
         """Return the surface of the first ``index`` scans as ``.ply`` or ``.glb``. Raises :class:`ConfigError`."""

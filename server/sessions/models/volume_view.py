@@ -14,7 +14,9 @@ from mapper.simulation.live_map import LiveMap
 from mapper.volume import Octree, octree_file
 from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
 from mapper.volume.mesh_files import glb_bytes, ply_bytes
+from mapper.volume.voxel_classes import Painted
 from mapper.volume.voxel_mesh import voxel_mesh
+from mapper.volume.voxel_normals import painted_directions
 from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.models.chosen_voxel import ChosenVoxel
@@ -23,6 +25,7 @@ from server.sessions.models.lab_terrain import points_of, true_ground
 from server.sessions.models.lab_volume import LabVolume, only_in_3d
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 from server.sessions.models.simulation_commands import flag
+from server.sessions.models.volume_look import NORMAL_COLOURS
 from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
@@ -60,6 +63,7 @@ class VolumeView:
         self._dirty: set[ChunkKey] = set()
         self._is_drawn = False  #: whether a 3D view has asked for drawings since the last tick
         self._voxels: dict[ChunkKey, np.ndarray] = {}
+        self._palette = PALETTE  #: of these
         self._since = 0  #: scans since the last projection
         self._memory: dict[str, int] = {}
         self._memory_at = -1  #: scans in the map when memory was counted last
@@ -238,8 +242,14 @@ class VolumeView:
 
     def _make_faces(self, made: LabVolume) -> None:
         dirty, self._dirty = self._dirty, set()
-        if self._faces.update(made.volume, self._rule(made), dirty):
+        by_normal = made.parameters.values["colour"] == "normal"
+        painted: Painted | None = None
+        if by_normal:
+            parts = (painted_directions(made.volume, key) for key in dirty)
+            painted = {key: directions for part in parts for key, directions in part.items()}
+        if self._faces.update(made.volume, self._rule(made), dirty, painted=painted):
             self._voxels = dict(self._faces.chunks)
+        self._palette = NORMAL_COLOURS if by_normal else PALETTE  # changes with the chunks
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
@@ -269,7 +279,7 @@ class VolumeView:
         size = made.parameters.config.resolution
         found = [one for one in flat if not isinstance(one, GridColumns)]
         found.append(
-            Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=PALETTE, size=size, corner=CENTRE)
+            Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
         )
         if made.scans:
             scan = made.scans[-1]

@@ -17,10 +17,12 @@ import trimesh
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.simulation.space import cast
+from mapper.volume.voxel_normals import voxel_normals
 from server.sessions import SessionRegistry
 from server.sessions.drawings import GridColumns, Segments, Voxels
 from server.sessions.models import lab_volume
 from server.sessions.models.simulation import SimulationModel
+from server.sessions.models.volume_look import normal_colors
 from server.sessions.tick import TickResult
 from tests.server.begin import new_simulation
 
@@ -195,6 +197,32 @@ async def test_faces_are_made_only_for_a_3d_view(lab: Lab) -> None:
     lab.do(type="map3d", values={"cut_high": 1.5})
     lab.do(type="restart")
     assert not voxels().chunks  # of the old map nothing is left
+
+
+async def test_voxels_have_the_colours_of_their_normals(lab: Lab) -> None:
+    lab.do(type="map3d")
+    lab.look_around()
+
+    def voxels() -> Voxels:
+        return next(one for one in lab.model.drawings() if isinstance(one, Voxels))
+
+    voxels()
+    lab.pass_time(0.1)
+    heights = voxels()
+    lab.do(type="map3d", values={"colour": "normal"})
+    lab.pass_time(0.1)
+    found = voxels()
+    assert found.chunks.keys() == heights.chunks.keys()
+    for key, quads in found.chunks.items():
+        numbers, normals = voxel_normals(lab.map.volume, key)
+        wanted = np.zeros((32**3, 3), dtype=np.int64)
+        wanted[numbers] = normal_colors(np.round(127.0 * normals).astype(np.int8))
+        x, y, z = quads[:, 1:4].astype(np.int64).T
+        away = found.palette[quads[:, 6] - 1] - wanted[(z * 32 + y) * 32 + x]
+        assert np.abs(away).max() < 25  # directions are told apart in steps
+    lab.do(type="map3d", values={"colour": "height"})
+    lab.pass_time(0.1)
+    assert voxels().palette is heights.palette
 
 
 async def test_a_click_is_answered_by_the_scans_that_made_the_voxel_so(lab: Lab) -> None:
