@@ -22,6 +22,7 @@ WINDOW, DRIFT = 1.0, 0.03  #: metres, and metres for each metre of the way in th
 TURN_WINDOW, TURN_DRIFT = 0.15, 0.003  #: radians, and radians for each metre
 SIGHT = 3.0  #: metres: a scan sees as much of a place from so far away
 LEAST_WAY = 8.0  #: metres driven since the last scan of a submap, for it to be a loop
+MOST_ATTEMPTS = 2_000  #: over a way, from which on their distance grows with it: their number with its logarithm
 CANDIDATES = 2  #: submaps that are searched in one attempt
 
 
@@ -39,7 +40,8 @@ class LoopCloser:
 
         ``loops`` are those accepted before.
         """
-        if way[j] - self._way_of_last_attempt < self._config.loop_distance:
+        distance = max(self._config.loop_distance, float(way[j]) / MOST_ATTEMPTS)
+        if way[j] - self._way_of_last_attempt < distance:
             return []
         self._way_of_last_attempt = way[j]
         tried = []

@@ -7,6 +7,7 @@ good as convex, and shrinks.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -49,13 +50,15 @@ def optimise(
     max_iterations: int = MAX_ITERATIONS,
     graduated: bool = True,
     system: SparseSystem | None = None,
+    check: Callable[[], None] | None = None,
 ) -> PoseGraph:
     """Return the graph with the poses that minimise Σ ρ(eᵀ Ω e) over its edges, and their residuals and weights.
 
     ``fixed`` is the row of the node that does not move. The robust kernel ρ (:func:`robust_weights`) applies to loops
     that are not locked; with ``graduated`` its scale starts at the largest residual. The starting poses are the
-    graph's. ``system`` is a :class:`SparseSystem` of the graph's edges to use again. Raises :class:`ConfigError` where
-    the edges leave a pose undetermined.
+    graph's. ``system`` is a :class:`SparseSystem` of the graph's edges to use again. ``check`` is called
+    from time to time; what it raises ends the work. Raises :class:`ConfigError` where the edges leave a pose
+    undetermined.
     """
     m = len(graph.nodes)
     if m == 0 or not len(graph.i):
@@ -85,7 +88,7 @@ def optimise(
     for _ in range(max_iterations):
         weigh(robust_scale * np.sqrt(widening))
         linearise_edges(poses, *edges, graph.information, weights, errors, hessians, gradients)
-        step = system.solve(hessians, gradients)
+        step = system.solve(hessians, gradients, check=check)
         largest_turn = float(np.abs(step[:, 2]).max())
         if largest_turn > GREATEST_TURN:
             step *= GREATEST_TURN / largest_turn

@@ -9,6 +9,7 @@ open, is contradicted by no free space along the way, and has no rival.
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -37,6 +38,7 @@ NEAREST = 5  #: descriptors that each corner is paired with
 TOLERANCE, LEAST_DISTANCE = 0.3, 1.0  #: metres: of a corner's place, and between the corners of a draw
 LEAST_CORNERS = 5  #: that must agree with a pose
 MOST_STRETCHES = 60  #: earlier ones that a stretch is compared with
+KEPT_MAPS = 500  #: local maps, looked at last
 STRETCHES = 3  #: earlier ones whose poses are verified
 SCANS = 4  #: of a stretch that are matched with the earlier one
 MEMBERS = 40  #: scans of the earlier stretch that they are matched with
@@ -69,7 +71,7 @@ class PlaceRecognizer:
         self._store, self._front_end, self._config = store, front_end, config
         self._rule = pair_rule(store.least_step)
         self._stretches: list[Int64Array] = []  # their nodes
-        self._maps: dict[int, LocalMap] = {}  # of those that were looked at
+        self._maps: OrderedDict[int, LocalMap] = OrderedDict()  # of those that were looked at last
         self._next = STRETCH  # metres of the way, where the next stretch ends
         self._waiting: list[_Waiting] = []
 
@@ -86,7 +88,7 @@ class PlaceRecognizer:
         members = np.flatnonzero(way > way[j] - STRETCH)
         self._stretches.append(members)
         # A stretch from which a loop closed is where it is known to be.
-        if any(loop.j >= members[0] for loop in loops):
+        if any(loop.j >= members[0] for loop in reversed(loops)):
             return []
         drift = self._drift(j, way, loops)
         before = len(self._waiting)
@@ -115,9 +117,13 @@ class PlaceRecognizer:
 
     def _map(self, stretch: int) -> LocalMap:
         """Return the local map of a stretch, in the frame of the node in its middle."""
-        if stretch not in self._maps:
-            members = self._stretches[stretch]
-            self._maps[stretch] = local_map(self._store, members, _middle(members), self._front_end.poses)
+        if stretch in self._maps:
+            self._maps.move_to_end(stretch)
+            return self._maps[stretch]
+        members = self._stretches[stretch]
+        self._maps[stretch] = local_map(self._store, members, _middle(members), self._front_end.poses)
+        if len(self._maps) > KEPT_MAPS:
+            self._maps.popitem(last=False)
         return self._maps[stretch]
 
     def _drift(self, j: int, way: Float64Array, loops: list[Loop]) -> Float64Array:

@@ -21,15 +21,15 @@ from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam.config import SlamConfig
 from mapper.slam.kernels.edges import edge_errors, linearise_edges
 from mapper.slam.matching_rules import CORRELATION, NOISE, pair_rule
+from mapper.slam.parted_system import PartedSystem
 from mapper.slam.scan_store import ScanStore
-from mapper.slam.sparse_system import SparseSystem
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
 RADIUS = 2.0  #: metres: a larger one gains nothing and fills the factor
 MOST_NEAR = 400  #: scans within it that are looked at
-BLOCK = 256  #: scans whose neighbours are looked up at once
+BLOCK = 64  #: scans whose neighbours are looked up at once
 BEFORE = 2  #: scans before each one that it is aligned with
 FIRST_GATE, LAST_GATE, SHRINK = 0.3, 0.10, 0.7
 SCALE = 0.05  #: metres: residuals from which pairs lose weight
@@ -39,6 +39,8 @@ SECOND_SEARCH = 2  #: the iteration before which the neighbours are looked for a
 EDGE_SHARE = 0.2  #: of the graph's information that counts, for the same points are in the pairs
 DAMPING = 1e-9
 PARTS = 16  #: of the pairs, computed on all cores; the sums do not depend on it
+MOST_JOINT = 4_000  #: poses that are solved for at once; more are divided by place, so that memory stays bounded
+MOST_AT_ONCE = 10_000  #: pairs, until it is asked whether the work is cancelled
 
 
 def refine(
@@ -46,8 +48,12 @@ def refine(
     store: ScanStore,
     config: SlamConfig,
     progress: Callable[[float, Float64Array], None] | None = None,
+    check: Callable[[], None] | None = None,
 ) -> Float64Array:
-    """Return the poses (m, 3) after the iterations of the config; ``progress`` gets the share done and the poses."""
+    """Return the poses (m, 3) after the iterations of the config; ``progress`` gets the share done and the poses.
+
+    ``check`` is called from time to time; what it raises ends the work.
+    """
     poses = graph.poses.copy()
     m = len(poses)
     iterations = int(config.refinement)
@@ -56,29 +62,33 @@ def refine(
     scans, rule = store.arrays, pair_rule(store.least_step)._replace(scale=SCALE)
     edges = graph.i, graph.j, graph.relative
     e = len(graph.i)
-    errors, blocks, sides = np.empty((e, 3)), np.empty((e, 6, 6)), np.empty((e, 6))
+    errors = np.empty((e, 3))
     gate = FIRST_GATE
     scale = CORRELATION / NOISE**2
     first = second = np.zeros(0, dtype=np.int64)
-    system: SparseSystem | None = None
+    system: PartedSystem | None = None
+    hessians, gradients = np.empty((0, 6, 6)), np.empty((0, 6))
     for done in range(1, iterations + 1):
         if system is None or done == SECOND_SEARCH:
-            pairs = neighbour_pairs(poses, int(config.refinement_neighbours), BEFORE * store.n_sensors)
+            pairs = neighbour_pairs(poses, int(config.refinement_neighbours), BEFORE * store.n_sensors, check)
             first, second = pairs.T.copy()
             ends = np.column_stack([np.r_[first, edges[0]], np.r_[second, edges[1]]])
-            system = SparseSystem(m, ends, np.array([0]))
+            system = PartedSystem(poses, ends, MOST_JOINT)
+            hessians, gradients = np.empty((len(ends), 6, 6)), np.empty((len(ends), 6))
         # Until the last iteration half of the beams tell enough.
         stride = 1 if done == iterations else COARSE
-        hessians, gradients, figures = _accumulated(scans, first, second, poses, gate, rule._replace(stride=stride))
+        p = len(first)
+        blocks, sides = hessians[:p], gradients[:p]
+        rows = scans, first, second, poses, gate, rule._replace(stride=stride)
+        figures = _accumulated(*rows, blocks, sides, check)
         few = (stride * figures[:, 0] < LEAST_PAIRS) | (figures[:, 0] < LEAST_SHARE * figures[:, 1])
-        hessians[few], gradients[few] = 0.0, 0.0
+        blocks[few], sides[few] = 0.0, 0.0
+        blocks *= stride * scale
+        sides *= stride * scale
         edge_errors(poses, *edges, errors)
-        linearise_edges(poses, *edges, graph.information, EDGE_SHARE * graph.weight, errors, blocks, sides)
-        poses += system.solve(
-            np.concatenate([hessians * (stride * scale), blocks]),
-            np.concatenate([gradients * (stride * scale), sides]),
-            DAMPING,
-        )
+        weights = EDGE_SHARE * graph.weight
+        linearise_edges(poses, *edges, graph.information, weights, errors, hessians[p:], gradients[p:])
+        poses += system.solve(hessians, gradients, DAMPING, check)
         poses[:, 2] = wrap_angle(poses[:, 2])
         gate = max(gate * SHRINK, LAST_GATE)
         if progress is not None:
@@ -87,34 +97,46 @@ def refine(
 
 
 def _accumulated(
-    scans: ScanArrays, first: Int64Array, second: Int64Array, poses: Float64Array, gate: float, rule: PairRule
-) -> tuple[Float64Array, Float64Array, Float64Array]:
-    """Return what :func:`accumulate_pairs` writes, computed on all cores."""
+    scans: ScanArrays, first: Int64Array, second: Int64Array, poses: Float64Array, gate: float, rule: PairRule,
+    hessians: Float64Array, gradients: Float64Array, check: Callable[[], None] | None,
+) -> Float64Array:  # fmt: skip
+    """Write ``hessians`` and ``gradients`` as :func:`accumulate_pairs` does, on all cores; return its figures (p, 4).
+
+    Between two shares of :data:`MOST_AT_ONCE` pairs ``check`` is called.
+    """
     p = len(first)
-    hessians, gradients, figures = np.empty((p, 6, 6)), np.empty((p, 6)), np.empty((p, 4))
-    in_parallel(
-        [
-            partial(
-                accumulate_pairs, scans, first[a:b], second[a:b], poses, gate, rule,
-                hessians[a:b], gradients[a:b], figures[a:b],
-            )
-            for a, b in shares(p, PARTS)
-        ]
-    )  # fmt: skip
-    return hessians, gradients, figures
+    figures = np.empty((p, 4))
+    for begin in range(0, p, MOST_AT_ONCE):
+        of_share = shares(min(MOST_AT_ONCE, p - begin), PARTS)
+        in_parallel(
+            [
+                partial(
+                    accumulate_pairs, scans, first[a:b], second[a:b], poses, gate, rule,
+                    hessians[a:b], gradients[a:b], figures[a:b],
+                )
+                for a, b in ((begin + low, begin + high) for low, high in of_share)
+            ]
+        )  # fmt: skip
+        if check is not None:
+            check()
+    return figures
 
 
-def neighbour_pairs(poses: Float64Array, n: int, before: int = BEFORE) -> Int64Array:
+def neighbour_pairs(
+    poses: Float64Array, n: int, before: int = BEFORE, check: Callable[[], None] | None = None
+) -> Int64Array:
     """Return pairs (p, 2) of poses to align: each with the ``before`` ones before it and with ``n`` nearby.
 
     Half of the ``n`` are the nearest in place and heading (1 rad counts as 1 m), the others are spread evenly over the
     rest within :data:`RADIUS`. Of more than :data:`MOST_NEAR` there, evenly spread ones are looked at. Whose points are
-    laid on whose lines takes turns, for each favours one direction.
+    laid on whose lines takes turns, for each favours one direction. ``check`` is called from time to time.
     """
     m = len(poses)
     tree = KDTree(poses[:, :2])
     found = [np.zeros((0, 2), dtype=np.int64)]
     for begin in range(0, m, BLOCK):
+        if check is not None:
+            check()
         rows = np.arange(begin, min(begin + BLOCK, m))
         near = tree.query_ball_point(poses[rows, :2], RADIUS, return_sorted=True)
         for row, others in zip(rows.tolist(), near, strict=True):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,16 +19,26 @@ class SlamCancelled(WorkCancelledError):  # noqa: N818 - a cancelled job is no f
 
 @dataclass(frozen=True, slots=True)
 class SlamProgress:
-    """How far SLAM is: ``fraction`` 0 … 1 of its work, and ``poses`` (k, 3), ``T_map_base``, of the scans so far.
+    """How far SLAM is: ``fraction`` 0 … 1 of its work.
 
-    ``stage`` is "front end", "loop closure", just after a loop moved the poses, or "refinement". ``scans_done`` is k.
+    ``stage`` is "front end", "loop closure", just after a loop moved the poses, or "refinement". ``scans_done`` is the
+    number k of the scans so far, ``find_poses`` returns their poses; see :attr:`poses`.
     """
 
     fraction: float
     stage: str
     scans_done: int
-    poses: NDArray[np.float64]
     n_loops: int
+    find_poses: Callable[[], NDArray[np.float64]]
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """Return the poses (k, 3), ``T_map_base``, of the scans so far.
+
+        They are computed when they are asked for, from what SLAM knows then: that takes longer the more scans there
+        are, and most reports are only counted.
+        """
+        return self.find_poses()
 
 
 @dataclass(frozen=True, slots=True)

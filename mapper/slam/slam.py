@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,9 @@ Float64Array = NDArray[np.float64]
 
 MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
+LARGE = 4_000  #: nodes: a graph with more of them is optimised more rarely, so that the time for it grows with n log n:
+RARELY = 50  #: after a share of one in so many of those above, but for
+FAR_OFF, FAR_TURNED = 0.5, 0.1  #: metres, radians: a loop that is off by more than this
 SETTLING = 6  #: iterations after a loop
 UNSEEN = 0.03  #: of the information of a step's position
 LEAST_UNSEEN = 5.0  #: m of the way; shorter ones are not reported
@@ -49,10 +53,11 @@ class Slam:
     """SLAM of scans that come one after another.
 
     ``log`` states the sensors: their beams, ranges and mounts; its scans are not used. ``add_scan`` takes a scan,
-    ``poses`` are all so far, corrected. Not for use from two threads at once.
+    ``poses`` are all so far, corrected. ``check`` is called while the graph is optimised; what it raises ends the work.
+    Not for use from two threads at once.
     """
 
-    def __init__(self, log: ScanLog, config: SlamConfig | None = None) -> None:
+    def __init__(self, log: ScanLog, config: SlamConfig | None = None, check: Callable[[], None] | None = None) -> None:
         self.config = config or SlamConfig()
         self.store = ScanStore(sensors_of(log), self.config.range_max, int(self.config.n_beams))
         self.front_end = FrontEnd(self.store, self.config)
@@ -65,6 +70,8 @@ class Slam:
         self._relative = np.zeros((512, 3))
         self._information = np.zeros((512, 3, 3))
         self._waiting = 0
+        self._check = check
+        self._settled = 0  # nodes, when the graph was last optimised
         self.n_unaligned = 0  #: scans that could not be aligned with those before them
 
     def __len__(self) -> int:
@@ -137,9 +144,13 @@ class Slam:
         """Optimise the graph if the new loop does not fit it, or if many that fit wait."""
         off = compose(inverse(loop.relative), compose(inverse(self._poses[loop.i]), self._poses[loop.j]))
         self._waiting += 1
-        if np.hypot(off[0], off[1]) < MOVED and abs(off[2]) < TURNED and self._waiting < MOST_WAITING:
+        length, turn = float(np.hypot(off[0], off[1])), abs(float(off[2]))
+        if length < MOVED and turn < TURNED and self._waiting < MOST_WAITING:
             return False
-        self._waiting = 0
+        is_soon = RARELY * (len(self) - self._settled) < len(self) - LARGE
+        if is_soon and length < FAR_OFF and turn < FAR_TURNED:
+            return False
+        self._waiting, self._settled = 0, len(self)
         self._poses[: len(self)] = self.optimised(SETTLING).poses
         return True
 
@@ -187,6 +198,7 @@ class Slam:
             robust=self.config.robust,
             robust_scale=self.config.robust_scale,
             max_iterations=max_iterations,
+            check=self._check,
         )
 
 
@@ -244,26 +256,36 @@ def slam_log(
     wanted = matched_scans(sensor, odometry, config)
     moved = None if odometry is None else motions(odometry[wanted])
     start = log.trajectory(name).poses[0]
-    slam = Slam(log, config)
+    reported: list[SlamProgress] = []  # the last one
+
+    def check() -> None:
+        if progress is not None and reported and progress(reported[0]) is False:
+            raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
+
+    slam = Slam(log, config, check)
     sweeps = None if name is None or not slam.store.can_deskew else sweep_velocities(log, name)
     share = 0.8 if config.refinement else 1.0
     matched: list[int] = []
     node_of: list[int] = []  # which of those each node is
     track: list[Float64Array] = []  # their poses by the front end
 
-    def report(fraction: float, stage: str, done: int, poses: Float64Array) -> None:
-        if progress is not None and progress(SlamProgress(fraction, stage, done, poses, slam.n_loops)) is False:
-            raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
+    def report(fraction: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
+        reported[:] = [SlamProgress(fraction, stage, done, slam.n_loops, find_poses)]
+        check()
 
     def of_matched(node_poses: Float64Array) -> Float64Array:
-        if len(node_poses) == node_of[len(node_poses) - 1] + 1:
+        n = node_of[len(node_poses) - 1] + 1
+        if len(node_poses) == n:
             return node_poses.copy()
-        return carry(np.array(node_of[: len(node_poses)]), node_poses, np.array(track), times[matched])
+        return carry(np.array(node_of[: len(node_poses)]), node_poses, np.array(track[:n]), times[matched[:n]])
 
     def all_poses(node_poses: Float64Array) -> Float64Array:
         poses = of_matched(node_poses)
         known = np.array(matched[: len(poses)])
         return poses if len(known) == known[-1] + 1 else carry(known, poses, odometry, times)
+
+    def poses_of(n_nodes: int) -> Float64Array:
+        return all_poses(slam.poses[:n_nodes])
 
     k = 0
     while k < len(wanted):
@@ -283,19 +305,22 @@ def slam_log(
             node_of.append(len(matched) - 1)
         if progress is not None and (moved_poses or len(matched) % EVERY == 1):
             stage = "loop closure" if moved_poses else "front end"
-            so_far = all_poses(slam.poses)
-            report(share * (k + 1) / len(wanted), stage, len(so_far), so_far)
+            n = len(slam)
+            done = matched[node_of[n - 1]] + 1
+            report(share * (k + 1) / len(wanted), stage, done, partial(poses_of, n))
         k = k + 1 if odometry is not None else slam.following(k, times[wanted])
     nodes = np.array(matched)[node_of]
     if odometry is None:
         slam.store.deskew(velocities_along(times[matched], of_matched(slam.poses))[node_of])
+    if config.refinement and progress is not None:
+        report(share, "refinement", matched[node_of[-1]] + 1, partial(poses_of, len(slam)))
     graph = slam.optimised()
 
     def refined(fraction: float, poses: Float64Array) -> None:
         if progress is not None:
-            report(share + (1.0 - share) * fraction, "refinement", log.n_scans, all_poses(poses))
+            report(share + (1.0 - share) * fraction, "refinement", log.n_scans, lambda: all_poses(poses))
 
-    poses = refine(graph, slam.store, config, refined)
+    poses = refine(graph, slam.store, config, refined, check)
     poses[:, 2] = wrap_angle(poses[:, 2])
     graph = replace(graph, nodes=nodes, poses=poses)
     notes = []

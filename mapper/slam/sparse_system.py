@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,9 @@ from mapper.slam.kernels.edges import add_pairs
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
+
+
+MOST_MULTIPLIED = 10_000_000  #: blocks, until it is asked whether the work is cancelled: 0.2 s
 
 
 class SparseSystem:
@@ -54,11 +59,18 @@ class SparseSystem:
         """Blocks of the factor."""
         return len(self._factor_rows)
 
-    def solve(self, hessians: Float64Array, gradients: Float64Array, damping: float = 0.0) -> Float64Array:
+    def solve(
+        self,
+        hessians: Float64Array,
+        gradients: Float64Array,
+        damping: float = 0.0,
+        check: Callable[[], None] | None = None,
+    ) -> Float64Array:
         """Return Δ (n, 3) for the blocks (p, 6, 6) and (p, 6) of the pairs, in their order.
 
-        ``damping`` ≥ 0 is added to the diagonal, times itself plus 1 (Levenberg, Marquardt). Raises
-        :class:`ConfigError` where the system is singular.
+        ``damping`` ≥ 0 is added to the diagonal, times itself plus 1 (Levenberg, Marquardt). ``check``
+        is called from time to time; what it raises ends the work. Raises :class:`ConfigError` where the system is
+        singular.
         """
         for part in (self._diagonal, self._upper, self._right):
             part.fill(0.0)
@@ -70,10 +82,17 @@ class SparseSystem:
             for r in range(3):
                 self._diagonal[:, r, r] += damping * (1.0 + self._diagonal[:, r, r])
         failed = np.empty(1, dtype=np.int64)
-        factorise(
-            self._starts, self._rows, self._diagonal, self._upper, self._parent, self._factor_starts,
-            self._factor_rows, self._factor, failed,
-        )  # fmt: skip
+        row, m = 0, len(self._parent)
+        ends = np.empty(m, dtype=np.int64)
+        while True:
+            row = factorise(
+                self._starts, self._rows, self._diagonal, self._upper, self._parent, self._factor_starts,
+                self._factor_rows, self._factor, failed, row, ends, MOST_MULTIPLIED,
+            )  # fmt: skip
+            if check is not None:
+                check()
+            if row >= m:
+                break
         if failed[0] >= 0:
             pose = int(np.flatnonzero(self._row == failed[0])[0])
             raise ConfigError(

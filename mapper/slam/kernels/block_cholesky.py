@@ -61,23 +61,32 @@ def factorise(
     factor_rows: Int64Array,
     factor: Float64Array,
     failed: Int64Array,
-) -> None:
+    begin: int,
+    end: Int64Array,
+    most: int,
+) -> int:
     """Write L of A = L Lᵀ by columns: block rows ``factor_rows`` (f,) and blocks ``factor`` (f, 3, 3).
 
     ``diagonal`` (n, 3, 3) and ``upper`` (len(rows), 3, 3) are the blocks of A; ``parent`` and ``factor_starts`` are
     those of :func:`count_factor`. ``failed[0]`` is −1, or the block row in which A is not positive definite: the
     factor must not be used then.
+
+    Rows from ``begin`` on are written until ``most`` blocks were multiplied. Returned is the row to go on with, n after
+    the last one. ``end`` (n,), where each column ends so far, is kept from one call to the next.
     """
     n = len(parent)
     failed[0] = -1
+    multiplied = 0
     mark = np.full(n, -1, dtype=np.int64)
     pattern = np.empty(n, dtype=np.int64)
     path = np.empty(n, dtype=np.int64)
-    end = np.empty(n, dtype=np.int64)
     work = np.zeros((n, 9))
-    for k in range(n):
-        end[k] = factor_starts[k] + 1
-    for k in range(n):
+    if begin == 0:
+        for k in range(n):
+            end[k] = factor_starts[k] + 1
+    for k in range(begin, n):
+        if multiplied >= most:
+            return k
         # The columns in which row k of L has blocks, in an order in which each comes after those that it depends on.
         top = n
         mark[k] = k
@@ -115,6 +124,7 @@ def factorise(
             c2 = (work[i, 8] - c0 * l20 - c1 * l21) / l22
             for r in range(9):
                 work[i, r] = 0.0
+            multiplied += end[i] - first
             for p in range(first + 1, end[i]):
                 j = factor_rows[p]
                 f00, f01, f02 = factor[p, 0, 0], factor[p, 0, 1], factor[p, 0, 2]
@@ -145,22 +155,23 @@ def factorise(
         factor_rows[first] = k
         if not d00 > 0.0:
             failed[0] = k
-            return
+            return n
         l00 = math.sqrt(d00)
         l10, l20 = d10 / l00, d20 / l00
         d11 -= l10 * l10
         if not d11 > 0.0:
             failed[0] = k
-            return
+            return n
         l11 = math.sqrt(d11)
         l21 = (d21 - l20 * l10) / l11
         d22 -= l20 * l20 + l21 * l21
         if not d22 > 0.0:
             failed[0] = k
-            return
+            return n
         factor[first, 0, 0], factor[first, 0, 1], factor[first, 0, 2] = l00, 0.0, 0.0
         factor[first, 1, 0], factor[first, 1, 1], factor[first, 1, 2] = l10, l11, 0.0
         factor[first, 2, 0], factor[first, 2, 1], factor[first, 2, 2] = l20, l21, math.sqrt(d22)
+    return n
 
 
 @jit
