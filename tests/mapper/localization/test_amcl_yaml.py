@@ -141,7 +141,10 @@ def test_a_remark_is_checked_as_a_value():
         (b"amcl:\n  ros__parameters:\n    laser_model_type: sonar\n", "laser_model_type. must be one of"),
         (b"amcl:\n  ros__parameters:\n    robot_model_type: tank\n", "robot_model_type must be one of"),
         (b"amcl:\n  ros__parameters:\n    min_particles: 5000\n", "must be at most max_particles"),
-        (b"amcl:\n  ros__parameters:\n    # gridbloom: reset_below: 2024-13-45\n    z_hit: 0.5\n", "reset_below has a value"),
+        (
+            b"amcl:\n  ros__parameters:\n    # gridbloom: reset_below: 2024-13-45\n    z_hit: 0.5\n",
+            "reset_below has a value",
+        ),
         (b"amcl:\n  ros__parameters:\n    # gridbloom: reset_below: ...\n    z_hit: 0.5\n", "reset_below has a value"),
         (b"amcl:\n  ros__parameters:\n    initial_pose: {x: .nan}\n", "initial_pose must be .* a finite number"),
         (b"amcl:\n  ros__parameters:\n    scan_topic: 2024-01-01\n", "scan_topic must be .* text"),

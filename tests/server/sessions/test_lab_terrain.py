@@ -220,7 +220,9 @@ def test_the_first_patch_has_ten_points_however_much_of_the_rectangle_is_empty()
 def test_clouds_of_any_extent_have_first_values(side: float) -> None:
     row = next(row for row in TABLE if row.name == "patch")
     points = np.random.default_rng(2).uniform(0.0, side, (2000, 3)).astype(np.float32)
-    scans = ScanSequence("pcd", points, np.array([0, 2000]), np.full((1, 3), np.nan), np.zeros(1, np.int64), np.zeros(3))
+    scans = ScanSequence(
+        "pcd", points, np.array([0, 2000]), np.full((1, 3), np.nan), np.zeros(1, np.int64), np.zeros(3)
+    )
     source = CloudPoints(scans, points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64))
     assert row.low <= source.first.values["patch"] <= row.high
 
