@@ -121,7 +121,7 @@ def test_other_values_are_those_that_a_file_may_have():
         nested = [nested]
     with pytest.raises(MapperError, match="scan_topic is nested deeper than 20 levels"):
         amcl_yaml(LocalizationConfig(), others={"scan_topic": nested})
-    with pytest.raises(MapperError, match="scan_topic must be .* not inf"):
+    with pytest.raises(MapperError, match=r"scan_topic must be .* not inf"):
         amcl_yaml(LocalizationConfig(), others={"scan_topic": math.inf})
 
 
