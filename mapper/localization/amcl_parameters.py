@@ -16,7 +16,7 @@ from typing import Any, Literal
 import yaml
 
 from mapper.core.errors import ConfigError, ReadError
-from mapper.io.ros_parameters import find_node, parse_ros_parameters, read_parameter_file, value_below
+from mapper.io.ros_parameters import MAX_DEPTH, find_node, parse_ros_parameters, read_parameter_file, value_below
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
 
 Layout = Literal["nav2", "ros1"]
@@ -98,7 +98,7 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
         if own in BY_NAME:
             given[own] = _value(name, own, value)
         elif is_other(name):
-            others[name] = value
+            others[name] = _checked_other(name, value)
         else:
             raise ConfigError("amcl.unknown", f"AMCL has no parameter {name!r:.80}.")
     start = LocalizationConfig() if layout == "nav2" else LocalizationConfig().with_values(ROS1_DEFAULTS)
@@ -112,11 +112,33 @@ def is_other(name: str) -> bool:
     return name.partition(".")[0] in _OTHER
 
 
+def _checked_other(name: str, value: object, depth: int = 0) -> object:
+    """Return a value that a yaml and JSON can hold. Raises :class:`ConfigError` for another one, as a date."""
+    if depth > MAX_DEPTH:
+        raise ConfigError("amcl.value", f"{name:.80} is nested deeper than {MAX_DEPTH} levels.")
+    if isinstance(value, list):
+        return [_checked_other(name, one, depth + 1) for one in value]
+    if isinstance(value, dict):
+        return {str(key): _checked_other(name, one, depth + 1) for key, one in value.items()}
+    if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)):
+        return value
+    raise ConfigError("amcl.value", f"{name:.80} must be true or false, a finite number or text, not {value!r:.80}.")
+
+
 def _remarks(data: bytes) -> dict[str, Any]:
-    """Return the values of rows that AMCL lacks, from the remarks at the end of a yaml of :func:`amcl_yaml`."""
+    """Return the values of rows that AMCL lacks, from the remarks at the end of a yaml of :func:`amcl_yaml`.
+
+    Raises :class:`ReadError` for a value that is no yaml.
+    """
     found = re.findall(rb"^\s*# gridbloom: (\w+): ([\w.+-]+)\s*$", data, re.MULTILINE)
-    texts = {name.decode(): value.decode() for name, value in found}
-    return {name: yaml.safe_load(text) for name, text in texts.items() if name in OWN_ROWS}
+    values = {}
+    for name, text in ((name.decode(), value.decode()) for name, value in found):
+        if name in OWN_ROWS:
+            try:
+                values[name] = yaml.safe_load(text)
+            except (yaml.YAMLError, ValueError) as error:
+                raise ReadError("amcl.value", f"{name} has a value that cannot be read: {text:.80}.") from error
+    return values
 
 
 def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
@@ -153,7 +175,8 @@ def _value(name: str, own: str, value: object) -> object:
 def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2", others: Mapping[str, Any] | None = None) -> str:
     """Return the parameters as the yaml of an AMCL, with the ``others`` of the yaml that they come from.
 
-    Rows that AMCL lacks are remarks at its end. Raises :class:`ConfigError` for another name that AMCL does not have.
+    Rows that AMCL lacks are remarks at its end. Raises :class:`ConfigError` for another name that AMCL does not have,
+    and for a value of the others that a parameter file cannot hold.
     """
     unknown = [name for name in others or {} if not is_other(name)]
     if unknown:
@@ -167,7 +190,7 @@ def amcl_yaml(config: LocalizationConfig, layout: Layout = "nav2", others: Mappi
         text = _text(name, value, layout)
         (remarks if name in own_rows else lines).append(f"{names.get(name, name)}: {text}")
     for name, value in (others or {}).items():
-        written = yaml.safe_dump({name: value}, default_flow_style=False)
+        written = yaml.safe_dump({name: _checked_other(name, value)}, default_flow_style=False)
         lines.extend(written.rstrip("\n").split("\n"))
     if layout == "ros1":
         return "".join(f"{line}\n" for line in lines) + "".join(f"# gridbloom: {line}\n" for line in remarks)

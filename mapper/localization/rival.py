@@ -21,7 +21,7 @@ from mapper.localization.scan_beams import ScanBeams
 Float64Array = NDArray[np.float64]
 
 ERROR = 1e-3  #: wanted probability that the test decides wrongly, either way
-LIMIT = math.log((1.0 - ERROR) / ERROR)  #: of the logarithm of the likelihoods' ratio: Wald's A, and −B
+LIMIT = math.log((1.0 - ERROR) / ERROR)  #: of the logarithm of the likelihoods' ratio: Wald's log A and −log B
 MOST_SCANS = 64  #: after which a test without a decision ends in favour of the filter
 SEARCHED = 0.2  #: a rival's particles at first, of ``global_particles``
 SHARE = 0.5  #: weight that a rival's particles get in the filter once the test has decided for them
@@ -73,7 +73,7 @@ class Rival:
 
 
 def rival_config(config: LocalizationConfig) -> LocalizationConfig:
-    """Return the parameters of a rival: it is not searched for, and has no rivals of its own."""
+    """Return the parameters of a rival: no particles are added to recover it, and it has no rival of its own."""
     return config.with_values(
         {
             "reset_below": 0.0, "recovery_alpha_slow": 0.0, "recovery_alpha_fast": 0.0,
@@ -83,7 +83,7 @@ def rival_config(config: LocalizationConfig) -> LocalizationConfig:
 
 
 def rival_particles(config: LocalizationConfig) -> int:
-    """Return of how many particles a rival begins, and how many it has at most until it has converged."""
+    """Return how many particles a rival has at first, and at most until it has converged."""
     return max(100, round(SEARCHED * config.global_particles))
 
 

@@ -80,8 +80,9 @@ def normalised(log_weights: Float64Array) -> Float64Array:
 
 def logarithm_of_mean(weights: Float64Array, log_values: Float64Array) -> float:
     """Return log Σ w exp(v) of weights (n,), Σ = 1, and logarithms v (n,)."""
-    most = float(log_values.max())
-    return most + math.log(float(weights @ np.exp(log_values - most)))
+    held = weights > 0.0  # the greatest v may be that of a weight that is 0, beside which all others underflow
+    most = float(log_values[held].max())
+    return most + math.log(float(weights[held] @ np.exp(log_values[held] - most)))
 
 
 def effective(weights: Float64Array) -> float:

@@ -76,7 +76,7 @@ class Explorer:
     rng: np.random.Generator
     visited: Float64Array = field(init=False)
     path: Float64Array = field(init=False)  #: (n, 2), metres, the rest of the path; empty before the first goal
-    #: The place (m) and the time (s) at which the robot last got on.
+    #: The place (m, m) and the time (s) of the last progress of the robot.
     progress: tuple[float, float, float] = field(init=False, default=(0.0, 0.0, 0.0))
     _centres: Float64Array = field(init=False)
 

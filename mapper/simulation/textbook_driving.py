@@ -41,8 +41,11 @@ Pose = tuple[float, float, float]
 
 @dataclass(slots=True)
 class Drive:
-    """A robot of ``radius`` metres among ``segments`` (n, 4): pose ``T_map_base``, and that of a step ago, velocities,
-    and those that are wanted; the place and the time at which it last got on, and the rest of its ``path`` (n, 2).
+    """The state of a robot of ``radius`` metres among the walls ``segments`` (n, 4): x0, y0, x1, y1, metres.
+
+    ``path`` (n, 2), metres, is what is left of its path; ``pose`` and ``before`` are ``T_map_base`` (m, m, rad) now and
+    a step ago; ``linear`` (m/s) and ``angular`` (rad/s) are its velocities, ``wanted`` the commanded ones; ``progress``
+    (m, m, s) is the place and the time of its last progress.
     """
 
     segments: Float64Array
@@ -72,7 +75,7 @@ class Drive:
         return count
 
     def step(self) -> None:
-        """Move for :data:`STEP` seconds towards the wanted velocities, as fast as the accelerations allow.
+        """Move for :data:`STEP` seconds towards the commanded velocities, as fast as the accelerations allow.
 
         Where the motion would touch a wall the robot slides along it, and where it cannot slide it stops: its
         centre never comes nearer than ``radius`` to anything solid.
@@ -111,7 +114,7 @@ class Drive:
         return x, y, True
 
     def _needs_plan(self, time: float) -> bool:
-        """Note how far the robot got, and drop what is behind from the path; return whether it needs another."""
+        """Update the last progress and drop the passed points of the path; return whether another path is needed."""
         x, y, _ = self.pose
         if math.hypot(x - self.progress[0], y - self.progress[1]) > 0.1:
             self.progress = (x, y, time)

@@ -1,4 +1,4 @@
-"""What a stretch of the way looks like: a local map, its corners, and a descriptor of what is around each.
+"""Local maps of stretches of the way, their corners, and a descriptor of the surroundings of each corner.
 
 Source: Tipaldi & Arras 2010, FLIRT: keypoints of range data with descriptors of what is occupied and free around them.
 The keypoints here are corners of a local map of several scans, so that a place that is passed in the other direction
@@ -37,7 +37,7 @@ FREQUENCIES = 6  #: of the sectors
 
 @dataclass(frozen=True, slots=True)
 class LocalMap:
-    """The corners (k, 2) of what some scans saw, metres in the frame of ``origin``, and their descriptors (k, d).
+    """The corners (k, 2) of the map of some scans, metres in the frame of ``origin``, and their descriptors (k, d).
 
     ``origin`` is a node's number; ``members`` (s,) are the nodes of the stretch.
     """
@@ -86,9 +86,9 @@ def strongest(strengths: Float64Array) -> Int64Array:
 
 
 def frequencies(shares: Float32Array) -> Float32Array:
-    """Return descriptors (k, d) that a turn of the map does not change, of polar shares (k, 2, rings · sectors).
+    """Return descriptors (k, d) that are invariant to rotation, of polar shares (k, 2, rings · sectors).
 
-    They are the amplitudes of the lowest frequencies around each ring.
+    They are the amplitudes of the lowest frequencies of the discrete Fourier transform around each ring.
     """
     rings = shares.reshape(-1, 2, RINGS, SECTORS)
     amplitudes = np.abs(np.fft.rfft(rings, axis=-1))[..., :FREQUENCIES] / SECTORS

@@ -4,7 +4,7 @@ Each stretch of the way is a local map (:mod:`mapper.slam.local_map`). Its corne
 stretches by their descriptors, and RANSAC finds the relative pose. Scans of the stretch are then matched with the
 earlier ones from there as in every loop. No loop is accepted by itself: only a group of them whose relative poses agree
 with one another along the way driven between them (Mangelson et al. 2018), which spans some metres, leaves no direction
-open, is contradicted by no free space along the way, and has no rival.
+uncertain, is contradicted by no free space along the way, and has no rival: no other group at another place.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ MEMORY = 60.0  #: metres of the way, after which a loop no longer waits for othe
 LEAST_GROUP, LEAST_SPAN = 5, 2.0  #: loops of a group, and metres between the first and the farthest
 OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that two loops may disagree
 TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
-MOST_UNCERTAIN = 0.1  #: metres: standard deviation of the group in the direction that it tells least
+MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
 RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
 BEFORE, EVERY = 10.0, 1.0  #: metres of the way before the group, and between two scans, that are looked at
 AROUND, OTHERS = 4.0, 8  #: metres, and scans near where the group puts a scan that it is compared with
 BACK = 2  #: of these, that are compared with the scans on the way
 MOST_CONTRADICTED = 0.12  #: share of the points of those scans
-LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop which the graph bears
+LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ class PlaceRecognizer:
             total += turn @ _of_place(loop.information) @ turn.T
         uncertain = 1.0 / np.sqrt(max(float(np.linalg.eigvalsh(total)[0]), 1e-12))
         if uncertain > MOST_UNCERTAIN:
-            return f"the scans leave a direction open, to {uncertain:.1f} m"
+            return f"the scans leave one direction uncertain, by {uncertain:.1f} m"
         contradicted = self._contradicted(group, poses, way)
         if contradicted > MOST_CONTRADICTED:
             return f"on the way there {100 * contradicted:.0f} % of the points are where earlier scans saw free space"
@@ -268,7 +268,7 @@ class PlaceRecognizer:
 
 
 def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
-    """Return why a graph refuses the loops at its end that it has more than ``before``, "" where it bears them.
+    """Return why a graph refuses the loops at its end that it has more than ``before``, "" for no reason.
 
     Both are optimised. Refused is a group that the robust kernel gives little weight, or that takes it from more than
     half as many other loops.

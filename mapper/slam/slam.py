@@ -155,7 +155,7 @@ class Slam:
         return True
 
     def _recognize(self, n: int) -> bool:
-        """Accept a group of loops at places that were recognized, if the graph bears them; return whether one was."""
+        """Accept a group of loops at recognized places if the graph is consistent with it; return whether one was."""
         if not self.config.place_recognition:
             return False
         group = self._recognizer.try_at(n, self._poses[: n + 1], self._way[: n + 1], self._loops, self.tried)

@@ -12,11 +12,13 @@ from mapper.terrain.kernels import consensus as kernels
 from mapper.terrain.parameters import PatchConfig
 from mapper.terrain.patches import Patches
 
-TRIALS = 100  #: planes of three points for each patch; of half outliers one in a million patches has no good one
+#: Planes of three points for each patch. With half of the points outliers no plane goes through three inliers in two of
+#: a million patches: (1 − 1/8)¹⁰⁰.
+TRIALS = 100
 
 
 def agreeing(points: NDArray[np.floating[Any]], patches: Patches, distance: float) -> BoolArray:
-    """Return which of ``points`` (n, 3) are within ``distance``, m along z, of the plane of most of their patch.
+    """Return which of ``points`` (n, 3), m, are within ``distance``, m along z, of the plane of most of their patch.
 
     The patches are those of the grid of ``patches``; its moments are not used. Points outside of the grid, and those of
     a patch in which no three points give a plane, agree with nothing. Source: Fischler & Bolles, Random Sample

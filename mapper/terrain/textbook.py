@@ -105,7 +105,7 @@ def triples_of(n: int, trials: int) -> NDArray[np.int64]:
     """Return triples (m, 3) of ``n`` points for :func:`ransac_plane`: all, if at most ``trials``, else random ones.
 
     The random numbers are those of x ← 1664525 x + 1013904223 modulo 2³² from x = n on, without their last 8 bits
-    (Numerical Recipes, 7.1), so that everyone draws the same triples of n points.
+    (Numerical Recipes, 7.1), so that the kernel and the page draw the same triples of n points.
     """
     if math.comb(n, 3) <= trials:
         return np.array(list(itertools.combinations(range(n), 3)), dtype=np.int64).reshape(-1, 3)

@@ -63,12 +63,12 @@ def open_source(
     """
     path = Path(path)
     if is_depth_folder(path):
-        _refuse(poses, path)
+        refuse_poses(poses, path)
         folder = read_depth_folder(path, limits=limits)
         return ScanSource("depth images", map(placed_scan, folder.clouds()), len(folder), list(folder.notes))
     kind = None if path.is_dir() else cloud_format(file_head(path, limits))
     if kind == "scan graph":
-        _refuse(poses, path)
+        refuse_poses(poses, path)
         graph = read_scan_graph(path, limits=limits, progress=progress)
         return ScanSource(kind, map(placed_scan, graph), None, [])
     if kind is None:
@@ -90,7 +90,8 @@ def open_source(
     return ScanSource(kind, iter([PlacedScan(points, origin, cloud.stamp_ns)]), 1, notes)
 
 
-def _refuse(poses: GivenPoses | None, path: Path) -> None:
+def refuse_poses(poses: GivenPoses | None, path: Path) -> None:
+    """Raise :class:`ConfigError` where ``poses`` are given for the file at ``path``, which states its own."""
     if poses is not None:
         raise ConfigError("poses.own", f"{path.name} states the poses of its scans; other poses have no meaning there.")
 

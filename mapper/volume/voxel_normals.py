@@ -1,4 +1,4 @@
-"""Which way the surface at each occupied voxel faces, from the occupied voxels around it."""
+"""Surface normals at occupied voxels, from the occupied voxels around them."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ _PRODUCTS = np.column_stack([np.ones(len(_AROUND)), _AROUND] + [_AROUND[:, [k]] 
 def voxel_normals(volume: OccupancyVolume, chunk: ChunkKey) -> tuple[Int64Array, Float64Array]:
     """Return the numbers (n,) of a chunk's occupied voxels, (z · 32 + y) · 32 + x, and their normals (n, 3).
 
-    A normal is the direction in which the centres of the occupied voxels within two voxels spread least, on the side
-    on which there is more free space than unknown; upwards where neither side has more. Source: principal components of
-    neighbours, Hoppe et al., Surface reconstruction from unorganized points, SIGGRAPH 1992.
+    A normal is a unit vector in the map's frame: the direction in which the centres of the occupied voxels within two
+    voxels along each axis have the least variance. Its sign is that of Σ d · n over the offsets d of the free voxels
+    among them, so that it points to free space; upwards where the sum is 0. Source of the direction: principal
+    components of neighbours, Hoppe et al., Surface reconstruction from unorganized points, SIGGRAPH 1992.
     """
     places = np.arange(-REACH, CHUNK + REACH)
     keys = np.stack(np.meshgrid(*[CHUNK * k + places for k in chunk], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -62,7 +63,10 @@ def direction_numbers(normals: Float64Array) -> UInt8Array:
 
 
 def directions() -> NDArray[np.float64]:
-    """Return the direction (n, 3) of each number, the first of which is 1; x and y of either sign have one number."""
+    """Return the direction (n, 3) of each number of :func:`direction_numbers`, the first of which is 1.
+
+    Directions that differ in the signs of x and y only have one number.
+    """
     i, j, up = np.meshgrid(np.arange(STEPS + 1), np.arange(STEPS + 1), np.arange(2), indexing="ij")
     z = np.maximum(STEPS - i - j, 0)
     found = np.sqrt(np.stack([i, j, z], axis=-1) / STEPS)

@@ -180,7 +180,7 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
     from mapper.io.clouds.given_poses import GivenPoses  # noqa: PLC0415 - start-up
     from mapper.io.clouds.reading import cloud_format  # noqa: PLC0415 - start-up
     from mapper.volume.octree_files import is_octree  # noqa: PLC0415 - start-up
-    from mapper.volume.sources import file_head  # noqa: PLC0415 - start-up
+    from mapper.volume.sources import file_head, refuse_poses  # noqa: PLC0415 - start-up
 
     if place is not None:
         fail("--sensor is the place of one cloud's sensor, and has no meaning with --poses.")
@@ -190,9 +190,15 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
     for one in inputs:
         with refusing(one):
             head = b"" if one.is_dir() else file_head(one, DEFAULT_LIMITS)
-        clouds += cloud_format(head) is not None and not is_octree(head)
+            kind = cloud_format(head)
+            if kind == "scan graph":
+                refuse_poses(poses, one)
+        clouds += kind is not None and not is_octree(head)
     if clouds and clouds != len(poses):
-        fail(f"{path.name} has {len(poses)} poses for {clouds} clouds; each cloud needs one, in this order.")
+        fail(
+            f"The number of poses in {path.name}, {len(poses)}, is not that of the clouds, {clouds}; each needs one, "
+            "in this order."
+        )
     return poses
 
 

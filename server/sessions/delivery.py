@@ -1,4 +1,4 @@
-"""Sending what a tick computed: the frame, answers to single clients, and calls of those who listen."""
+"""Sending what a tick computed: the frame, answers to single clients, and calls of the listeners."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _log = structlog.get_logger(__name__)
 
 
 def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
-    """Publish the present state of a model; while it plays and is ``watched`` the frame is true at its tick only."""
+    """Publish the present state of a model; while it plays and is ``watched`` the next tick replaces the frame."""
     frame, scan = frame_fields_of(model), model.scan()
     running = model.playback.playing and watched
     hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
@@ -36,7 +36,7 @@ def send_answers(result: TickResult, hub: Hub) -> None:
 
 
 def call_each(callbacks: Iterable[Callable[[], None]]) -> None:
-    """Call each, whatever happens in the others."""
+    """Call each; an exception that one raises is logged, and the others are called."""
     for callback in (*callbacks,):
         try:
             callback()

@@ -86,7 +86,7 @@ class SessionHost:
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
-        self._is_full = False  #: whether every client had all frames that it may have when the next tick was chosen
+        self._is_full = False  #: whether no client could be sent a frame when the time of the next tick was chosen
         self._is_draw_due = False  #: whether a layer is to be drawn that nobody watched before
         self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
         self._deferred_due = 0.0

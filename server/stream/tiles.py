@@ -146,18 +146,14 @@ class TilePicture:
         """Return ``tiles`` (n, 2), (ty, tx), each compressed."""
         if len(tiles) == 0:
             return []
-        by_tile = np.full((len(tiles), TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
-        for whole, (ty, tx) in zip(by_tile, (tiles * TILE).tolist(), strict=True):
-            part = self.cells[ty : ty + TILE, tx : tx + TILE]  # less than a tile at the end of the grid
-            whole[: part.shape[0], : part.shape[1]] = part
+        cells = np.full((len(tiles), TILE, TILE), NEVER_OBSERVED, dtype=np.int8)
+        for out, (ty, tx) in zip(cells, tiles.tolist(), strict=True):
+            tile = self.cells[ty * TILE : (ty + 1) * TILE, tx * TILE : (tx + 1) * TILE]
+            out[: tile.shape[0], : tile.shape[1]] = tile  # the last tiles of a grid may reach beyond it
         # All in one call: each one gives the interpreter's lock away and has to wait for it again.
-        parts = zstandard.BufferWithSegments(by_tile.data, _SEGMENTS[: 16 * len(tiles)])
+        parts = zstandard.BufferWithSegments(cells.data, _SEGMENTS[: 16 * len(tiles)])
         packed = _compressor().multi_compress_to_buffer(parts)
         return [packed[i].tobytes() for i in range(len(tiles))]
-
-    def payload(self, ty: int, tx: int) -> TilePayload:
-        """Return a tile, as :meth:`payloads`."""
-        return next(self.payloads(np.array([[ty, tx]])))
 
     def message(self, layer: int) -> dict[str, object]:
         """Return the ``geometry`` message for the layer of this id."""

@@ -49,7 +49,7 @@ def add_scan(
     lines = np.empty((LINE_FIELDS, len(ranges)), dtype=np.int32)
     work = np.zeros(rows + 1)
     reached = np.array([rows, 0, cols, 0])
-    # Lines have no fields and no headings: arrays of the right type stand in their places.
+    # Lines need no fields and no headings: the bearings, which have the right type, are passed for them.
     scans = Scans(readings, sensors, beams, beams, beams)
     plan_lines(scans, frame, reading_filter, 0, lines, work, reached)
     cells = Cells(log_odds.reshape(-1), observed.reshape(-1), cols)

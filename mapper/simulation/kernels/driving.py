@@ -37,14 +37,14 @@ ARRIVED = 0.7  #: metres before a goal at which the next is chosen, so that the 
 STUCK_AFTER = 2.5  #: seconds without progress after which the goal is given up
 
 #: The state of a robot that :func:`drive` changes: ``T_map_base`` (m, m, rad) now and a step ago, velocities (m/s,
-#: rad/s), those that are wanted, the place and the time (s) at which it last got on, and the first point of the path
+#: rad/s), the commanded ones, the place (m, m) and the time (s) of its last progress, and the first point of the path
 #: that is not behind it.
 (
     X, Y, YAW, LINEAR, ANGULAR, WANTED_LINEAR, WANTED_ANGULAR, PROGRESS_X, PROGRESS_Y, PROGRESS_TIME,
     BEFORE_X, BEFORE_Y, BEFORE_YAW, FIRST,
 ) = range(14)  # fmt: skip
 
-#: What of the steering is known at the first step: nothing, the path is new, or the velocities that are wanted.
+#: What of the steering is known at the first step: nothing, the path is new, or the commanded velocities.
 NOTHING, PATH, VELOCITIES = 0, 1, 2
 
 
@@ -130,7 +130,10 @@ def _kept_free(
 
 @jit
 def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
-    """Move for a :data:`STEP` towards the wanted velocities: see :func:`mapper.simulation.textbook_driving.step`."""
+    """Move for a :data:`STEP` towards the commanded velocities.
+
+    See :meth:`mapper.simulation.textbook_driving.Drive.step`.
+    """
     before, wanted = state[LINEAR], state[WANTED_LINEAR]
     slowing = abs(wanted) < abs(before) or wanted * before < 0.0
     rate = BRAKING if slowing else LINEAR_ACCELERATION
@@ -151,7 +154,11 @@ def _step(segments: Float64Array, radius: float, state: Float64Array) -> None:
 
 @jit
 def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
-    """Note how far the robot got at ``time``, seconds; return whether it needs another path."""
+    """Update the last progress and the first point of the path at ``time``, seconds; return whether a path is needed.
+
+    A robot has made progress once it is 0.1 m from the place of its last progress. It needs another path where it has
+    none, has made no progress for :data:`STUCK_AFTER`, or is nearer than :data:`ARRIVED` to the end of its path.
+    """
     x, y = state[X], state[Y]
     if _hypot(x - state[PROGRESS_X], y - state[PROGRESS_Y]) > 0.1:
         state[PROGRESS_X], state[PROGRESS_Y], state[PROGRESS_TIME] = x, y, time
@@ -169,7 +176,10 @@ def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
 
 @jit
 def _steer(segments: Float64Array, radius: float, path: Float64Array, state: Float64Array, two: float) -> None:
-    """Set the velocities that follow the path: see :func:`mapper.simulation.textbook_driving.velocities`."""
+    """Command the velocities that follow the path; ``two`` is 2.
+
+    See :meth:`mapper.simulation.textbook_driving.Drive.velocities`.
+    """
     x, y, yaw = state[X], state[Y], state[YAW]
     left = path[int(state[FIRST]) :]
     ahead = min(left.shape[0] - 1, LOOKAHEAD_POINTS)

@@ -18,9 +18,9 @@ import numpy as np
 from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array, UInt64Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
+from mapper.volume.kernels.rays import CENTRE, crossing
 from mapper.volume.kernels.types import Belief, CastRule, StopMasks
 
-CENTRE = 32768
 HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
 _LAST, _BLOCKS = 2 * CENTRE - 1, 8191  # the greatest key, and the greatest place of a block along an axis
 # A sum of n distances is wrong by at most n times half the last place of the greatest: 5e-7 voxels for 65,536 of them
@@ -48,16 +48,6 @@ def stop_masks(values: Float32Array, occupied: float, stale: BoolArray, words: U
             any_occupied |= full
             any_stop |= stop
         found[i] = (1 if any_occupied else 0) + (2 if any_stop else 0)
-
-
-@jit
-def _axis_crossings(key: int, origin: float, along: float, resolution: float) -> tuple[int, float, float]:
-    """Return the step, the distance to the first border and the distance between borders, of one axis."""
-    if along == 0.0:
-        return 0, np.inf, np.inf
-    step = 1 if along > 0.0 else -1
-    border = (key - CENTRE + 0.5) * resolution + step * (resolution * 0.5)
-    return step, (border - float(origin)) / float(along), resolution / abs(float(along))
 
 
 @jit
@@ -142,9 +132,9 @@ def cast_rays(
         dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
         length = np.float32(sqrt(float(dx * dx + dy * dy + dz * dz)))
         dx, dy, dz = dx / length, dy / length, dz / length
-        step_x, first_x, apart_x = _axis_crossings(x, ox, dx, resolution)
-        step_y, first_y, apart_y = _axis_crossings(y, oy, dy, resolution)
-        step_z, first_z, apart_z = _axis_crossings(z, oz, dz, resolution)
+        step_x, first_x, apart_x = crossing(x, ox, dx, resolution, 0.5 * resolution)
+        step_y, first_y, apart_y = crossing(y, oy, dy, resolution, 0.5 * resolution)
+        step_z, first_z, apart_z = crossing(z, oz, dz, resolution, 0.5 * resolution)
         per_x, per_y, per_z = abs(float(dx)) * factor, abs(float(dy)) * factor, abs(float(dz)) * factor
         bx, by, bz = x >> 3, y >> 3, z >> 3
         # Distances to the block's borders. A ray that is parallel to an axis never meets those of that axis.

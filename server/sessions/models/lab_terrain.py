@@ -87,7 +87,8 @@ class TerrainParameters:
     @classmethod
     def for_cloud(cls, points: Float64Array) -> TerrainParameters:
         """Return first values for a cloud (n, 3): patches by its density, the rest as indoors where these are small."""
-        patch = first_patch(points[:, :2])
+        row = _ROWS["patch"]
+        patch = min(max(first_patch(points[:, :2]), row.low), row.high)
         if patch <= LARGEST_INDOORS:
             return cls().with_values({"patch": patch})
         library = {row.name: row.initial for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}

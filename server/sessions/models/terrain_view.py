@@ -111,7 +111,7 @@ class TerrainView:
             return
         count = self._source.count
         if not count:
-            self._parameters = self._found = self.grid = self._asked = None
+            self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
             result.slot(self.message())
             return
         if self._taken >= 0 and 0 <= count - self._taken < SCANS_BETWEEN:

@@ -115,6 +115,16 @@ def test_other_names_are_those_that_amcl_has():
         amcl_yaml(LocalizationConfig(), others={"laser": 1})
 
 
+def test_other_values_are_those_that_a_file_may_have():
+    nested: object = 1
+    for _ in range(2000):
+        nested = [nested]
+    with pytest.raises(MapperError, match="scan_topic is nested deeper than 20 levels"):
+        amcl_yaml(LocalizationConfig(), others={"scan_topic": nested})
+    with pytest.raises(MapperError, match=r"scan_topic must be .* not inf"):
+        amcl_yaml(LocalizationConfig(), others={"scan_topic": math.inf})
+
+
 def test_a_remark_is_checked_as_a_value():
     with pytest.raises(MapperError, match="reset_below"):
         parse_amcl_yaml(b"amcl:\n  ros__parameters:\n    z_hit: 0.5\n    # gridbloom: reset_below: 7\n")
@@ -131,6 +141,14 @@ def test_a_remark_is_checked_as_a_value():
         (b"amcl:\n  ros__parameters:\n    laser_model_type: sonar\n", "laser_model_type. must be one of"),
         (b"amcl:\n  ros__parameters:\n    robot_model_type: tank\n", "robot_model_type must be one of"),
         (b"amcl:\n  ros__parameters:\n    min_particles: 5000\n", "must be at most max_particles"),
+        (
+            b"amcl:\n  ros__parameters:\n    # gridbloom: reset_below: 2024-13-45\n    z_hit: 0.5\n",
+            "reset_below has a value",
+        ),
+        (b"amcl:\n  ros__parameters:\n    # gridbloom: reset_below: ...\n    z_hit: 0.5\n", "reset_below has a value"),
+        (b"amcl:\n  ros__parameters:\n    initial_pose: {x: .nan}\n", "initial_pose must be .* a finite number"),
+        (b"amcl:\n  ros__parameters:\n    scan_topic: 2024-01-01\n", "scan_topic must be .* text"),
+        (b"amcl:\n  ros__parameters:\n    scan_topic: !!binary /w==\n", "scan_topic must be .* text"),
         (b"amcl: [1, 2\n", "malformed in line"),
         (b"just words", "no names with values"),
         (b"", "no names with values"),

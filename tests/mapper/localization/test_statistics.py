@@ -7,14 +7,27 @@ import math
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.special import logsumexp
 
 from mapper.core.se2 import wrap_angle
 from mapper.localization import LocalizationConfig, textbook
 from mapper.localization.motion import anywhere, key_of, motion_between, move
 from mapper.localization.resample import drawn, resampled
+from mapper.localization.weighing import logarithm_of_mean
 from tests.mapper.localization.rooms import model_of, two_rooms
 
 N = 40_000
+
+
+@pytest.mark.parametrize(
+    ("weights", "values"),
+    [([0.25, 0.75], [-900.0, -901.0]), ([0.0, 1.0], [0.0, -900.0]), ([0.0, 1e-300, 1.0], [5.0, -3.0, -2000.0])],
+)
+def test_the_logarithm_of_a_mean_heeds_weights_of_0_whose_likelihood_is_the_greatest(
+    weights: list[float], values: list[float]
+) -> None:
+    found = logarithm_of_mean(np.array(weights), np.array(values))
+    assert found == pytest.approx(logsumexp(values, b=weights), rel=1e-12)
 
 
 def test_errors_of_the_motion_model_have_the_variances_of_table_5_6():

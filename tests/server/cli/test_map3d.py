@@ -100,11 +100,12 @@ def test_clouds_with_poses_beside_them_make_the_map_of_the_graph(run: Run, tmp_p
     )
     assert json.loads(surface.out)["scans"] == 2
     for arguments, sentence in (
-        ((files[0], "--poses", poses), "poses.tum has 2 poses for 1 clouds"),
+        ((files[0], "--poses", poses), "The number of poses in poses.tum, 2, is not that of the clouds, 1;"),
         ((*files, "--poses", poses, "--sensor", "0,0,0"), "--sensor is the place of one cloud's sensor"),
         ((*files, "--poses", tmp_path / "none.tum"), "There is no file 'none.tum'"),
         ((*files, "--poses", files[0]), "Line 1"),
         ((graph, files[0], "--poses", poses), "states the poses of its scans"),
+        ((graph, "--poses", poses), "states the poses of its scans"),
     ):
         status, _, err = run("map3d", *arguments, "--out", ours)
         assert status == 2, arguments

@@ -216,6 +216,17 @@ def test_the_first_patch_has_ten_points_however_much_of_the_rectangle_is_empty()
     assert (1e6 / wide) ** 2 <= 250_000
 
 
+@pytest.mark.parametrize("side", [1e-4, 1e4, 1e6])
+def test_clouds_of_any_extent_have_first_values(side: float) -> None:
+    row = next(row for row in TABLE if row.name == "patch")
+    points = np.random.default_rng(2).uniform(0.0, side, (2000, 3)).astype(np.float32)
+    scans = ScanSequence(
+        "pcd", points, np.array([0, 2000]), np.full((1, 3), np.nan), np.zeros(1, np.int64), np.zeros(3)
+    )
+    source = CloudPoints(scans, points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64))
+    assert row.low <= source.first.values["patch"] <= row.high
+
+
 def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> None:
     rng = np.random.default_rng(8)
     floor = np.column_stack([rng.uniform(0.0, 4.0, (4000, 2)), rng.normal(0.0, 0.004, 4000)])

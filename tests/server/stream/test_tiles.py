@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,21 @@ from numpy.typing import NDArray
 
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
+from server.stream.codecs import TilePayload
 from server.stream.tiles import TilePicture, picture_range
+
+
+def payload_of(picture: TilePicture, ty: int, tx: int) -> TilePayload:
+    (payload,) = picture.payloads(np.array([[ty, tx]]))
+    return payload
 
 
 def decoded(picture: TilePicture) -> NDArray[np.int8]:
     """The whole picture from its payloads."""
     rows, cols = picture.geometry.shape
     whole = np.full((picture.revision.shape[0] * 64, picture.revision.shape[1] * 64), -128, dtype=np.int8)
-    for ty, tx in np.argwhere(picture.revision > 0).tolist():
-        payload = picture.payload(ty, tx)
+    tiles = np.argwhere(picture.revision > 0)
+    for (ty, tx), payload in zip(tiles.tolist(), picture.payloads(tiles), strict=True):
         assert (payload.tx, payload.ty) == (tx, ty)
         tile = np.frombuffer(zstandard.decompress(payload.data), dtype=np.int8).reshape(64, 64)
         whole[ty * 64 : ty * 64 + 64, tx * 64 : tx * 64 + 64] = tile
@@ -51,6 +58,17 @@ def test_tiles_have_the_values_of_the_grid(rows: int, cols: int, seed: int) -> N
     np.testing.assert_array_equal(np.select([state == 1, state == -1], [100, 0], -1), grid.classify())
 
 
+def test_one_tile_of_a_large_grid_takes_the_memory_of_one_tile() -> None:
+    picture = TilePicture(GridGeometry(0.05, 4001, 4001), -2.0, 3.5)
+    payload_of(picture, 0, 0)  # this thread's compressor
+    tracemalloc.start()
+    try:
+        payload_of(picture, 62, 62)
+        assert tracemalloc.get_traced_memory()[1] < 100_000
+    finally:
+        tracemalloc.stop()
+
+
 def test_only_changed_tiles_get_a_new_revision_and_each_is_compressed_once() -> None:
     grid = OccupancyGrid(GridGeometry(0.05, 256, 256))
     picture = TilePicture(grid.geometry, -2.0, 3.5, revision=7)
@@ -62,16 +80,16 @@ def test_only_changed_tiles_get_a_new_revision_and_each_is_compressed_once() -> 
     assert picture.publish() == 1
     assert picture.revision[1, 3] == 8
     assert np.count_nonzero(picture.revision) == 1
-    first = picture.payload(1, 3)
-    assert picture.payload(1, 3) is first
+    first = payload_of(picture, 1, 3)
+    assert payload_of(picture, 1, 3) is first
     picture.update(grid, whole)
     assert picture.publish() == 0
-    assert picture.payload(1, 3) is first
+    assert payload_of(picture, 1, 3) is first
     grid.log_odds[100, 200] = 1.0
     picture.update(grid, CellBox(100, 101, 200, 201))
     assert picture.publish() == 1
-    assert picture.payload(1, 3).revision == 9
-    assert picture.payload(1, 3).data != first.data
+    assert payload_of(picture, 1, 3).revision == 9
+    assert payload_of(picture, 1, 3).data != first.data
 
 
 @given(st.integers(1, 150), st.integers(1, 150), st.integers(0, 2**32 - 1), st.booleans())
