@@ -1,7 +1,7 @@
 """The int8 picture of a grid, the revisions of its tiles, and each tile compressed once.
 
 The picture is written by the session's computation (:meth:`TilePicture.update`, on a worker thread) and read by the
-event loop (:meth:`TilePicture.payload`). A tile that is compressed while it is written may contain parts of two
+event loop (:meth:`TilePicture.payloads`). A tile that is compressed while it is written may contain parts of two
 updates; it then gets a new revision when the update is published, so clients that received it receive it again.
 """
 
