@@ -223,7 +223,7 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
     card = phone.get_by_role("region", name="Question to the class")
     for section, answer in PREDICTIONS.items():
         page.goto(f"{server}/lecture.html#{section}")
-        predict = page.locator(f"#{section}").get_by_role("region", name="Predict")
+        predict = page.locator(f"#{section}").get_by_role("region", name=re.compile("^Predict: "))
         predict.get_by_role("button", name="Ask the class").click()
         card.get_by_role("button", name="Answer", exact=True).click()
         expect(predict.locator("title")).not_to_have_count(0)  # the columns of the answers, on the lecturer's page only

@@ -65,6 +65,8 @@ def _crossed(at: float, first: float, per_voxel: float) -> tuple[int, bool]:
 
     ``first`` is the distance to the first of them; there are ``per_voxel`` of them per metre.
     """
+    if per_voxel == 0.0 or at == -np.inf:  # parallel to the borders, or before the ray's origin
+        return 0, False
     passed = (at - first) * per_voxel
     whole = np.floor(passed)
     rest = passed - whole

@@ -43,7 +43,7 @@ export function Prediction({ text, axis, step, reveal }: PredictionProps) {
   const unit = axis.unit ? ` ${axis.unit}` : "";
   const told = (value: number): string => `${written(value, places)}${unit}`;
   return (
-    <section class="prediction no-print" ref={root} aria-label="Predict">
+    <section class="prediction no-print" ref={root} aria-label={`Predict: ${text}`}>
       <p class="prediction-question">
         <b>Predict.</b> {text}
       </p>
