@@ -39,7 +39,7 @@ export const LESSONS = [
   { id: "stack", title: "The whole stack", reserve: [406, 350, 350, 534] },
   { id: "octree", title: "Why a plane is not enough", reserve: [314, 314, 314, 455] },
   { id: "tsdf", title: "TSDF beside occupancy", reserve: [780, 709, 717, 973] },
-  { id: "terrain", title: "Terrain from points to classes", reserve: [772, 725, 745, 1003] },
+  { id: "terrain", title: "Terrain from points to classes", reserve: [718, 671, 691, 965] },
   { id: "next", title: "Other maps", reserve: [329, 217, 307, 486] },
   { id: "log", title: "Your own log", reserve: [230, 230, 230, 230] },
 ] as const satisfies readonly Lesson[];
