@@ -7,6 +7,8 @@ import contextlib
 from dataclasses import replace
 from pathlib import Path
 
+import structlog
+
 from mapper.io.logs.summary import summarise
 from mapper.sensors.scan import ScanLog
 from server.library.cache import LogCache
@@ -14,6 +16,8 @@ from server.library.records import Record
 
 SAMPLE_ID = "sample-office"
 SAMPLE_NAME = "A simulated office (sample)"
+
+_log = structlog.get_logger(__name__)
 
 
 class Sample:
@@ -32,6 +36,7 @@ class Sample:
         """Start making the sample, unless its summary is known or it is being made."""
         if self.record.summary is None and self._job is None:
             self._job = asyncio.create_task(self._make())
+            self._job.add_done_callback(_note_failure)
 
     async def load(self) -> ScanLog:
         """Return the sample; it is made again if the cache has dropped it."""
@@ -61,3 +66,13 @@ class Sample:
         if self._job is not None:
             self._job.cancel()
             await asyncio.gather(self._job, return_exceptions=True)
+
+
+def _note_failure(job: asyncio.Task[ScanLog]) -> None:
+    """Log why the sample was not made; nobody may wait for the job. The next look at the logs begins it again."""
+    if job.cancelled() or (error := job.exception()) is None:
+        return
+    if isinstance(error, MemoryError | OSError):  # no memory, or no room on the disk
+        _log.warning("sample not made", reason=str(error))
+    else:
+        _log.error("sample not made", exc_info=error)

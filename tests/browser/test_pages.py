@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, WebSocket, expect
 
 from server.scenes.pacing import DRAWN, MOST_AHEAD
 from tests.browser.conftest import LOOKS
@@ -79,7 +79,11 @@ def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, wat
 
 def test_the_3d_view_opens_in_the_dock_of_the_lab(page: Page, server: str) -> None:
     sent: list[bytes | str] = []
-    page.on("websocket", lambda socket: socket.on("framesent", sent.append))
+
+    def listen(socket: WebSocket) -> None:
+        socket.on("framesent", lambda data: sent.extend([data]))
+
+    page.on("websocket", listen)
     page.goto(f"{server}/lab.html")
     await_map(page)
     open_group(page, "Scene")
