@@ -125,6 +125,8 @@ def tile_distances(
             last -= 1
         reach = int(sqrt(radius * radius - nearest * nearest))
         begin, end = max(first - radius - reach, 0), min(last - radius + reach + 1, cols)
+        if begin >= end:  # every obstacle near this row is too far beside the tile
+            continue
         for k in range(squares.shape[0]):
             squares[k] = kind(line[k]) * kind(line[k])
         near, centre = best[begin:end], squares[begin + radius : end + radius]

@@ -1,5 +1,6 @@
 """Inflation against Nav2's formulas: written down as a table of cases, and against a distance transform of SciPy."""
 
+import inspect
 import math
 
 import numpy as np
@@ -10,6 +11,7 @@ from mapper.core.errors import LimitError
 from mapper.core.parallel import single_threaded
 from mapper.costmap import LETHAL, InflationConfig, cost_of_distance
 from mapper.costmap.inflation import inflate, squared_distances
+from mapper.costmap.kernels.inflation import tile_distances
 
 #: distance in m, inscribed radius in m, cost_scaling_factor, cost: by hand from the documentation's formula
 #: 252 · exp(−cost_scaling_factor · (distance − inscribed_radius)), cut to a whole number
@@ -52,6 +54,18 @@ def test_distances_are_exact_over_the_borders_of_tiles(radius: int) -> None:
     np.testing.assert_array_equal(found, np.minimum(exact, radius * radius + 1))
     with single_threaded():
         np.testing.assert_array_equal(squared_distances(costs, radius), found)
+
+
+def test_rows_whose_obstacles_are_too_far_left_of_the_tile_read_no_cell_outside_of_it() -> None:
+    # As plain Python, in which a cell outside of an array is an IndexError.
+    radius, rows, cols, col0 = 5, 12, 20, 5
+    costs = np.zeros((rows, col0 + cols), dtype=np.uint8)
+    costs[0, 0] = LETHAL
+    columns = np.empty((rows + 2 * radius, cols + 2 * radius), dtype=np.uint8)
+    squares, out = np.empty(cols + 2 * radius, dtype=np.uint16), np.empty((rows, cols), dtype=np.uint16)
+    inspect.unwrap(tile_distances)(costs, False, radius, 0, col0, columns, squares, out)
+    exact = np.rint(distance_transform_edt(costs != LETHAL) ** 2).astype(np.int64)[:, col0:]
+    np.testing.assert_array_equal(out, np.minimum(exact, radius * radius + 1))
 
 
 def test_a_radius_of_too_many_cells_is_refused() -> None:
