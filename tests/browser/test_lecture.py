@@ -22,6 +22,13 @@ WITHIN = """section => Math.max(...[...section.querySelectorAll(":not(svg *)")].
 PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
   place => [place.classList.contains("figure-awaited"), place.offsetHeight])"""
 
+# Of each section whose figure takes another height than the one that was reserved for it at this width: both.
+MISPLACED = """() => [...document.querySelectorAll(".lesson")].flatMap(section => {
+  const place = section.querySelector(".lesson-figure > div");
+  const reserved = parseFloat(getComputedStyle(place).getPropertyValue("--reserved"));
+  return Math.abs(place.offsetHeight - reserved) <= 40 ? [] : [[section.id, reserved, place.offsetHeight]];
+})"""
+
 
 #: A size and a colour scheme: `make test` opens the lecture twice, `make test-long` in all other pairs.
 LOOKS = [
@@ -55,6 +62,15 @@ def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
         return [(before, after) for before, after in heights if abs(after - before) > 40]
 
     until("the figures to be as high as their places", lambda: not moved())
+
+
+def test_the_height_of_each_figure_is_reserved_at_every_width(page: Page, server: str) -> None:
+    page.goto(f"{server}/lecture.html")
+    expect(page.locator(".lesson").last).to_be_attached()
+    expect(page.locator(".figure-awaited")).to_have_count(0)
+    for width in (1280, 1920, 768, 1366, 1100, 360):  # beside those of the test above
+        page.set_viewport_size({"width": width, "height": 800})
+        until(f"the figures to be as high as reserved at {width}", lambda: page.evaluate(MISPLACED) == [])
 
 
 def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:

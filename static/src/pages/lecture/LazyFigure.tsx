@@ -3,8 +3,8 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { printing } from "../../ui/theme";
 import { watchVisibility } from "../../ui/visibility";
+import { figureHeight, windowWidth } from "./figureHeights";
 import { enqueueIdleTask } from "./idleQueue";
-import type { Reserve } from "./lessons";
 
 /** Distance from the window at which a figure is rendered, in percent of the window's height. */
 const AHEAD = "100%";
@@ -12,8 +12,8 @@ const AHEAD = "100%";
 interface LazyFigureProps {
   /** Render it now, wherever it is. */
   readonly now: boolean;
-  /** The height that it will have. */
-  readonly reserve: Reserve;
+  /** The section that it belongs to. */
+  readonly id: string;
   readonly children: ComponentChildren;
 }
 
@@ -21,7 +21,7 @@ interface LazyFigureProps {
  * A figure that is rendered when it is near the window, when it is printed, or when the page is idle; until then its
  * height is reserved.
  */
-export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
+export function LazyFigure({ now, id, children }: LazyFigureProps) {
   const box = useRef<HTMLDivElement>(null);
   const near = useSignal(now);
   const before = useRef<DOMRect | null>(null);
@@ -54,14 +54,12 @@ export function LazyFigure({ now, reserve, children }: LazyFigureProps) {
     if (isHere && rect && rect.bottom <= 0 && !CSS.supports("overflow-anchor", "auto"))
       scrollBy({ top: (box.current?.offsetHeight ?? rect.height) - rect.height, behavior: "instant" });
   }, [isHere, near]);
-  const style = {
-    "--wide": `${reserve[0]}px`,
-    "--full": `${reserve[1]}px`,
-    "--middle": `${reserve[2]}px`,
-    "--narrow": `${reserve[3]}px`,
-  };
   return (
-    <div class={isHere ? "" : "figure-awaited"} ref={box} style={style}>
+    <div
+      class={isHere ? "" : "figure-awaited"}
+      ref={box}
+      style={{ "--reserved": `${figureHeight(id, windowWidth.value)}px` }}
+    >
       {isHere && children}
     </div>
   );

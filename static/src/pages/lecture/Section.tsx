@@ -1,6 +1,5 @@
 import type { ComponentChildren } from "preact";
 import { LazyFigure } from "./LazyFigure";
-import { LESSONS } from "./lessons";
 import { SlideQuestion } from "./present/SlideQuestion";
 import { place, presenting, shownOf, stage } from "./present/state";
 import { useFittedWidth } from "./present/useFittedWidth";
@@ -61,7 +60,7 @@ export function Section({ id, number, title, figure, children, after, predict, s
       {shown === "section" && <SlideQuestion id={id} />}
       <div class="lesson-room">
         <div class="lesson-figure" ref={frame}>
-          <LazyFigure now={shown === "section"} reserve={LESSONS[number - 1]?.reserve ?? [0, 0, 0, 0]}>
+          <LazyFigure now={shown === "section"} id={id}>
             {figure}
           </LazyFigure>
         </div>
