@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.core.se3 import from_euler
+from mapper.sensors.camera import Intrinsics
+from mapper.sensors.depth_image import DepthImage
 from mapper.simulation.lidar import RANGE_MIN, TURN
 from mapper.simulation.space import cast
 from mapper.simulation.worlds import Float64Array, World
@@ -115,6 +117,8 @@ class Sensor3D:
 
 
 check_table(Sensor3D, SENSOR_3D_PARAMETERS)
+#: Rotation from the optical frame (x right, y down, z ahead) to a sensor's frame (x ahead, y left, z up), REP 103.
+SENSOR_OF_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 def _ring(sensor: Sensor3D, elevations: Float64Array) -> Float64Array:
@@ -135,12 +139,18 @@ def _tilted(sensor: Sensor3D) -> Float64Array:
     return _ring(sensor, np.zeros(1))
 
 
-def _pixels(sensor: Sensor3D) -> Float64Array:
-    """Rays of the pixels of a pinhole camera with square pixels, whose axis passes the middle of the image."""
+def _camera(sensor: Sensor3D) -> Intrinsics:
+    """Return the pinhole model of a depth camera with square pixels, whose axis passes the middle of the image."""
     columns, rows = sensor.columns, sensor.columns * 3 // 4
     focal = 0.5 * columns / math.tan(0.5 * sensor.view)
-    left = -(np.arange(columns) + 0.5 - 0.5 * columns) / focal
-    up = -(np.arange(rows) + 0.5 - 0.5 * rows) / focal
+    return Intrinsics(columns, rows, focal, focal, 0.5 * (columns - 1), 0.5 * (rows - 1))
+
+
+def _pixels(sensor: Sensor3D) -> Float64Array:
+    """Return the rays of the pixels of the depth camera, row after row."""
+    camera = _camera(sensor)
+    left = -(np.arange(camera.width) - camera.cx) / camera.fx
+    up = -(np.arange(camera.height) - camera.cy) / camera.fy
     y, z = (axis.ravel() for axis in np.meshgrid(left, up))
     rays = np.column_stack([np.ones(len(y)), y, z])
     return np.ascontiguousarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
@@ -171,6 +181,16 @@ class Scan3D:
         pose = sensor_pose(self.sensor, self.pose)
         reached = np.where(np.isfinite(self.ranges), self.ranges, 1.1 * self.sensor.reach)
         return self.sensor.directions * reached[:, None] @ pose[:3, :3].T + pose[:3, 3], pose[:3, 3]
+
+    def depth_image(self) -> DepthImage | None:
+        """Return what a depth camera measured, 0 where nothing returned; None of another sensor."""
+        if self.sensor.sensor != "depth_camera":
+            return None
+        camera, pose = _camera(self.sensor), sensor_pose(self.sensor, self.pose)
+        pose[:3, :3] = pose[:3, :3] @ SENSOR_OF_OPTICAL
+        along = self.ranges * self.sensor.directions[:, 0]
+        depth = np.where(np.isfinite(along), along, 0.0).astype(np.float32)
+        return DepthImage(depth.reshape(camera.height, camera.width), camera, pose)
 
 
 def sensor_pose(sensor: Sensor3D, base_pose: ArrayLike) -> Float64Array:

@@ -12,7 +12,7 @@ from mapper.core.array_types import Float32Array, Int32Array, Int64Array
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.volume.blocks import BLOCK
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.measured_scans import MeasuredScans
 from mapper.volume.tsdf import Fused, TsdfVolume
 from mapper.volume.tsdf_parameters import TsdfConfig
 
@@ -42,7 +42,7 @@ class ReplayedSurface:
     """
 
     def __init__(
-        self, source: ScanSequence, config: TsdfConfig, limits: Callable[[], Limits] | None = None,
+        self, source: MeasuredScans, config: TsdfConfig, limits: Callable[[], Limits] | None = None,
         *, snapshot_bytes: int = SNAPSHOT_BYTES,
     ) -> None:  # fmt: skip
         if not source.has_origins:
@@ -115,7 +115,8 @@ class ReplayedSurface:
 
     def _keep(self) -> None:
         """Keep a snapshot where one is due; where they are too large, every second one."""
-        if self.index % self._every or self.index in self._snapshots or self.index == self.count:
+        is_due = self._most_bytes > 0 and self.index % self._every == 0
+        if not is_due or self.index in self._snapshots or self.index == self.count:
             return
         volume = self.volume
         kept = Snapshot(volume.blocks.codes.copy(), volume.distances.copy(), volume.weights.copy())
@@ -125,15 +126,16 @@ class ReplayedSurface:
             self._snapshots = {at: one for at, one in self._snapshots.items() if at % self._every == 0}
 
 
-def fuse(volume: TsdfVolume, source: ScanSequence, index: int) -> Fused:
+def fuse(volume: TsdfVolume, source: MeasuredScans, index: int) -> Fused:
     """Update a surface by one scan of a sequence: by its depth image, or else by its points.
 
     Raises :class:`LimitError` as the methods of the volume do.
     """
-    depth = source.depth
+    image = source.depth_image(index)
     try:
-        if depth is not None:
-            return volume.fuse_depth(depth.depth(index), depth.camera, depth.poses[index])
-        return volume.fuse_points(source.scan(index).points, source.origins[index])
+        if image is not None:
+            return volume.fuse_depth(image.depth, image.camera, image.pose)
+        scan = source.scan(index)
+        return volume.fuse_points(scan.points, np.asarray(scan.origin))
     except LimitError as error:
         raise LimitError(error.code, f"Scan {index + 1}: {error.message}") from error

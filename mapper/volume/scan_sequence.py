@@ -18,6 +18,7 @@ from mapper.io.clouds import read_cloud, read_depth_folder
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import cloud_format
 from mapper.io.logs.unpacking import Progress
+from mapper.sensors.depth_image import DepthImage
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 from mapper.volume.depth_sequence import DepthSequence, GatheredDepth
 from mapper.volume.sources import PlacedScan, ScanSource, file_head, open_source, placed_scan
@@ -71,6 +72,11 @@ class ScanSequence:
         return PlacedScan(
             points.astype(np.float64), origin if np.isfinite(origin).all() else None, int(self.stamps_ns[index])
         )
+
+    def depth_image(self, index: int) -> DepthImage | None:
+        """Return the depth image of a scan; None where there are points only."""
+        depth = self.depth
+        return None if depth is None else DepthImage(depth.depth(index), depth.camera, depth.poses[index])
 
     @property
     def first_up(self) -> str:

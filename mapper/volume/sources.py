@@ -34,13 +34,15 @@ class PlacedScan:
 class ScanSource:
     """The scans of one file or folder, in order: iterate ``scans`` once. ``count`` is how many there are, if known.
 
-    ``notes`` are sentences on what was found; reading the scans adds to them.
+    ``given_poses`` is how many of the poses that were given, one for each cloud's file, it has taken. ``notes`` are
+    sentences on what was found; reading the scans adds to them.
     """
 
     kind: str
     scans: Iterator[PlacedScan]
     count: int | None
     notes: list[str]
+    given_poses: int = 0
 
 
 def open_source(
@@ -82,7 +84,7 @@ def open_source(
                 "poses.too_few", f"{poses.name} has {len(poses)} poses, and {path.name} is cloud {number + 1}."
             )
         posed = PosedCloud(cloud, poses.matrix(number))
-        return ScanSource(kind, iter([placed_scan(posed)]), 1, notes)
+        return ScanSource(kind, iter([placed_scan(posed)]), 1, notes, given_poses=1)
     origin = cloud.sensor_pose[:3, 3] if sensor is None and cloud.sensor_pose is not None else sensor
     if origin is None:
         notes.append("The file does not say where the sensor was: its points are occupied, and nothing is free.")

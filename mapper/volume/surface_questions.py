@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from mapper.core.array_types import Float32Array, Float64Array, Int64Array
 from mapper.core.errors import WorkCancelledError
 from mapper.volume.blocks import BLOCK, KEYS
+from mapper.volume.measured_scans import MeasuredScans
 from mapper.volume.occupancy import centres_of
 from mapper.volume.replayed_surface import ReplayedSurface
-from mapper.volume.scan_sequence import ScanSequence
 from mapper.volume.tsdf import CENTRE, TsdfVolume
 from mapper.volume.tsdf_parameters import TsdfConfig
 
@@ -59,9 +59,10 @@ def why_surface(
     for scan in range(first, now.index):
         if not may_continue():
             raise WorkCancelledError("tsdf.cancelled", "Asking why a voxel is so was cancelled.")
-        part = _near_voxel(now.source, now.config, scan, key)
-        if part is None:
+        near = _near_voxel(now.source, now.config, scan, key)
+        if near is None:
             continue
+        part, origin = near
         measured, added = _fused(now.config, code, at, empty, empty, part)
         if added == 0.0:
             continue
@@ -69,7 +70,6 @@ def why_surface(
         held[0][at], sure[0][at] = distance, weight
         before = float(distance) if weight > 0.0 else None
         distance, weight = _fused(now.config, code, at, held, sure, part)
-        origin = now.source.origins[scan]
         updates.append(
             SurfaceUpdate(scan, float(measured), float(added), before, float(distance), float(weight), origin)
         )
@@ -86,28 +86,33 @@ def _place(key: Int64Array) -> tuple[int, tuple[int, int, int]]:
 Part = Callable[[TsdfVolume], object]
 
 
-def _near_voxel(source: ScanSequence, config: TsdfConfig, scan: int, key: Int64Array) -> Part | None:
-    """Return what fuses all of a scan that may measure a voxel, and little else; None where nothing does."""
+def _near_voxel(
+    source: MeasuredScans, config: TsdfConfig, scan: int, key: Int64Array
+) -> tuple[Part, Float64Array] | None:
+    """Return what fuses all of a scan that may measure a voxel, and little else, and the place of the sensor (3,).
+
+    None where nothing does.
+    """
     place = centres_of(key[None], config.resolution)[0].astype(np.float64)
-    depth = source.depth
-    if depth is None:
-        points, origin = source.scan(scan).points, source.origins[scan]
+    image = source.depth_image(scan)
+    if image is None:
+        placed = source.scan(scan)
+        points, origin = placed.points, np.asarray(placed.origin)
         away = points - origin
         share = np.maximum((place - origin) @ away.T / np.maximum((away * away).sum(axis=1), 1e-12), 0.0)
         # A voxel's corners are 0.87 of its side from its centre.
         near = np.linalg.norm(share[:, None] * away - (place - origin), axis=1) <= 0.9 * config.resolution
-        return (lambda volume: volume.fuse_points(points[near], origin)) if near.any() else None
-    pose, camera = depth.poses[scan], depth.camera
+        return (lambda volume: volume.fuse_points(points[near], origin), origin) if near.any() else None
+    pose, camera = image.pose, image.camera
     x, y, z = pose[:3, :3].T @ (place - pose[:3, 3])
     if z <= 0.0:
         return None
     col, row = round(camera.fx * x / z + camera.cx), round(camera.fy * y / z + camera.cy)
     rows = slice(max(row - _AROUND, 0), max(row + _AROUND + 1, 0))
     cols = slice(max(col - _AROUND, 0), max(col + _AROUND + 1, 0))
-    image = depth.depth(scan)
-    part = np.zeros_like(image)
-    part[rows, cols] = image[rows, cols]
-    return (lambda volume: volume.fuse_depth(part, camera, pose)) if part.any() else None
+    part = np.zeros_like(image.depth)
+    part[rows, cols] = image.depth[rows, cols]
+    return (lambda volume: volume.fuse_depth(part, camera, pose), pose[:3, 3]) if part.any() else None
 
 
 def _fused(

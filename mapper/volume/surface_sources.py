@@ -21,11 +21,13 @@ from mapper.volume.tsdf import Fused, TsdfVolume
 class Fusions:
     """What files did: numbers of ``scans`` (depth images or clouds) and of pixels or points that were ``used``.
 
-    ``notes`` are sentences on what was found.
+    ``given_poses`` is how many of the poses that were given, one for each cloud's file, they took. ``notes`` are
+    sentences on what was found.
     """
 
     scans: int = 0
     used: int = 0
+    given_poses: int = 0
     notes: list[str] = field(default_factory=list)
 
     def count(self, fused: Fused) -> None:
@@ -42,15 +44,14 @@ def fuse_all(
     topic: str | None = None,
     sensor: Float64Array | None = None,
     poses: GivenPoses | None = None,
-    number: int = 0,
     limits: Limits = DEFAULT_LIMITS,
     progress: Callable[[float], None] | None = None,
     is_cancelled: Callable[[], bool] = lambda: False,
 ) -> None:
     """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
 
-    ``topic``, ``sensor``, ``poses`` and ``number`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is
-    called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
+    ``topic``, ``sensor`` and ``poses`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is called with
+    the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
     :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
     sensor is not known and where nothing was used.
     """
@@ -69,7 +70,8 @@ def fuse_all(
             into.count(volume.fuse_depth(frame.read(), folder.camera, frame.pose))
             step(len(folder))
     else:
-        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=number, limits=limits)
+        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=into.given_poses, limits=limits)
+        into.given_poses += source.given_poses
         for scan in source.scans:
             if scan.origin is None:
                 raise ConfigError(

@@ -132,9 +132,11 @@ def map3d(
         # A tree may be larger than a map may be.
         from_tree = read is not None and (rest or projection is not None or meshes)
         volume = read.tree.volume(config) if read is not None and from_tree else OccupancyVolume(config)
-    for number, path in enumerate(rest):
+    posed = 0  # clouds so far, each of which takes one of the poses
+    for path in rest:
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
-            source = open_source(path, topic=topic, sensor=place, poses=poses, number=number)
+            source = open_source(path, topic=topic, sensor=place, poses=poses, number=posed)
+            posed += source.given_poses
             insert_all(volume, source, scans, bar)
         notes += [f"{path.name}: {note}" for note in source.notes]
     tree = read.tree if read is not None and not rest else Octree.of(volume)

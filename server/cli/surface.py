@@ -51,9 +51,9 @@ def map_surface(
     except MapperError as error:
         fail(error.message)
     volume, did, notes = TsdfVolume(config), Fusions(), []
-    for number, path in enumerate(inputs):
+    for path in inputs:
         with refusing(path), progress_bar(f"Fusing {path.name}") as bar:
-            fuse_all(volume, path, did, topic=topic, sensor=sensor, poses=poses, number=number, progress=bar)
+            fuse_all(volume, path, did, topic=topic, sensor=sensor, poses=poses, progress=bar)
         notes += [f"{path.name}: {note}" for note in did.notes]
         did.notes.clear()
     mesh = surface_mesh(volume)

@@ -16,8 +16,9 @@ from server.cli.common import AsJson, fail, print_json, refusing, value_of, with
 if TYPE_CHECKING:
     from mapper.core.array_types import BoolArray
     from mapper.sensors.point_cloud import PointCloud
-    from mapper.terrain import Terrain
+    from mapper.terrain import Patches, Terrain
 
+MANY_UNKNOWN = 0.5  #: of the patches with points: a greater share is said
 _ROWS = {row.name: row for row in (*GROUND_PARAMETERS, *PATCH_PARAMETERS)}
 
 
@@ -77,14 +78,16 @@ def terrain(
         **({} if right is None else {name: round(value, 2) for name, value in right.items()}),
         "cpu_seconds": round(took, 3),
         "files": [str(path) for path in files],
-        "notes": list(read.notes),
+        "notes": [*read.notes, *_unknown_patches(every, found, config)],
     }
     if as_json:
         print_json(facts)
         return
     left_out = f", {ground.left_out} not finite" if ground.left_out else ""
     typer.echo(f"{facts['points']} points, {facts['ground']} of them ground{left_out}")
-    typer.echo(f"  patches of {config.patch:g} m: {facts['safe']} safe, {facts['unsafe']} unsafe")
+    typer.echo(
+        f"  patches of {config.patch:g} m: {facts['safe']} safe, {facts['unsafe']} unsafe, {facts['unknown']} unknown"
+    )
     if right is not None:
         typer.echo(
             f"  kappa {right['kappa']:.1f} %, total error {right['total_error']:.1f} %, "
@@ -93,8 +96,22 @@ def terrain(
     typer.echo(f"  {took:.2f} s of processor time")
     for path in files:
         typer.echo(f"  wrote {path}")
-    for note in read.notes:
+    for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _unknown_patches(every: Patches, found: Terrain, config: PatchConfig) -> list[str]:
+    """Return a sentence where many of the patches with points are unknown; ``every`` has the points of all."""
+    from mapper.terrain.patches import UNKNOWN  # noqa: PLC0415 - start-up
+
+    unknown = found.classes[every.moments[..., 0] > 0.0] == UNKNOWN
+    if unknown.mean() <= MANY_UNKNOWN:
+        return []
+    sentence = (
+        f"{unknown.sum()} of the {len(unknown)} patches with points are unknown: they have fewer than "
+        f"{config.min_points:g} points on the ground. Patches longer than {config.patch:g} m (--patch) have more."
+    )
+    return [sentence]
 
 
 def _points_in(cloud: PointCloud, truth: PointCloud) -> BoolArray:

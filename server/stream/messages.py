@@ -359,7 +359,10 @@ class VoxelMessage(Struct, tag_field="type", tag="voxel"):
 
 
 class SurfaceMessage(Struct, tag_field="type", tag="surface"):
-    """Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes."""
+    """Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes.
+
+    A simulation sends it while its surface is shown; its parameters are those of the 3D map.
+    """
 
     table: Annotated[list[Parameter], Meta(description="its parameters; empty where no surface can be made")]
     values: Annotated[Values, Meta(description="their present values")]

@@ -149,6 +149,11 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
     for _ in open_groups(page):
         told_sliders(page)
         nothing_wrong(page, ".dock")
+    panel = open_group(page, "3D map")
+    panel.get_by_role("radio", name="TSDF").check()
+    expect(panel.get_by_role("slider", name="Truncation").first).to_be_visible()
+    assert told_sliders(page) > 5
+    nothing_wrong(page, ".dock")
     if page.viewport_size and page.viewport_size["width"] < 500:
         return
     open_group(page, "Model")

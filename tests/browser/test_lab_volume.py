@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 from playwright.sync_api import Page, expect
@@ -68,3 +69,71 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(open_lab: Callable
     panel.get_by_role("button", name="End the 3D map").click()
     await_true(page, f"() => !({_MESSAGE})().is_on")
     expect(panel.get_by_role("button", name="Begin a 3D map")).to_be_visible()
+
+
+def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[..., Page]) -> None:
+    page = open_lab("levels")
+    received: list[int] = []
+    page.on(
+        "websocket",
+        lambda socket: (
+            socket.on("framereceived", lambda data: received.append(len(data))) if "/scenes/" in socket.url else None
+        ),
+    )
+
+    def arrived() -> int:
+        page.evaluate("() => true")  # what the page received is told here only while Playwright is called
+        return sum(received)
+
+    panel = open_group(page, "3D map")
+    page.evaluate(f"() => {_STORE}.send({{ type: 'play' }})")
+    await_true(page, f"() => ({_MESSAGE})().scans >= 3")
+    expect(panel.get_by_role("button", name="3D map", exact=True)).to_be_visible()
+    page.evaluate(f"() => {_STORE}.send({{ type: 'pause' }})")
+    panel.get_by_role("radio", name="TSDF").check()
+    surface = f"() => {_STORE}.surface.message.peek()"
+    settled = f"() => {{ const now = ({surface})(); return now?.index > 2 && now.triangles > 0 && !now.pending; }}"
+    await_true(page, settled)
+    first = page.evaluate(surface)
+    figure = panel.get_by_role("figure", name="One beam as occupancy and as signed distance")
+    curve = figure.locator(".tsdf-line")
+    drawn = curve.get_attribute("d")
+    before = arrived()
+    # The truncation is dragged to the right, towards the wall: a narrower band, fewer voxels, another mesh.
+    truncation = figure.get_by_role("slider", name="Truncation")
+    truncation.scroll_into_view_if_needed()
+    box = truncation.locator(".handle-mark").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 20, y, steps=4)
+    page.mouse.up()
+    until("the curve to change", lambda: curve.get_attribute("d") != drawn)
+    until("the truncation to change", lambda: page.evaluate(surface)["truncation"] < first["truncation"])
+    await_true(page, settled)
+    second = page.evaluate(surface)
+    assert second["triangles"] != first["triangles"]
+    assert second["blocks"] < first["blocks"]
+    until("its triangles to be in the browser", lambda: arrived() - before > 2 * second["triangles"])
+    # So is the maximum weight, here with the keyboard.
+    weight = figure.get_by_role("slider", name="Maximum weight")
+    weight.focus()
+    weight.press("Home")
+    until("the maximum weight to change", lambda: page.evaluate(surface)["values"]["max_weight"] == 1)
+    await_true(page, settled)
+    # And taken back.
+    page.keyboard.press("Control+z")
+    until("the maximum weight to be as before", lambda: page.evaluate(surface)["values"]["max_weight"] == 64)
+    panel.get_by_role("radio", name="Occupancy").check()
+    expect(figure).to_be_hidden()
+
+
+def test_the_lecture_leads_to_both_maps_in_the_lab(page: Page, server: str) -> None:
+    page.goto(f"{server}/lecture.html#tsdf")
+    link = page.get_by_role("link", name="The same in 3D, with a robot, in the lab")
+    expect(link).to_have_attribute("href", re.compile("group=map3d"))
+    link.click()
+    panel = page.get_by_role("tabpanel", name="3D map")
+    expect(panel.get_by_role("radio", name="TSDF")).to_be_checked()
+    expect(panel.get_by_role("figure", name="One beam as occupancy and as signed distance")).to_be_visible()

@@ -39,7 +39,11 @@ LINES = """() => [".dock-tabs", ".dock-subtabs"].map((list) => new Set([
   ...document.querySelectorAll(`${list} [role=tab]`)
 ].map((tab) => Math.round(tab.getBoundingClientRect().top))).size)"""
 #: What is done in a group that is empty without it.
-BEFORE_GROUP = {"Why": EXPLAIN}
+SHOW_SURFACE = """async () => {
+  gridbloom.connection.store.setMap3d({ kind: "tsdf" });
+  while (!document.querySelector(".surface-panel .tsdf-weight")) await new Promise(requestAnimationFrame);
+}"""
+BEFORE_GROUP = {"Why": EXPLAIN, "3D map": SHOW_SURFACE}
 
 
 def turns_at(looks: Looks) -> Turns:

@@ -38,7 +38,7 @@ async def surface_file(
 ) -> Response:
     """Return the surface by truncated signed distances as triangles with normals: PLY, or glTF in one file.
 
-    Of a simulation it is the outside of its occupied voxels.
+    Of a simulation it is the outside of its occupied voxels where these are shown.
     """
     return _download(request, sessions, downloads, session_id, kind, lambda volume: volume.mesh_bytes(f".{kind}"))
 

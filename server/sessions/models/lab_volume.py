@@ -85,7 +85,7 @@ class LabVolume:
 
     def catch_up(self, limits: Limits) -> list[np.ndarray]:
         """Put the next scans into the map; return the slots of the blocks that each touched."""
-        self.volume.blocks.limits = replace(limits, max_blocks=min(MOST_BLOCKS, limits.max_cells // BLOCK**3))
+        self.volume.blocks.limits = lab_limits(limits)
         touched = []
         for scan in self.scans[self.used : self.used + AT_ONCE]:
             try:
@@ -155,6 +155,11 @@ class LabVolume:
             "block_bytes": volume.n_bytes,
             "dense_bytes": 4 * int(dense),
         }
+
+
+def lab_limits(limits: Limits) -> Limits:
+    """Return the limits of a map of the lab."""
+    return replace(limits, max_blocks=min(MOST_BLOCKS, limits.max_cells // BLOCK**3))
 
 
 def _placed(scan: Scan3D) -> PlacedScan:

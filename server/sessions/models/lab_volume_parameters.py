@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.simulation.sensors_3d import SENSOR_3D_PARAMETERS, Sensor3D
-from mapper.volume import VolumeConfig
+from mapper.volume import TsdfConfig, VolumeConfig
+from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
 
 HIGHEST = 2.4  #: metres: no world of the lab is higher
 COLOURS = ("height", "belief", "normal")
+KINDS = ("occupancy", "tsdf")
+#: The surface has the voxels of the map and the range of the sensor; its truncation is at most so long, metres.
+_NOT_OF_SURFACE, _LONGEST_TRUNCATION = ("resolution", "range_max"), 2.0
+
+
+def _of_surface(row: Parameter) -> Parameter:
+    return replace(row, group="tsdf_3d", high=_LONGEST_TRUNCATION if row.name == "truncation" else row.high)
+
 
 TABLE: tuple[Parameter, ...] = (
     *SENSOR_3D_PARAMETERS,
+    Parameter(
+        "kind", "Map", "kind_3d", "choice", "occupancy",
+        "What is shown, made of the same scans: occupied voxels, or the surface by truncated signed distances (TSDF). "
+        "The map from above is always that of the occupied voxels.",
+        choices=KINDS,
+    ),
+    *(_of_surface(row) for row in TSDF_PARAMETERS if row.name not in _NOT_OF_SURFACE),
     Parameter(
         "voxel", "Voxel", "map_3d", "number", 0.1,
         "Side of a voxel. The map is computed again from the recorded scans.",
@@ -76,6 +92,8 @@ class VolumeParameters:
                 f"not at {found.values['band_high']:g} m.",
             )
         found.sensor  # noqa: B018 - refuses what the sensor's table refuses
+        if found.is_surface:
+            found.surface  # noqa: B018 - refuses a truncation of less than two voxels
         return found
 
     @property
@@ -88,6 +106,18 @@ class VolumeParameters:
         """Parameters of the map. Beams are cut at the range of the sensor, where those without a return end."""
         values = self.values
         return VolumeConfig(resolution=values["voxel"], range_max=values["reach"], half_life=values["half_life"])
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether the surface is shown instead of the occupied voxels."""
+        return bool(self.values["kind"] == "tsdf")
+
+    @property
+    def surface(self) -> TsdfConfig:
+        """Parameters of the surface. Raises :class:`ConfigError` for a truncation of less than two voxels."""
+        values = self.values
+        own = {one.name: values[one.name] for one in fields(TsdfConfig) if one.name not in _NOT_OF_SURFACE}
+        return TsdfConfig(resolution=values["voxel"], range_max=values["reach"], **own)
 
     @property
     def band(self) -> tuple[float, float]:

@@ -223,7 +223,7 @@ class SimulationModel(SessionModel):
             self._parameters_message(),
             self._world_message(),
             *self._navigation.messages(),
-            self._volume.message(),
+            *self._volume.messages(),
             self._terrain.message(),
             self._localization.message(),
         ]

@@ -17,10 +17,10 @@ from mapper.core.parameter import check_names
 from mapper.volume import TsdfConfig, surface_mesh
 from mapper.volume.chunk_mesh import STEPS, ChunkMesh, cut_between
 from mapper.volume.kernels.faces import CHUNK
+from mapper.volume.measured_scans import MeasuredScans
 from mapper.volume.mesh_files import glb_bytes, ply_bytes
 from mapper.volume.occupancy import centres_of, keys_of
-from mapper.volume.replayed_surface import ReplayedSurface
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.replayed_surface import SNAPSHOT_BYTES, ReplayedSurface
 from mapper.volume.surface_chunks import ChunkKey, SurfaceChunks
 from mapper.volume.surface_questions import first_surface, why_surface
 from mapper.volume.tsdf import CENTRE
@@ -50,7 +50,11 @@ def height_colors(key: ChunkKey, mesh: ChunkMesh, size: float, low: float, look:
 class VolumeSurface:
     """The surface of a sequence of scans, None for one that has none; nothing is computed until it is asked for."""
 
-    def __init__(self, source: ScanSequence | None, resolution: float, limits: Callable[[], Limits]) -> None:
+    def __init__(
+        self, source: MeasuredScans | None, resolution: float, limits: Callable[[], Limits],
+        *, snapshot_bytes: int = SNAPSHOT_BYTES,
+    ) -> None:  # fmt: skip
+        self._snapshot_bytes = snapshot_bytes
         self._source = source if source is not None and source.has_origins else None
         self._limits = limits
         self.config = TsdfConfig(resolution=max(resolution, FINEST_M))
@@ -76,7 +80,9 @@ class VolumeSurface:
                 "A surface needs scans and the places of their sensor: distances are measured from there.",
             )
         if self._replayed is None:
-            self._replayed = ReplayedSurface(self._source, self.config, self._limits)
+            self._replayed = ReplayedSurface(
+                self._source, self.config, self._limits, snapshot_bytes=self._snapshot_bytes
+            )
         return self._replayed
 
     @property
@@ -97,12 +103,19 @@ class VolumeSurface:
         wanted = values(command)
         check_names(wanted, TSDF_PARAMETERS)
         config = replace(self.config, **wanted)
+        self.replayed  # noqa: B018 - raises where there is none
+        return self.use(config)
+
+    def use(self, config: TsdfConfig) -> bool:
+        """Use other parameters; return whether the surface has to be made again."""
         if config == self.config:
             return False
-        before = self.replayed
-        self._replayed = ReplayedSurface(before.source, config, self._limits)
-        self.config = config
+        self.config, self._replayed = config, None
         return True
+
+    def set_source(self, source: MeasuredScans) -> None:
+        """Make the surface of other scans, which say where their sensor was."""
+        self._source, self._replayed = source, None
 
     def mesh(self) -> None:
         """Mesh what has changed since the last time, or a part of it."""

@@ -21,6 +21,7 @@ from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.lab_navigation import believed_now
+from server.sessions.models.lab_surface import LABEL, LabSurface
 from server.sessions.models.lab_terrain import points_of, true_ground
 from server.sessions.models.lab_volume import LabVolume, only_in_3d
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
@@ -56,6 +57,7 @@ class VolumeView:
     def __init__(self, host: ModelHost, mapper: LiveMap, playback: Playback) -> None:
         self._host, self._mapper, self._playback = host, mapper, playback
         self._map: LabVolume | None = None
+        self._surface: LabSurface | None = None  #: while it is shown instead of the voxels
         self._only = GridLayer("only_in_3d", "Only in the 3D map", "only_in_3d")
         self._faces = VoxelFaces()
         self._chosen = ChosenVoxel()
@@ -83,7 +85,7 @@ class VolumeView:
     @property
     def is_answering(self) -> bool:
         """Whether the answer about a voxel is being computed."""
-        return self._questions.is_busy
+        return self._questions.is_busy or (self._surface is not None and self._surface.surface.is_busy)
 
     @property
     def count(self) -> int:
@@ -103,13 +105,18 @@ class VolumeView:
 
     @property
     def is_behind(self) -> bool:
-        """Whether recorded scans are not in the map yet."""
+        """Whether recorded scans are not in the map, or the surface that is shown, yet."""
+        if self._surface is not None and self._surface.is_behind:
+            return True
         return self._map is not None and self._map.is_behind
 
     @property
     def fraction(self) -> float | None:
-        """The share of the recorded scans that is in the map; None while all are."""
-        return self._map.used / len(self._map.scans) if self._map is not None and self._map.is_behind else None
+        """The share of the recorded scans that is in the map, or in the surface that is shown; None while all are."""
+        if self._map is None or not self.is_behind:
+            return None
+        used = self._map.used if self._surface is None else min(self._map.used, self._surface.index)
+        return used / len(self._map.scans)
 
     @property
     def layers(self) -> tuple[Layer, ...]:
@@ -118,8 +125,9 @@ class VolumeView:
 
     @property
     def cells(self) -> int:
-        """Voxels that it holds."""
-        return 0 if self._map is None else 512 * self._map.volume.blocks.count
+        """Numbers of 4 bytes that it holds."""
+        surface = 0 if self._surface is None else self._surface.surface.cells
+        return surface + (0 if self._map is None else 512 * self._map.volume.blocks.count)
 
     # -- commands -------------------------------------------------------------------------------------------------
 
@@ -130,6 +138,9 @@ class VolumeView:
         """
         if command["type"] != "map3d":
             made = self._made()
+            if self._surface is not None:
+                self._surface.surface.ask(command, self._host, self._chosen, result)
+                return
             self._questions.obey(command, made, lambda: self._rule(made), result)
             return
         if not flag({"value": True} | command, "value"):
@@ -145,8 +156,23 @@ class VolumeView:
             self._start_again()
         elif any(parameters.values[name] != before.values[name] for name in ("cut_low", "cut_high", "colour")):
             self._dirty.update(chunks_of(self._map.volume), self._faces.chunks)
+        self._show_kind(self._map, result)
         self._since = SCANS_OF_PROJECTION
         result.slot(self.message())
+
+    def _show_kind(self, made: LabVolume, result: TickResult) -> None:
+        """Begin, change or end the surface as the parameters say."""
+        if not made.parameters.is_surface:
+            if self._surface is not None:
+                self._choose_none(made, result)
+                self._surface = None
+            return
+        if self._surface is None:
+            self._choose_none(made, result)
+            self._surface = LabSurface(made, self._host.limits)
+        elif self._surface.change(made.parameters):
+            self._choose_none(made, result)
+        result.slot(self._surface.message())
 
     def _made(self) -> LabVolume:
         if self._map is None:
@@ -159,8 +185,14 @@ class VolumeView:
         return octree_file(Octree.of(made.volume), kind, made.config).bytes(made.config)
 
     def mesh_bytes(self, kind: str) -> bytes:
-        """Return the outside of the occupied voxels as a file ``.ply`` or ``.glb``. Raises as the octree's."""
-        mesh = voxel_mesh(self._made().volume)
+        """Return what is shown as a file ``.ply`` or ``.glb``: the outside of the occupied voxels, or the surface.
+
+        Raises as the octree's.
+        """
+        made = self._made()
+        if self._surface is not None:
+            return self._surface.surface.file(kind, self._surface.index)
+        mesh = voxel_mesh(made.volume)
         return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
 
     @property
@@ -172,7 +204,7 @@ class VolumeView:
         """Keep no 3D map any more."""
         if self._map is not None:
             self._choose_none(self._map, result)
-            self._map = self.projection = None
+            self._map = self._surface = self.projection = None
             self._start_again()
             result.slot(self.message())
 
@@ -182,12 +214,16 @@ class VolumeView:
             self._choose_none(self._map, result)
             self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, self._map.parameters)
             self._start_again()
+            self._surface = None
+            self._show_kind(self._map, result)
             self._since = SCANS_OF_PROJECTION
             result.slot(self.message())
 
     def _choose_none(self, made: LabVolume, result: TickResult) -> None:
         if self._chosen.drawings:
             self._questions.clear(made.config.resolution, result)
+            if self._surface is not None:
+                result.slot(self._surface.surface.no_voxel())
 
     def _start_again(self) -> None:
         self._faces.clear()
@@ -216,9 +252,20 @@ class VolumeView:
             self._project(made)
             result.changed = True
             result.slot(self.message())
-        if self._is_drawn and self._dirty:
+        if self._surface is not None:
+            self._make_surface(self._surface, result)
+        elif self._is_drawn and self._dirty:
             self._make_faces(made)
         self._is_drawn = False
+
+    def _make_surface(self, surface: LabSurface, result: TickResult) -> None:
+        has_news = surface.catch_up()
+        if self._is_drawn and surface.is_unmeshed:
+            surface.mesh()
+            has_news = True
+        if has_news:
+            result.changed = True
+            result.slot(surface.message())
 
     def _project(self, made: LabVolume) -> None:
         self.projection = made.projection()
@@ -253,6 +300,10 @@ class VolumeView:
 
     # -- what is shown --------------------------------------------------------------------------------------------
 
+    def messages(self) -> list[dict[str, Any]]:
+        """Return the message ``map3d``, and ``surface`` while that is shown."""
+        return [self.message(), *([] if self._surface is None else [self._surface.message()])]
+
     def message(self) -> dict[str, Any]:
         """Return the message ``map3d``."""
         made = self._map
@@ -274,12 +325,15 @@ class VolumeView:
         if made is None:
             return [*flat]
         self._is_drawn = True
-        if self._dirty and not self._playback.playing:
+        surface = self._surface
+        if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
             self._host.enqueue({"type": "map3d"})  # no tick would make the faces otherwise
         size = made.parameters.config.resolution
         found = [one for one in flat if not isinstance(one, GridColumns)]
         found.append(
-            Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
+            Voxels(name="map3d", label=LABEL, chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
+            if surface is None
+            else surface.drawing(made.parameters.values)
         )
         if made.scans:
             scan = made.scans[-1]

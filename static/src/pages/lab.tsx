@@ -22,7 +22,7 @@ import { type Live, watchClassSession } from "./classSession";
 import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
 import { groupsOf } from "./lab/groups";
-import { visibleState } from "./lab/link";
+import { groupFromAddress, visibleState } from "./lab/link";
 import { useReading } from "./lab/reading";
 import { Stage } from "./lab/Stage";
 import { keepAddress, openSession, restore } from "./lab/session";
@@ -34,6 +34,8 @@ import { replay } from "./worldSession";
 const live = signal<Live | null>(null);
 const trouble = signal<string | null>(null);
 const RETRY_MS = 3000;
+/** Read before the address follows the session. */
+const FIRST_GROUP = groupFromAddress();
 /** The map's version before its first tiles arrive. */
 const EMPTY_MAP = 1;
 
@@ -110,7 +112,7 @@ function Lab() {
   const session = live.value;
   const store = session?.store ?? null;
   const comparison = useComparison(store);
-  const openGroup = useOpenGroup(store, "model");
+  const openGroup = useOpenGroup(store, FIRST_GROUP);
   const isFollowing = useClass(session, { page: "lab", group: openGroup });
   // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);

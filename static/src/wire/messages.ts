@@ -840,7 +840,10 @@ export interface VolumeMessage {
   readonly compared: VolumeChanges | null;
 }
 
-/** Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes. */
+/**
+ * Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes. A simulation sends
+ * it while its surface is shown; its parameters are those of the 3D map.
+ */
 export interface SurfaceMessage {
   readonly type: "surface";
   /** its parameters; empty where no surface can be made */

@@ -116,6 +116,21 @@ def test_each_sensor_has_its_beams() -> None:
     assert ahead == pytest.approx(tilted.mount_height / math.sin(0.5))
 
 
+def test_the_image_of_a_depth_camera_has_the_points_of_its_rays() -> None:
+    camera = Sensor3D(sensor="depth_camera", columns=32, reach=6.0)
+    ranges = measure_3d(room(), camera, (0.3, 0.1, 0.7), np.random.default_rng(0))
+    scan = Scan3D(camera, ranges, (0.3, 0.1, 0.7), 0.0)
+    image = scan.depth_image()
+    assert image is not None
+    assert image.depth.shape == (24, 32)
+    known = np.isfinite(ranges)
+    np.testing.assert_array_equal(image.depth.ravel() > 0.0, known)
+    assert 0 < known.sum() < len(known)
+    points = image.camera.points(image.depth) @ image.pose[:3, :3].T + image.pose[:3, 3]
+    np.testing.assert_allclose(points[known], scan.ends()[0][known], atol=1e-5)
+    assert Scan3D(Sensor3D(), ranges, (0.0, 0.0, 0.0), 0.0).depth_image() is None
+
+
 def test_noise_is_that_of_the_table_and_no_return_stays_none() -> None:
     sensor = Sensor3D(noise=0.05, reach=6.0)
     true = measure_3d(room(), Sensor3D(noise=0.0, reach=6.0), (0.0, 0.0, 0.0), np.random.default_rng(1))

@@ -59,3 +59,21 @@ def test_the_command_maps_a_bag_as_the_truth_is(room: np.ndarray, tmp_path: Path
         {(x, y, z) for x, y, z in volume.voxels(0.0)[0]} for volume in (read_octree(out).tree.volume(CONFIG), expected)
     )
     assert len(ours & theirs) > 0.93 * len(ours | theirs)
+
+
+def test_given_poses_are_of_the_clouds_and_a_recording_before_them_takes_none(room: np.ndarray, tmp_path: Path) -> None:
+    run = record(tmp_path, room, "bag")
+    stamp = next(iter(open_posed_clouds(run.path))).cloud.stamp_ns * 1e-9
+    poses = tmp_path / "poses.tum"
+    poses.write_text("".join(f"{stamp + t:.3f} {x} 0 0 0 0 0 1\n" for t, x in ((-0.1, 100), (0.2, 200))))
+    clouds = [tmp_path / "a.xyz", tmp_path / "b.xyz"]
+    for cloud in clouds:
+        np.savetxt(cloud, np.array([[0.55, 0.05, 0.05], [0.75, 0.05, 0.05]]), fmt="%.3f")
+    for more, out in (((), tmp_path / "a.ot"), (("--tsdf",), tmp_path / "a.ply")):
+        arguments = ["map3d", str(run.path), *map(str, clouds), "--poses", str(poses), "--out", str(out), *more]
+        done = CliRunner().invoke(app, [*arguments, "--resolution", "0.1"])
+        assert done.exit_code == 0, done.output
+    places = (
+        read_octree(tmp_path / "a.ot").tree.volume(CONFIG).log_odds_at([[100.55, 0.05, 0.05], [200.75, 0.05, 0.05]])
+    )
+    assert (places > 0.0).all()

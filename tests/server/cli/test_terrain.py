@@ -35,6 +35,19 @@ def test_a_wall_on_a_floor(run: Run, tmp_path: Path) -> None:
     assert "100.0 %" in run("terrain", cloud, "--out", tmp_path / "out", "--truth", truth).out
 
 
+def test_many_unknown_patches_are_said_with_what_helps(run: Run, tmp_path: Path) -> None:
+    x, y = np.meshgrid(np.arange(0.25, 20.0, 0.5), np.arange(0.25, 20.0, 0.5))
+    cloud = write(tmp_path / "a.xyz", np.column_stack([x.ravel(), y.ravel(), 0.0 * x.ravel()]))
+    out = ("--out", tmp_path / "out")
+    assert "1600 of the 1600 patches with points are unknown" in run("terrain", cloud, *out, "--patch", "0.5").out
+    facts = json.loads(run("terrain", cloud, *out, "--patch", "0.5", "--json").out)
+    assert facts["unknown"] == 1600
+    assert any("--patch" in note for note in facts["notes"])
+    said = run("terrain", cloud, *out, "--patch", "2").out
+    assert "100 safe, 0 unsafe, 0 unknown" in said
+    assert "--patch" not in said
+
+
 def test_bad_input_is_one_sentence(run: Run, tmp_path: Path) -> None:
     cloud = write(tmp_path / "a.xyz", np.zeros((5, 3)))
     far = write(tmp_path / "far.xyz", np.array([[0.0, 0.0, 0.0], [1e7, 1e7, 0.0]]))

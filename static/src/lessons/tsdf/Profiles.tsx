@@ -28,15 +28,18 @@ interface ProfilesProps {
   readonly scale?: number;
   readonly onWall: (metres: number) => void;
   readonly onTruncation: (metres: number) => void;
+  readonly onMaxWeight: (weight: number) => void;
 }
 
-/** The beam, and below it what each map keeps of it, voxel by voxel; wall and truncation are dragged. */
+/** The beam, and below it what each map keeps of it, voxel by voxel; wall, truncation and weight are dragged. */
 export function Profiles(props: ProfilesProps) {
   const { wall, isMoved, readings, occupancy, voxels, crossing, maxWeight, scale = 1 } = props;
   const truncation = Math.min(props.truncation, TRUNCATION.high);
   const digits = scale < 0.5 ? 3 : 2;
   const metres = (value: number): string => written(value * scale, digits);
   const now = wall + (isMoved ? MOVE : 0);
+  const most = Math.max(readings.length, 2);
+  const limit = Math.min(maxWeight, most);
   return (
     <Plot height={HEIGHT}>
       {(width) => {
@@ -51,6 +54,7 @@ export function Profiles(props: ProfilesProps) {
           const isNext = i > 0 && known[i - 1] === k - 1;
           return `${isNext ? "L" : "M"}${x(centreOf(k)).toFixed(1)} ${d((voxels[k] as Voxel).distance).toFixed(1)}`;
         });
+        const w = (weight: number): number => toPixel(weight, { ...WEIGHT, low: 0, high: most });
         const knee = Math.max(0, now - truncation);
         return (
           <>
@@ -130,16 +134,11 @@ export function Profiles(props: ProfilesProps) {
                 class="tsdf-weight"
                 x={x(k * RESOLUTION) + 1}
                 width={side - 2}
-                y={toPixel(weight, { ...WEIGHT, low: 0, high: Math.max(readings.length, 1) })}
-                height={((WEIGHT.from - WEIGHT.to) * weight) / Math.max(readings.length, 1)}
+                y={w(weight)}
+                height={WEIGHT.from - w(weight)}
               />
             ))}
-            {maxWeight < readings.length && (
-              <path
-                class="tsdf-limit"
-                d={`M${LEFT} ${toPixel(maxWeight, { ...WEIGHT, low: 0, high: readings.length })}H${width - RIGHT}`}
-              />
-            )}
+            <path class="tsdf-limit" d={`M${LEFT} ${w(limit)}H${width - RIGHT}`} />
             <path class="tsdf-zero" d={`M${LEFT} ${WEIGHT.from}H${width - RIGHT}`} />
             {[0, 0.5, 1, 1.5, 2].map((tick) => (
               <text key={tick} x={x(tick)} y={WEIGHT.from + 17} text-anchor={tick === 2 ? "end" : "middle"}>
@@ -177,6 +176,20 @@ export function Profiles(props: ProfilesProps) {
               onValue={props.onTruncation}
             >
               <circle class="handle-mark" cx={x(knee)} cy={d(truncation)} r={7} />
+            </ValueHandle>
+            <ValueHandle
+              label="Maximum weight"
+              sentence="Weight at which a voxel’s mean goes on as a moving one."
+              axis="y"
+              tone="tone-robot"
+              value={limit}
+              range={{ low: 1, high: most, step: 1 }}
+              text={maxWeight < most ? String(limit) : `${maxWeight}, which these readings do not exceed`}
+              grab={{ x: width - RIGHT - 40, y: w(limit) - 20, width: 40, height: 40 }}
+              perPixel={-most / (WEIGHT.from - WEIGHT.to)}
+              onValue={props.onMaxWeight}
+            >
+              <circle class="handle-mark" cx={width - RIGHT - 12} cy={w(limit)} r={7} />
             </ValueHandle>
           </>
         );

@@ -38,6 +38,7 @@ export function Tsdf() {
     truncation: truncation.value,
     maxWeight: maxWeight.value,
     isCarved: isCarved.value,
+    hasDropOff: false,
   });
   const crossing = zeroCrossing(voxels);
   return (
@@ -56,6 +57,9 @@ export function Tsdf() {
         }}
         onTruncation={(metres) => {
           truncation.value = metres;
+        }}
+        onMaxWeight={(weight) => {
+          maxWeight.value = weight;
         }}
       />
       <Answers

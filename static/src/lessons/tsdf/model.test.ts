@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { distancesOf, type Fusion, MOVE, occupancyOf, occupiedOf, RESOLUTION, readingsOf, zeroCrossing } from "./model";
 import vectors from "./tsdf.vectors.json";
 
-const FUSION: Fusion = { truncation: 0.4, maxWeight: 64, isCarved: false };
+const FUSION: Fusion = { truncation: 0.4, maxWeight: 64, isCarved: false, hasDropOff: false };
 const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
 
 test("log-odds, distances and weights are those of the library", () => {
@@ -44,6 +44,14 @@ test("after the wall was moved, a small maximum weight lets the surface follow a
   const at = (maxWeight: number): number => zeroCrossing(distancesOf(readings, { ...FUSION, maxWeight }))?.at ?? 0;
   expect(at(64)).toBeCloseTo(1.23 + MOVE / 2, 9);
   expect(at(4)).toBeCloseTo(1.23 + MOVE, 2);
+});
+
+test("with a drop-off the weight falls from one voxel behind the reading to the truncation", () => {
+  const weights = distancesOf([1.25], { ...FUSION, hasDropOff: true }).map(({ weight }) => weight);
+  expect(weights.slice(9, 13)).toEqual([1, 1, 1, 1]);
+  expect(weights[13]).toBeCloseTo(1, 9);
+  expect(weights[14]).toBeCloseTo(2 / 3, 9);
+  expect(weights[15]).toBeCloseTo(1 / 3, 9);
 });
 
 test("nothing is stored behind the truncation, and before it only free space that is wanted", () => {

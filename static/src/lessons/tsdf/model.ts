@@ -54,6 +54,8 @@ export interface Fusion {
   readonly maxWeight: number;
   /** Whether voxels farther before the reading are stored too, with the truncation as their distance. */
   readonly isCarved: boolean;
+  /** Whether the weight of a measurement falls to 0 from one voxel behind the reading to the truncation. */
+  readonly hasDropOff: boolean;
 }
 
 export interface Voxel {
@@ -63,18 +65,20 @@ export interface Voxel {
   readonly weight: number;
 }
 
-/** The mean signed distance of each voxel to the readings, each with a weight of 1. */
+/** The mean signed distance of each voxel to the readings, each with a weight of 1, or less behind it. */
 export function distancesOf(
   readings: readonly number[],
-  { truncation, maxWeight, isCarved }: Fusion,
+  { truncation, maxWeight, isCarved, hasDropOff }: Fusion,
 ): readonly Voxel[] {
+  const near = Math.min(RESOLUTION, truncation / 2);
   return Array.from({ length: VOXELS }, (_, k) => {
     let [distance, weight] = [0, 0];
     for (const z of readings) {
       const measured = z - centreOf(k);
       if (measured <= -truncation || (measured > truncation && !isCarved)) continue;
-      distance = (weight * distance + Math.min(measured, truncation)) / (weight + 1);
-      weight = Math.min(weight + 1, maxWeight);
+      const added = hasDropOff && measured < -near ? (truncation + measured) / (truncation - near) : 1;
+      distance = (weight * distance + added * Math.min(measured, truncation)) / (weight + added);
+      weight = Math.min(weight + added, maxWeight);
     }
     return { distance, weight };
   });

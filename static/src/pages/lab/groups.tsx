@@ -22,6 +22,7 @@ const CostmapGroup = lazy(async () => (await import("../../tools/navigation/Cost
 const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).SlamGroup);
 const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
 const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoice")).ClickChoice);
+const SurfacePanel = lazy(async () => (await import("./surface/SurfacePanel")).SurfacePanel);
 const TerrainGroup = lazy(async () => (await import("./terrain/TerrainGroup")).TerrainGroup);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
@@ -157,9 +158,11 @@ const GROUPS: readonly Group[] = [
     id: "map3d",
     title: "3D map",
     section: "3D",
-    purpose: "An octree, filled by a 3D sensor while the robot drives",
+    purpose: "An octree or a surface, made by a 3D sensor while the robot drives",
     badge: ({ store }) => (store.map3d.message.value?.is_on ? "on" : null),
-    content: ({ store, session }) => <Map3dGroup store={store} session={session} />,
+    content: ({ store, session }) => (
+      <Map3dGroup store={store} session={session} surface={<SurfacePanel store={store} />} />
+    ),
   },
   {
     id: "terrain",

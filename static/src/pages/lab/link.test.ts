@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { fragmentOf, type LinkState, linkFromAddress, packLink, unpackLink } from "./link";
+import { fragmentOf, groupFromAddress, type LinkState, linkFromAddress, packLink, unpackLink } from "./link";
 
 const SHOWN: LinkState = {
   story: { world: "büro", seed: 123, steps: 700, journal: [[12, { type: "teleport", x: 1.25, y: -3 }]] },
@@ -30,6 +30,13 @@ test("an older link without explained cell and second map still opens", async ()
     filter: null,
     map3d: null,
   });
+});
+
+test("an address may name the group that is open at first", async () => {
+  const fragment = `${await fragmentOf(SHOWN)}&group=map3d`;
+  expect(groupFromAddress(fragment)).toBe("map3d");
+  expect(await linkFromAddress(fragment)).toEqual(SHOWN);
+  expect(groupFromAddress(await fragmentOf(SHOWN))).toBe("model");
 });
 
 test("a long story stays short", async () => {

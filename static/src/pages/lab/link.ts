@@ -104,6 +104,10 @@ export async function currentLinkState(id: string, store: Store): Promise<LinkSt
 /** The fragment of an address. */
 export const fragmentOf = async (shown: LinkState): Promise<string> => `#s=${await packLink(shown)}`;
 
+/** The group of the dock that an address names, which is open at first; the model's if it names none. */
+export const groupFromAddress = (fragment: string = location.hash): string =>
+  new URLSearchParams(fragment.replace(/^#/, "")).get("group") ?? "model";
+
 /** The state in the address of this page; null if there is none. */
 export async function linkFromAddress(fragment: string = location.hash): Promise<LinkState | null> {
   const letters = new URLSearchParams(fragment.replace(/^#/, "")).get("s");

@@ -1,3 +1,4 @@
+import { LabLink } from "./LabLink";
 import { LaterFigure } from "./LaterFigure";
 import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
@@ -30,6 +31,11 @@ export function TsdfSection({ id, number, title }: SectionHead) {
             costs memory, as in an occupancy map. W stops at a <b>maximum weight</b>, so that the surface can follow a
             wall that moves: move the wall with a maximum weight of 64, then of 4.
           </p>
+          <div class="actions no-print">
+            <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>
+              The same in 3D, with a robot, in the lab
+            </LabLink>
+          </div>
         </>
       }
     >

@@ -4,7 +4,13 @@ import { Button } from "../../ui/Button";
 
 const FILES = ["volume.bt", "volume.ot", "surface.ply", "surface.glb", "above.pgm", "above.yaml"];
 
-export function Files({ session }: { readonly session: string }) {
+interface FilesProps {
+  readonly session: string;
+  /** Whether the surface is shown instead of the voxels. */
+  readonly isSurface: boolean;
+}
+
+export function Files({ session, isSurface }: FilesProps) {
   return (
     <>
       <div class="actions">
@@ -15,8 +21,8 @@ export function Files({ session }: { readonly session: string }) {
         ))}
       </div>
       <p class="map3d-note">
-        bt and ot are octrees for OctoMap, ply and glb the outside of the voxels as triangles, pgm and yaml the map from
-        above, of the band of heights, for map_server.
+        bt and ot are octrees for OctoMap, ply and glb {isSurface ? "the surface" : "the outside of the voxels"} as
+        triangles, pgm and yaml the map from above, of the band of heights, for map_server.
       </p>
     </>
   );

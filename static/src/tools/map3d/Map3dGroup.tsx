@@ -1,8 +1,10 @@
 /** The lab's 3D map: drawn while the robot drives, cut by height, its memory, and what it has that the 2D map lacks. */
 
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { Choice } from "../../ui/Choice";
 import { SwitchChip } from "../../ui/SwitchChip";
 import type { Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
@@ -19,16 +21,24 @@ import "./map3d.css";
 /** The world with a low table, a ramp and stairs. */
 const LEVELS = "levels";
 
+const KINDS = [
+  { value: "occupancy", label: "Occupancy" },
+  { value: "tsdf", label: "TSDF" },
+];
+
 interface GroupProps {
   readonly store: Store;
   readonly session: string;
+  /** What is shown of the surface while it is chosen. */
+  readonly surface: ComponentChildren;
 }
 
-export function Map3dGroup({ store, session }: GroupProps) {
+export function Map3dGroup({ store, session, surface }: GroupProps) {
   const { map3d, layers } = store;
   const message = map3d.message.value;
   const isOn = message?.is_on === true;
   const isEnded = map3d.isEnded.value;
+  const [kind] = useMap3dRows(store, "kind_3d");
   const map = useMap3dRows(store, "map_3d");
   const view = useMap3dRows(store, "view_3d");
   const band = useMap3dRows(store, "band_3d");
@@ -47,11 +57,20 @@ export function Map3dGroup({ store, session }: GroupProps) {
   }, [store, isOn]);
   if (!isOn || !message) return <Begin store={store} />;
   const { values } = map3d.values;
+  const isSurface = values.value.kind === "tsdf";
   return (
     <div class="map3d">
+      <Choice
+        label="Map"
+        sentence={kind?.sentence ?? ""}
+        options={KINDS}
+        value={String(values.value.kind)}
+        onChange={(value) => set("kind", value)}
+      />
       <div class="map3d-view">
         <Scene session={session} hasColumns={false} />
       </div>
+      {isSurface && surface}
       <ClickChoice store={store} />
       <Difference store={store} />
       <div class="map3d-why">
@@ -60,7 +79,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
       <div class="map3d-settings">
         <ParameterRows rows={map} values={values} set={set} />
       </div>
-      <Memory message={message} />
+      <Memory message={message} surface={isSurface ? store.surface.message.value : null} />
       <h3>What is drawn</h3>
       <div class="map3d-settings">
         <ParameterRows rows={view} values={values} set={set} />
@@ -71,7 +90,7 @@ export function Map3dGroup({ store, session }: GroupProps) {
       </div>
       <CostmapChoice store={store} />
       <h3>Download</h3>
-      <Files session={session} />
+      <Files session={session} isSurface={isSurface} />
       <Button
         kind="quiet"
         onClick={() => {

@@ -1,7 +1,7 @@
 /** The memory of the 3D map in three forms, as bars on a logarithmic scale. */
 
 import { bytes as sizeOf } from "../../ui/numbers";
-import type { Map3dMessage } from "../../wire/protocol";
+import type { Map3dMessage, SurfaceMessage } from "../../wire/protocol";
 
 /** Bytes of an empty bar. */
 const LEAST = 1000;
@@ -10,11 +10,18 @@ const LEAST = 1000;
 const shareOf = (bytes: number, most: number): number =>
   bytes <= LEAST || most <= LEAST ? 0 : Math.min(1, Math.log(bytes / LEAST) / Math.log(most / LEAST));
 
-export function Memory({ message }: { readonly message: Map3dMessage }) {
+interface MemoryProps {
+  readonly message: Map3dMessage;
+  /** The surface that is shown; null for none. */
+  readonly surface: SurfaceMessage | null;
+}
+
+export function Memory({ message, surface }: MemoryProps) {
   const { known, nodes, leaves, octree_bytes, block_bytes, dense_bytes, scans, taken } = message;
   const rows = [
     { name: "Octree", bytes: octree_bytes, what: `${nodes.toLocaleString("en")} nodes` },
     { name: "Blocks of 8³", bytes: block_bytes, what: `${known.toLocaleString("en")} known voxels` },
+    ...(surface ? [{ name: "Signed distances", bytes: surface.bytes, what: "of blocks near surfaces" }] : []),
     { name: "Dense grid", bytes: dense_bytes, what: "of the whole world" },
   ];
   const most = Math.max(dense_bytes, block_bytes, 1);

@@ -1,10 +1,10 @@
+import { SurfaceProfile } from "../../../lessons/tsdf/SurfaceProfile";
 import type { Store } from "../../../store/store";
 import { ParameterRows } from "../../../tools/parameters/ParameterRows";
 import { Button } from "../../../ui/Button";
 import { bytes } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import type { Value } from "../../../wire/protocol";
-import { SurfaceProfile } from "./SurfaceProfile";
 
 /** The surface by truncated signed distances: its parameters, and what one beam does with them. */
 export function SurfaceGroup({ store }: { readonly store: Store }) {
@@ -23,7 +23,7 @@ export function SurfaceGroup({ store }: { readonly store: Store }) {
     store.sendSoon({ type: "surface", values: { [name]: value } });
   };
   const isShown = store.look.values.value.show === "surface";
-  const { resolution, truncation, max_weight, carve } = values.value;
+  const resolution = Number(values.value.resolution);
   return (
     <>
       {!isShown && (
@@ -41,16 +41,10 @@ export function SurfaceGroup({ store }: { readonly store: Store }) {
       )}
       <Panel title="One beam, two maps">
         <p class="quiet">
-          20 readings of a wall at {Number(resolution)} m voxels. Drag the truncation: this surface is made again with
-          it.
+          20 readings of a wall at {resolution} m voxels. Drag the truncation or the maximum weight: this surface is
+          made again with it.
         </p>
-        <SurfaceProfile
-          resolution={Number(resolution)}
-          truncation={Number(truncation) || 4 * Number(resolution)}
-          maxWeight={Number(max_weight)}
-          isCarved={carve === true}
-          onTruncation={(metres) => set("truncation", metres)}
-        />
+        <SurfaceProfile resolution={resolution} values={values.value} set={set} />
       </Panel>
       <Panel title="Signed distances">
         <ParameterRows rows={now.table} values={values} set={set} />

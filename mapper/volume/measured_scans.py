@@ -1,0 +1,24 @@
+"""What a surface is made of: scans as depth images, or as points with the place of their sensor."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from mapper.sensors.depth_image import DepthImage
+from mapper.volume.sources import PlacedScan
+
+
+class MeasuredScans(Protocol):
+    """Scans in their order."""
+
+    @property
+    def has_origins(self) -> bool:
+        """Whether it is known of all where their sensor was."""
+
+    def __len__(self) -> int: ...
+
+    def depth_image(self, index: int) -> DepthImage | None:
+        """Return the depth image of a scan; None where it has points only."""
+
+    def scan(self, index: int) -> PlacedScan:
+        """Return the points of a scan."""
