@@ -246,6 +246,10 @@ async def test_the_robot_drives_slower_where_a_speed_limit_is_painted(lab: Lab) 
     on = lab.do(type="costmap", values={"speed_filter": True})
     erased = lab.do(type="costmap", keepout=[zone, {"width": 2.0, "erases": True, "points": zone["points"]}])
     assert [one["speed_limit"] for one in (off, on, erased)] == [None, "0.1 m/s", None]
+    # Without a limit the whole path is at 0.5 m/s; with it, what lies in the zone takes five times as long.
+    assert off["travel_s"] == erased["travel_s"] == pytest.approx(off["length"] / 0.5, rel=1e-2)
+    inside = BEYOND[0] - lab.model.robot_state().pose[0]
+    assert on["travel_s"] - off["travel_s"] == pytest.approx(inside * (1 / 0.1 - 1 / 0.5), rel=0.1)
     assert lab.masks == {}
     for wrong in (0, 101):
         with pytest.raises(ProtocolError, match="value of 1 to 100"):
