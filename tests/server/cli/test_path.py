@@ -122,6 +122,22 @@ def test_a_keepout_mask_closes_the_way(run: Run, tmp_path: Path) -> None:
     assert "There is no path to the goal" in done.err
 
 
+def test_parameters_without_effect_are_named_and_the_followers_speed_holds(run: Run, tmp_path: Path) -> None:
+    yaml_path, params = walled_map(tmp_path), tmp_path / "nav2.yaml"
+    params.write_text(
+        "global_costmap: {ros__parameters: {update_frequency: 1.0, plugins: []}}\n"
+        "controller_server: {ros__parameters: {controller_frequency: 20.0, controller_plugins: [F],\n"
+        "  F: {plugin: RegulatedPurePursuitController, desired_linear_vel: 0.25, allow_reversing: true}}}\n"
+    )
+    facts = json.loads(run("path", yaml_path, "--from", "1,1", "--to", "2,1", "--params", params, "--json").out)
+    assert facts["travel_s"] == pytest.approx(facts["length"] / 0.25, abs=0.01)
+    assert facts["without_effect"] == [
+        "global_costmap.update_frequency",
+        "controller_server.F.allow_reversing",
+        "controller_server.controller_frequency",
+    ]
+
+
 def test_bad_masks_are_refused_in_a_sentence(run: Run, tmp_path: Path) -> None:
     yaml_path, mask = walled_map(tmp_path), mask_of(tmp_path, "raw", 40, 0)
     good = mask.read_text()

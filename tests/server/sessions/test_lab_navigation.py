@@ -14,6 +14,7 @@ from mapper.core.errors import ConfigError, MapperError
 from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.planning.nav2_parameters import parse_nav2_path
 from server.sessions import SessionRegistry
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.simulation import SimulationModel
@@ -316,7 +317,14 @@ async def test_what_a_loaded_yaml_has_besides_is_said_and_downloaded_again(lab: 
     text = lab.answers[0]["text"].replace("obstacle_layer", "laser")
     lab.do(type="nav2", text=text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown"))
     assert lab.notices == ["nav2.kept"]
+    followed = text.replace("controller_plugins:", "controller_frequency: 12.0\n    controller_plugins:")
+    followed = followed.replace("rotate_to_heading_angular_vel: 1.8", "rotate_to_heading_angular_vel: 0.9")
+    lab.do(type="nav2", text=followed.replace("track_unknown", "update_frequency: 3.5\n      track_unknown"))
+    lab.do(type="costmap", values={"lookahead_dist": 1.3})
     lab.do(type="nav2")
+    path = parse_nav2_path(lab.answers[0]["text"].encode())
+    assert (path.pursuit.rotate_to_heading_angular_vel, path.pursuit.lookahead_dist) == (0.9, 1.3)
+    assert path.unused == ("controller_server.controller_frequency",)
     found = parse_nav2_costmap(lab.answers[0]["text"].encode())
     assert found.others[("update_frequency",)] == 3.5
     assert found.others["obstacle_layer", "scan", "topic"] == "/scan"
