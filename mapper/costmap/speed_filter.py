@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.masks import Mask
 
@@ -32,12 +35,17 @@ class SpeedFilter:
     """A mask of speed limits: the limit is ``base`` + ``multiplier`` · value.
 
     ``kind`` 1 is percent of the greatest speed, 2 m/s. A value 0 is no limit. Raises :class:`ConfigError` for another
-    kind. Source: nav2_costmap_2d, speed_filter.cpp.
+    kind and numbers that are not finite. Source: nav2_costmap_2d, speed_filter.cpp.
     """
 
     def __init__(self, mask: Mask, kind: int = PERCENTAGE, base: float = 0.0, multiplier: float = 1.0) -> None:
         if kind not in (PERCENTAGE, ABSOLUTE):
             raise ConfigError("costmap.speed_type", f"A speed filter's type must be 1 or 2, not {kind!r:.40}.")
+        if not np.isfinite([base, multiplier]).all():
+            message = (
+                f"A speed filter's base and multiplier must be finite numbers, not {base!r:.40}, {multiplier!r:.40}."
+            )
+            raise ConfigError("costmap.speed_scale", message)
         self.mask, self.percentage, self.base, self.multiplier = mask, kind == PERCENTAGE, base, multiplier
         self._last = SpeedLimit(None, self.percentage)
 
@@ -64,3 +72,22 @@ class SpeedFilter:
         else:
             self._last = SpeedLimit(limit, self.percentage)
         return self._last
+
+    def speeds_along(self, points_xy: Float64Array, greatest: float) -> Float64Array:
+        """Return the greatest speed (n,) in m/s at each of the places (n, 2), map metres, that a robot passes in turn.
+
+        ``greatest`` is the robot's own, m/s. As :meth:`at` one place after another, but the limit that holds now stays.
+        """
+        rows, cols = self.mask.geometry.shape
+        at = self.mask.geometry.world_to_cell(points_xy)
+        held = ((at >= 0) & (at < (rows, cols))).all(axis=1)
+        values = np.full(len(at), -1)
+        values[held] = self.mask.values[at[held, 0], at[held, 1]]
+        limits = values * self.multiplier + self.base
+        most = 100.0 if self.percentage else np.inf
+        is_none = (values == 0) | ~((limits > 0.0) & (limits <= most))
+        speeds = np.minimum(limits / 100.0 * greatest if self.percentage else limits, greatest)
+        speeds[is_none] = greatest
+        # The entry before the first place is the limit that holds now; unknown places take over the one before.
+        known = np.concatenate([[0], np.where(values >= 0, np.arange(1, len(at) + 1), 0)])
+        return np.concatenate([[self._last.of(greatest)], speeds])[np.maximum.accumulate(known)[1:]]

@@ -1,4 +1,4 @@
-"""Edit a map by hand: paint cells, mark keepout zones, remove specks, turn, crop, move the origin; recorded as a list.
+"""Edit a map by hand: paint cells, keepout zones, speed limits, remove specks, turn, crop, move the origin; recorded.
 
 Each operation is in the map's coordinates as the operations before left them, so that a list can be carried out again
 on the same map.
@@ -14,6 +14,7 @@ from mapper.editing.operations import (
     Origin,
     Paint,
     Rotate,
+    Speed,
     operation_dict,
     parse_operation,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "Origin",
     "Paint",
     "Rotate",
+    "Speed",
     "operation_dict",
     "parse_operation",
 ]

@@ -24,6 +24,7 @@ from mapper.editing.operations import (
     Origin,
     Paint,
     Rotate,
+    Speed,
 )
 from mapper.editing.specks import without_specks
 from mapper.grid.occupancy_grid import GridGeometry
@@ -40,17 +41,19 @@ Check: TypeAlias = "Callable[[], None]"  #: called between two parts of an edit;
 
 @dataclass(frozen=True, slots=True)
 class _State:
-    """A map between two edits: ``values`` and ``keepout`` (rows, cols) int8; they are not written to."""
+    """A map between two edits: ``values``, ``keepout`` and ``speed`` (rows, cols) int8; they are not written to."""
 
     geometry: GridGeometry
     values: Int8Array
     keepout: Int8Array
+    speed: Int8Array
 
 
 class EditedMap:
     """A map of ``values`` (rows, cols) int8, 0 … 100 or −1 unknown as in nav_msgs/OccupancyGrid, and its edits.
 
-    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden; None: 0 everywhere.
+    ``keepout`` (rows, cols) int8 are the values of a keepout mask, 0 where nothing is forbidden, and ``speed`` those of
+    a speed filter's mask, 0 where there is no limit; None: 0 everywhere.
     ``may_continue`` is called about every hundredth of a second during an edit; if it returns False, the edit raises
     :class:`WorkCancelledError`, and nothing has changed.
     """
@@ -61,13 +64,13 @@ class EditedMap:
         values: Int8Array,
         keepout: Int8Array | None = None,
         may_continue: Callable[[], bool] = lambda: True,
+        *,
+        speed: Int8Array | None = None,
     ) -> None:
         if values.shape != geometry.shape:
             raise ConfigError("edit.shape", f"The map has {values.shape} values for {geometry.shape} cells.")
-        if keepout is not None and keepout.shape != geometry.shape:
-            raise ConfigError("edit.shape", f"The keepout mask has {keepout.shape} values for {geometry.shape} cells.")
-        zones = np.zeros(geometry.shape, dtype=np.int8) if keepout is None else keepout.astype(np.int8)
-        first = _State(geometry, values.astype(np.int8), zones)
+        masks = _mask(geometry, keepout, "keepout mask"), _mask(geometry, speed, "speed mask")
+        first = _State(geometry, values.astype(np.int8), *masks)
         self._may_continue = may_continue
         self._kept: dict[int, _State] = {0: first}
         self._state = first
@@ -88,6 +91,11 @@ class EditedMap:
     def keepout(self) -> Int8Array:
         """The keepout mask (rows, cols)."""
         return self._state.keepout
+
+    @property
+    def speed(self) -> Int8Array:
+        """The speed filter's mask (rows, cols)."""
+        return self._state.speed
 
     @property
     def source(self) -> GridGeometry:
@@ -112,7 +120,7 @@ class EditedMap:
     @property
     def cells(self) -> int:
         """Cells of all states that are kept for undoing."""
-        return sum(2 * state.values.size for state in self._kept.values())
+        return sum(3 * state.values.size for state in self._kept.values())
 
     def apply(self, operation: Operation) -> None:
         """Make an edit; what was undone before is gone.
@@ -171,6 +179,14 @@ class EditedMap:
             raise WorkCancelledError("edit.cancelled", "The edit was cancelled.")
 
 
+def _mask(geometry: GridGeometry, mask: Int8Array | None, what: str) -> Int8Array:
+    if mask is None:
+        return np.zeros(geometry.shape, dtype=np.int8)
+    if mask.shape != geometry.shape:
+        raise ConfigError("edit.shape", f"The {what} has {mask.shape} values for {geometry.shape} cells.")
+    return mask.astype(np.int8)
+
+
 def _from_lattice(geometry: GridGeometry, lattice: list[tuple[float, float]]) -> Float64Array:
     """Return lattice coordinates (n, 2), (column, row), as map points (n, 2)."""
     return transform_points(geometry.origin, np.array(lattice, dtype=np.float64) * geometry.resolution)
@@ -202,6 +218,11 @@ def _keepout(state: _State, edit: Keepout, check: Check) -> _State:
     return replace(state, keepout=_with(state.keepout, covered, int(edit.value), "The keepout zone"))
 
 
+def _speed(state: _State, edit: Speed, check: Check) -> _State:
+    covered = polygon_cells(state.geometry, np.array(edit.polygon), check)
+    return replace(state, speed=_with(state.speed, covered, int(edit.value), "The zone with a speed limit"))
+
+
 def _despeckle(state: _State, edit: Despeckle, check: Check) -> _State:
     return replace(state, values=without_specks(state.values, edit.cells, check))
 
@@ -215,7 +236,7 @@ def _rotate(state: _State, edit: Rotate, check: Check) -> _State:
     cols, rows = (max(1, math.ceil(side - _EDGE)) for side in (corners.max(axis=0) - low) / old.resolution)
     new = GridGeometry(old.resolution, rows, cols, (float(low[0]), float(low[1]), 0.0), old.limits)
     values: Int8Array = np.full(new.shape, VALUES["unknown"], dtype=np.int8)
-    keepout: Int8Array = np.zeros(new.shape, dtype=np.int8)
+    masks = tuple(np.zeros(new.shape, dtype=np.int8) for _ in range(2))
     for begin in range(0, values.size, _AT_ONCE):
         check()
         flat = np.arange(begin, min(begin + _AT_ONCE, values.size))
@@ -223,8 +244,9 @@ def _rotate(state: _State, edit: Rotate, check: Check) -> _State:
         held = ((at >= 0) & (at < old.shape)).all(axis=1)
         source = at[held, 0], at[held, 1]
         values.reshape(-1)[flat[held]] = state.values[source]
-        keepout.reshape(-1)[flat[held]] = state.keepout[source]
-    return _State(new, values, keepout)
+        for mask, old_mask in zip(masks, (state.keepout, state.speed), strict=True):
+            mask.reshape(-1)[flat[held]] = old_mask[source]
+    return _State(new, values, *masks)
 
 
 def _crop(state: _State, edit: Crop, _: Check) -> _State:
@@ -239,7 +261,7 @@ def _crop(state: _State, edit: Crop, _: Check) -> _State:
     x, y = (float(value) for value in _from_lattice(old, [(col0, row0)])[0])
     new = GridGeometry(old.resolution, row1 - row0, col1 - col0, (x, y, old.origin[2]), old.limits)
     part = np.s_[row0:row1, col0:col1]
-    return _State(new, state.values[part].copy(), state.keepout[part].copy())
+    return _State(new, *(cells[part].copy() for cells in (state.values, state.keepout, state.speed)))
 
 
 def _origin(state: _State, edit: Origin, _: Check) -> _State:
@@ -249,5 +271,6 @@ def _origin(state: _State, edit: Origin, _: Check) -> _State:
 
 
 _APPLY: dict[type[Operation], Callable[[_State, Any, Check], _State]] = {
-    Paint: _paint, Fill: _fill, Keepout: _keepout, Despeckle: _despeckle, Rotate: _rotate, Crop: _crop, Origin: _origin,
+    Paint: _paint, Fill: _fill, Keepout: _keepout, Speed: _speed, Despeckle: _despeckle, Rotate: _rotate, Crop: _crop,
+    Origin: _origin,
 }  # fmt: skip

@@ -17,6 +17,7 @@ from mapper.editing.edited_map import MAX_EDITS, EditedMap
 from mapper.editing.operations import Operation, operation_dict, parse_operation
 from mapper.grid.occupancy_grid import GridGeometry
 from mapper.io.maps import yaml_text
+from mapper.io.maps.images import pgm_header
 
 FORMAT = "gridbloom map edits"
 VERSION = 1
@@ -115,26 +116,25 @@ def image_of(values: Int8Array) -> tuple[str, bytes]:
     table[255] = 255
     if is_trinary:
         table[[0, 100, 255]] = 254, 0, 205
-    rows, cols = values.shape
     pixels = table[GridGeometry.to_image(values).view(np.uint8)]
-    return ("trinary" if is_trinary else "raw"), f"P5\n{cols} {rows}\n255\n".encode() + pixels.tobytes()
+    return ("trinary" if is_trinary else "raw"), pgm_header(values.shape) + pixels.tobytes()
 
 
 def map_files(edited: EditedMap, stem: str, source: str = "", frame: str | None = None) -> Iterator[tuple[str, bytes]]:
     """Yield the names and the contents of the files of an edited map.
 
-    The image and its yaml; where there are keepout zones those of their mask, ``stem_keepout``; where there are edits
-    these, ``stem.edits.json``. The keepout mask is of mode raw, as Nav2's keepout filter
-    expects: its greys are its values.
+    The image and its yaml; where there are keepout zones those of their mask, ``stem_keepout``; where there are speed
+    limits those of theirs, ``stem_speed``; where there are edits these, ``stem.edits.json``. Masks are of mode raw, in
+    which map_server takes the greys 0 … 100 for the values.
     """
     mode, image = image_of(edited.values)
     yield f"{stem}.pgm", image
     yield f"{stem}.yaml", yaml_text(edited.geometry, f"{stem}.pgm", mode, frame=frame).encode()  # type: ignore[arg-type]
-    if edited.keepout.any():
-        rows, cols = edited.keepout.shape
-        pixels = GridGeometry.to_image(edited.keepout).view(np.uint8)
-        yield f"{stem}_keepout.pgm", f"P5\n{cols} {rows}\n255\n".encode() + pixels.tobytes()
-        yield f"{stem}_keepout.yaml", yaml_text(edited.geometry, f"{stem}_keepout.pgm", "raw", frame=frame).encode()
+    for name, mask in (("keepout", edited.keepout), ("speed", edited.speed)):
+        if mask.any():
+            pixels = GridGeometry.to_image(mask).view(np.uint8)
+            yield f"{stem}_{name}.pgm", pgm_header(mask.shape) + pixels.tobytes()
+            yield f"{stem}_{name}.yaml", yaml_text(edited.geometry, f"{stem}_{name}.pgm", "raw", frame=frame).encode()
     if edited.operations:
         yield f"{stem}.edits.json", edits_text(edited, source).encode()
 

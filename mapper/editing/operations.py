@@ -103,6 +103,24 @@ class Keepout:
 
 
 @dataclass(frozen=True, slots=True)
+class Speed:
+    """Cells whose centres are in a polygon get a ``value`` of the speed filter's mask: 1 … 100, 0 for no limit."""
+
+    op: ClassVar[str] = "speed"
+    polygon: Points
+    value: float = 50
+
+    @property
+    def phrase(self) -> str:
+        """What it did, for a list of edits."""
+        return f"Set a speed limit: {self.value:g}" if self.value else "Erased a speed limit"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "polygon", _points(self.polygon, "A zone with a speed limit", 3))
+        object.__setattr__(self, "value", _number(self.value, "A speed limit's value", 0, 100))
+
+
+@dataclass(frozen=True, slots=True)
 class Despeckle:
     """Groups of at most ``cells`` occupied cells, which touch by sides or corners, become free."""
 
@@ -174,9 +192,9 @@ class Origin:
             object.__setattr__(self, name, _number(getattr(self, name), f"The origin's {name}", -most, most))
 
 
-Operation: TypeAlias = Paint | Fill | Keepout | Despeckle | Rotate | Crop | Origin
+Operation: TypeAlias = Paint | Fill | Keepout | Speed | Despeckle | Rotate | Crop | Origin
 _KINDS: Mapping[str, type[Operation]] = {
-    kind.op: kind for kind in (Paint, Fill, Keepout, Despeckle, Rotate, Crop, Origin)
+    kind.op: kind for kind in (Paint, Fill, Keepout, Speed, Despeckle, Rotate, Crop, Origin)
 }
 
 

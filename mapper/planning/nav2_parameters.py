@@ -5,8 +5,8 @@ Source: the Nav2 documentation, Planner Server, NavFn Planner, Controller Server
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import asdict, replace
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import yaml
@@ -18,6 +18,9 @@ from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, P
 
 NODE = "planner_server"
 CONTROLLER = "controller_server"
+_LISTS = {NODE: "planner_plugins", CONTROLLER: "controller_plugins"}
+_NAVFN = "nav2_navfn_planner::NavfnPlanner"
+_PURSUIT = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
 _RENAMED = {"max_linear_vel": "desired_linear_vel"}  #: the name since the release after Kilted, and the one before
 _NAMES = ("tolerance", "use_astar", "allow_unknown")  #: the other two rows are constants in Nav2
 _WITHOUT_EFFECT = frozenset(("plugin", "use_final_approach_orientation"))
@@ -33,64 +36,109 @@ _NOT_OF_PURSUIT = frozenset((
 ))  # fmt: skip
 
 
-def parse_nav2_planner(data: bytes) -> PlannerConfig:
-    """Return the parameters of the first NavFn among ``planner_server``'s ``planner_plugins``.
+@dataclass(frozen=True, slots=True)
+class Nav2Path:
+    """The planner and the follower of the path of a Nav2 parameter file.
+
+    ``planner_name`` and ``follower_name`` are their names among the plugins. ``others`` are the parameters of both
+    nodes that have no effect here, by their path: (node, name) or (node, plugin, name), which :func:`nav2_path_yaml`
+    writes again.
+    """
+
+    planner: PlannerConfig = field(default_factory=PlannerConfig)
+    pursuit: PursuitConfig = field(default_factory=PursuitConfig)
+    planner_name: str = "GridBased"
+    follower_name: str = "FollowPath"
+    others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """The names of the parameters that have no effect here."""
+        return tuple(".".join(path) for path in self.others if path[1:] != (_LISTS[path[0]],))
+
+
+def parse_nav2_path(data: bytes) -> Nav2Path:
+    """Return the first NavFn of ``planner_plugins`` and the first Regulated Pure Pursuit of ``controller_plugins``.
 
     Nav2's defaults where the file has none. Raises :class:`ConfigError`, which names the parameter with its path, for
     an unknown name and an impossible value, and what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
-    return replace(
-        PlannerConfig(), **_plugin(data, NODE, "planner_plugins", "NavfnPlanner", _TABLES[0], _WITHOUT_EFFECT)
+    root = parse_ros_parameters(data)
+    others: dict[tuple[str, ...], Any] = {}
+    planner_name, planner = _plugin(root, NODE, "NavfnPlanner", _TABLES[0], _WITHOUT_EFFECT, others)
+    follower_name, follower = _plugin(
+        root, CONTROLLER, "RegulatedPurePursuitController", _TABLES[1], _NOT_OF_PURSUIT, others
+    )
+    return Nav2Path(
+        replace(PlannerConfig(), **planner),
+        replace(PursuitConfig(), **follower),
+        planner_name or _free_name(others, NODE, "GridBased", "NavFn"),
+        follower_name or _free_name(others, CONTROLLER, "FollowPath", "RegulatedPurePursuit"),
+        others,
     )
 
 
-def parse_nav2_pursuit(data: bytes) -> PursuitConfig:
-    """Return the parameters of the first Regulated Pure Pursuit among ``controller_server``'s ``controller_plugins``.
-
-    Defaults, and errors, as :func:`parse_nav2_planner` has them.
-    """
-    kind = "RegulatedPurePursuitController"
-    return replace(
-        PursuitConfig(), **_plugin(data, CONTROLLER, "controller_plugins", kind, _TABLES[1], _NOT_OF_PURSUIT)
-    )
-
-
-def nav2_path_yaml(planner: PlannerConfig, pursuit: PursuitConfig) -> str:
-    """Return a parameter file with both, as the functions above read it."""
-    navfn = {"plugin": "nav2_navfn_planner::NavfnPlanner", **{name: getattr(planner, name) for name in _NAMES}}
-    follower = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
-    nodes: dict[str, Any] = {
-        NODE: {"planner_plugins": ["GridBased"], "GridBased": navfn},
-        CONTROLLER: {"controller_plugins": ["FollowPath"], "FollowPath": {"plugin": follower, **asdict(pursuit)}},
+def nav2_path_yaml(path: Nav2Path) -> str:
+    """Return a parameter file with both, as :func:`parse_nav2_path` reads it."""
+    navfn = {"plugin": _NAVFN, **{name: getattr(path.planner, name) for name in _NAMES}}
+    own = {
+        NODE: (path.planner_name, navfn),
+        CONTROLLER: (path.follower_name, {"plugin": _PURSUIT, **asdict(path.pursuit)}),
     }
-    return yaml.safe_dump({name: {"ros__parameters": block} for name, block in nodes.items()}, sort_keys=False)
+    nodes: dict[str, Any] = {}
+    for node, (name, block) in own.items():
+        kept = {one[1:]: value for one, value in path.others.items() if one[0] == node}
+        general = {one[0]: value for one, value in kept.items() if len(one) == 1}
+        listed = general.pop(_LISTS[node], [])
+        of_block = {one[1]: value for one, value in kept.items() if one[:-1] == (name,)}
+        names = [*listed] if name in listed else [*listed, name]
+        parameters = {_LISTS[node]: names, **general, name: block | of_block}
+        nodes[node] = {"ros__parameters": parameters}
+    return yaml.safe_dump(nodes, sort_keys=False)
 
 
 _TABLES = tuple(row for row in PLANNER_PARAMETERS if row.name in _NAMES), PURSUIT_PARAMETERS
 
 
+def _free_name(others: Mapping[tuple[str, ...], Any], node: str, usual: str, other: str) -> str:
+    """Return a name for a plugin of ours: the usual one, unless the file has another plugin of that name."""
+    return other if (node, usual) in others else usual
+
+
 def _plugin(
-    data: bytes, node: str, key: str, kind: str, table: tuple[Parameter, ...], without_effect: Collection[str]
-) -> dict[str, Any]:
-    """Return the values that a file has for the first plugin of a kind in a node's list; none where it has none."""
-    found = find_node(parse_ros_parameters(data), (node,))
-    names = found[1].get(key, []) if found else []
-    if not isinstance(names, list):
+    root: dict[str, Any],
+    node: str,
+    kind: str,
+    table: tuple[Parameter, ...],
+    without_effect: Collection[str],
+    others: dict[tuple[str, ...], Any],
+) -> tuple[str | None, dict[str, Any]]:
+    """Return the name and the values of the first plugin of a kind in a node's list; None where it has none.
+
+    What else the node has is put into ``others``.
+    """
+    found, key = find_node(root, (node,)), _LISTS[node]
+    given = {**found[1]} if found else {}
+    names = given.get(key, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise ConfigError("nav2.plugins", f"{node}.{key} must be a list of names, not {names!r:.80}.")
     rows = {row.name: row for row in table}
-    for name in names:
-        block = found[1].get(name) if found and isinstance(name, str) else None
-        if not isinstance(block, dict) or kind not in str(block.get("plugin")):
-            continue
-        values: dict[str, Any] = {}
-        for given, value in block.items():
-            parameter = _RENAMED.get(given, given)
-            if parameter in rows:
-                try:
-                    values[parameter] = rows[parameter].check(value)
-                except ConfigError as error:
-                    raise ConfigError("nav2.value", f"{node}.{name}.{given}: {error.message}") from error
-            elif parameter not in without_effect:
-                raise ConfigError("nav2.unknown", f"{node}.{name}: There is no parameter {given!r:.80}.")
-        return values
-    return {}
+    own = next((name for name in names if _is(given.get(name), kind)), None)
+    values: dict[str, Any] = {}
+    for name, value in (given.pop(own) if own else {}).items():
+        parameter = _RENAMED.get(name, name)
+        if parameter in rows:
+            try:
+                values[parameter] = rows[parameter].check(value)
+            except ConfigError as error:
+                raise ConfigError("nav2.value", f"{node}.{own}.{name}: {error.message}") from error
+        elif parameter not in without_effect:
+            raise ConfigError("nav2.unknown", f"{node}.{own}: There is no parameter {name!r:.80}.")
+        elif own and name != "plugin":
+            others[node, own, name] = value
+    others |= {(node, str(name)): value for name, value in given.items()}
+    return own, values
+
+
+def _is(block: object, kind: str) -> bool:
+    return isinstance(block, dict) and kind in str(block.get("plugin"))

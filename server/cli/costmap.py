@@ -9,6 +9,15 @@ import typer
 
 from server.cli.app import app
 from server.cli.common import AsJson, print_json, refusing
+from server.cli.filter_masks import (
+    KeepoutMask,
+    SpeedAbsolute,
+    SpeedBase,
+    SpeedMask,
+    SpeedMultiplier,
+    SpeedScale,
+    with_masks,
+)
 
 
 @app.command()
@@ -25,27 +34,31 @@ def costmap(
         Path | None,
         typer.Option(metavar="FILE.mcap", help="Also write nav2_msgs/Costmap and nav_msgs/OccupancyGrid messages."),
     ] = None,
+    keepout: KeepoutMask = None,
+    speed: SpeedMask = None,
+    speed_base: SpeedBase = 0.0,
+    speed_multiplier: SpeedMultiplier = 1.0,
+    speed_absolute: SpeedAbsolute = False,
     as_json: AsJson = False,
 ) -> None:
     """Lay Nav2's costmap layers over a map: static layer, inflation, and the robot's footprint."""
     import numpy as np  # noqa: PLC0415 - start-up
 
-    from mapper.costmap.build import DEFAULT, build_costmap, load_masks  # noqa: PLC0415 - start-up
+    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
     from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION  # noqa: PLC0415 - start-up
     from mapper.costmap.files import save_costmap, save_costmap_mcap  # noqa: PLC0415 - start-up
     from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
 
-    parameters, masks = DEFAULT, {}
+    parameters = DEFAULT
     if params is not None:
         with refusing(params):
             parameters = parse_nav2_costmap(read_parameter_file(params), node)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
-    if params is not None:
-        with refusing(params):
-            masks = load_masks(parameters, params.parent, loaded.description.frame)
+    scale = SpeedScale(speed_base, speed_multiplier, speed_absolute)
+    parameters, masks = with_masks(parameters, params, loaded.description.frame, keepout, speed, scale)
     with refusing(map_yaml):
         built = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks)
         built.costmap.update()
@@ -72,6 +85,7 @@ def costmap(
         "without_effect": list(parameters.unused),
         "filters": [one.name for one in parameters.filters],
         "without_mask": list(built.unmasked),
+        "speed_limited": sum(int((one.mask.on(loaded.grid.geometry) > 0).sum()) for one in built.speed),
         "without_costs": list(built.given),
         "files": [str(path) for path in files],
     }
@@ -89,6 +103,8 @@ def costmap(
     )
     if parameters.unused:
         typer.echo(f"  parameters that change no cost here: {', '.join(parameters.unused)}")
+    if built.speed:
+        typer.echo(f"  speed limits in {facts['speed_limited']} cells; they change no cost")
     if built.unmasked:
         typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
     if built.given:

@@ -18,7 +18,7 @@ def edit(
     out: Annotated[Path, typer.Option(metavar="PREFIX", help="Write PREFIX.pgm, PREFIX.yaml and PREFIX.edits.json.")],
     as_json: AsJson = False,
 ) -> None:
-    """Edit a map: paint, remove specks, keepout zones, turn, crop, move the origin, as a file of edits says."""
+    """Edit a map: paint, remove specks, zones, speed limits, turn, crop, move the origin, as a file of edits says."""
     from mapper.editing import EditedMap  # noqa: PLC0415 - start-up
     from mapper.editing.files import apply_edits, read_edits, save_edited  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
@@ -40,11 +40,13 @@ def edit(
         "origin": [round(value, 6) for value in geometry.origin],
         "changed": int((edited.values != loaded.values).sum()) if edited.values.shape == loaded.values.shape else None,
         "keepout_cells": int((edited.keepout > 0).sum()),
+        "speed_cells": int((edited.speed > 0).sum()),
         "files": [str(path) for path in paths],
     }
     if as_json:
         print_json(facts)
         return
-    typer.echo(f"{len(operations)} edits, {geometry.size_text} cells, {facts['keepout_cells']} keepout cells")
+    zones = f"{facts['keepout_cells']} keepout cells, {facts['speed_cells']} cells with a speed limit"
+    typer.echo(f"{len(operations)} edits, {geometry.size_text} cells, {zones}")
     for path in paths:
         typer.echo(f"  wrote {path}")

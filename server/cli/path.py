@@ -11,6 +11,15 @@ import typer
 from mapper.core.errors import MapperError
 from server.cli.app import app
 from server.cli.common import AsJson, fail, numbers, print_json, refusing
+from server.cli.filter_masks import (
+    KeepoutMask,
+    SpeedAbsolute,
+    SpeedBase,
+    SpeedMask,
+    SpeedMultiplier,
+    SpeedScale,
+    with_masks,
+)
 
 
 @app.command()
@@ -34,44 +43,52 @@ def path(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write the points of the path: x,y in metres, one a line.")
     ] = None,
+    keepout: KeepoutMask = None,
+    speed: SpeedMask = None,
+    speed_base: SpeedBase = 0.0,
+    speed_multiplier: SpeedMultiplier = 1.0,
+    speed_absolute: SpeedAbsolute = False,
     as_json: AsJson = False,
 ) -> None:
     """Plan the cheapest path between two places of a map, on the costmap of Nav2's layers."""
     from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
-    from mapper.costmap.build import DEFAULT, build_costmap, load_masks  # noqa: PLC0415 - start-up
+    from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
     from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
-    from mapper.planning import PlannerConfig, plan_path  # noqa: PLC0415 - start-up
-    from mapper.planning.nav2_parameters import parse_nav2_planner  # noqa: PLC0415 - start-up
+    from mapper.planning import plan_path  # noqa: PLC0415 - start-up
+    from mapper.planning.nav2_parameters import Nav2Path, parse_nav2_path  # noqa: PLC0415 - start-up
+    from mapper.planning.travel_time import travel_time  # noqa: PLC0415 - start-up
 
     start_xy = numbers("--from", "two numbers, X,Y in metres", 2, start)
     goal_xy = numbers("--to", "two numbers, X,Y in metres", 2, goal)
-    parameters, config = DEFAULT, PlannerConfig()
+    parameters, nav2 = DEFAULT, Nav2Path()
     if params is not None:
         with refusing(params):
             data = read_parameter_file(params)
-            parameters, config = parse_nav2_costmap(data), parse_nav2_planner(data)
+            parameters, nav2 = parse_nav2_costmap(data), parse_nav2_path(data)
     given: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
     try:
-        config = replace(config, **{name: value for name, value in given.items() if value is not None})
+        config = replace(nav2.planner, **{name: value for name, value in given.items() if value is not None})
     except MapperError as error:
         fail(error.message)
     with refusing(map_yaml):
         loaded = load_map(map_yaml)
-    masks = {}
-    if params is not None:
-        with refusing(params):
-            masks = load_masks(parameters, params.parent, loaded.description.frame)
+    scale = SpeedScale(speed_base, speed_multiplier, speed_absolute)
+    parameters, masks = with_masks(parameters, params, loaded.description.frame, keepout, speed, scale)
     with refusing(map_yaml):
-        costmap = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks).costmap
-        costmap.update()
-        found = plan_path(costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
+        built = build_costmap(loaded.grid.geometry, loaded.values, parameters, masks=masks)
+        built.costmap.update()
+        found = plan_path(built.costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
+    greatest = nav2.pursuit.desired_linear_vel
     facts: dict[str, Any] = {
         "map": str(map_yaml),
         "length": round(found.length, 3),
         "cost": round(found.cost, 3),
         "points": len(found.points),
+        "speed": greatest,
+        "travel_s": round(travel_time(found.points, greatest, built.speed), 3),
+        "without_effect": [*parameters.unused, *nav2.unused],
         "end": [round(float(value), 6) for value in found.points[-1]],
         "reaches_goal": found.reaches_goal,
     }
@@ -87,8 +104,12 @@ def path(
         print_json(facts)
         return
     typer.echo(f"{found.length:.2f} m, cost {found.cost:.0f}, {len(found.points)} points")
+    slower = ", less where there are limits" if built.speed else ""
+    typer.echo(f"  {facts['travel_s']:.1f} s at {greatest:g} m/s{slower}")
     if not found.reaches_goal:
         x, y = found.points[-1]
         typer.echo(f"  ends at ({x:.2f}, {y:.2f}), the nearest place to the goal that the robot can reach")
+    if facts["without_effect"]:
+        typer.echo(f"  parameters without effect here: {', '.join(facts['without_effect'])}")
     if out is not None:
         typer.echo(f"  wrote {out}")

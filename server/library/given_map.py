@@ -22,7 +22,8 @@ VERSION = 1
 class GivenMap:
     """``values`` (rows, cols) int8 are those of nav_msgs/OccupancyGrid: 0 … 100, −1 unknown. ``title`` is for people.
 
-    ``notes`` are those of its reader. ``keepout`` (rows, cols) int8 is its keepout mask, 0 … 100, None for none.
+    ``notes`` are those of its reader. ``keepout`` and ``speed`` (rows, cols) int8 are its keepout mask and its mask of
+    speed limits, 0 … 100, None for none.
     """
 
     title: str
@@ -30,6 +31,7 @@ class GivenMap:
     values: NDArray[np.int8]
     notes: tuple[str, ...] = ()
     keepout: NDArray[np.int8] | None = None
+    speed: NDArray[np.int8] | None = None
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a file of arrays has of it."""
@@ -41,9 +43,9 @@ class GivenMap:
             "resolution": geometry.resolution,
             "origin": list(geometry.origin),
         }
-        mask = {} if self.keepout is None else {"map_keepout": self.keepout}
+        masks = {"map_keepout": self.keepout, "map_speed": self.speed}
         text = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
-        return {"map_about": text, "map_values": self.values, **mask}
+        return {"map_about": text, "map_values": self.values, **{k: v for k, v in masks.items() if v is not None}}
 
     @classmethod
     def of_arrays(cls, arrays: Any) -> GivenMap:  # noqa: ANN401 - NumPy's archive has no type of its own
@@ -55,10 +57,11 @@ class GivenMap:
         geometry = GridGeometry(
             float(about["resolution"]), values.shape[0], values.shape[1], (float(x), float(y), float(yaw))
         )
-        keepout = arrays.get("map_keepout")
-        if keepout is not None and keepout.shape != values.shape:
-            raise ValueError(f"keepout mask of shape {keepout.shape}")
-        return cls(str(about["title"]), geometry, values, tuple(map(str, about["notes"])), keepout)
+        masks = [arrays.get(name) for name in ("map_keepout", "map_speed")]
+        for mask in masks:
+            if mask is not None and mask.shape != values.shape:
+                raise ValueError(f"mask of shape {mask.shape}")
+        return cls(str(about["title"]), geometry, values, tuple(map(str, about["notes"])), *masks)
 
     def write(self, path: Path) -> None:
         """Write the map's file. Raises :class:`OSError`."""

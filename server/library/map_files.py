@@ -1,7 +1,8 @@
 """Map files as one upload: a tar archive of a yaml and its image, as map_server has them, or a map of CMU's course.
 
-Besides, an archive may hold a keepout mask of the same cells, ``NAME_keepout.yaml`` with its image, and the edits that
-made the map, ``NAME.edits.json``: what the page of map editing saves.
+Besides, an archive may hold masks of the same cells, ``NAME_keepout.yaml`` of Nav2's keepout filter and
+``NAME_speed.yaml`` of its speed filter, each with its image, and the edits that made the map, ``NAME.edits.json``: what
+the page of map editing saves.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ MOST_BYTES = 256 << 20  #: of all of them together
 MOST_NAME_BYTES = 200  #: of a file's name
 _YAML = (".yaml", ".yml")
 _IMAGES = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif")
-_MASK = "_keepout"
+_MASKS = {"keepout": "_keepout", "speed": "_speed"}  #: of a map: how the name of its yaml ends
 _EDITS = ".edits.json"
 
 
@@ -75,22 +76,33 @@ def read_map(source: Path, title: str, scratch: Path) -> GivenMap:
         folder = Path(name)
         names = _unpacked(source, folder)
         yamls = [name for name in names if name.lower().endswith(_YAML)]
-        masks = [name for name in yamls if Path(name).stem.endswith(_MASK)] if len(yamls) > 1 else []
-        maps = [name for name in yamls if name not in masks]
-        if len(maps) != 1 or len(masks) > 1:
+        masks = _masks_in(yamls)
+        maps = [name for name in yamls if name not in masks.values()]
+        if len(maps) != 1:
             raise ReadError(
                 "map.files", "Map files are one yaml and the image that it names; "
                 + (f"there are {len(yamls)} yamls here." if yamls else "there is no yaml here."),
             )  # fmt: skip
         loaded = load_map(folder / maps[0])
-        geometry, keepout = loaded.grid.geometry, None
-        if masks:
-            mask = load_map(folder / masks[0])
+        geometry = loaded.grid.geometry
+        values = {}
+        for kind, mask_yaml in masks.items():
+            mask = load_map(folder / mask_yaml)
             if mask.grid.geometry != geometry:
-                raise ReadError("map.mask", f"The keepout mask {masks[0]!r} has other cells than the map {maps[0]!r}.")
-            keepout = mask.values.clip(0)
+                raise ReadError("map.mask", f"The {kind} mask {mask_yaml!r} has other cells than the map {maps[0]!r}.")
+            values[kind] = mask.values.clip(0)
         made_by = [_origin_of(folder / name) for name in names if name.endswith(_EDITS)]
-    return GivenMap(maps[0], geometry, loaded.values, (*loaded.notes, *filter(None, made_by)), keepout)
+    return GivenMap(maps[0], geometry, loaded.values, (*loaded.notes, *filter(None, made_by)), **values)
+
+
+def _masks_in(yamls: list[str]) -> dict[str, str]:
+    """Return the yaml of each kind of mask, of the first by that name; one yaml alone is a map whatever its name."""
+    found: dict[str, str] = {}
+    for name in yamls if len(yamls) > 1 else ():
+        for kind, ending in _MASKS.items():
+            if Path(name).stem.endswith(ending):
+                found.setdefault(kind, name)
+    return found
 
 
 def _origin_of(path: Path) -> str | None:

@@ -166,14 +166,17 @@ class Nav2Command(Struct, tag_field="type", tag="nav2"):
 class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
     """Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left."""
 
-    op: Annotated[str, Meta(description="paint, fill, keepout, despeckle, rotate, crop or origin")]
+    op: Annotated[str, Meta(description="paint, fill, keepout, speed, despeckle, rotate, crop or origin")]
     points: Annotated[
         list[Point] | None,
-        Meta(description="paint: the line; fill and keepout: the corners; crop: two corners; origin: the place"),
+        Meta(description="paint: the line; fill, keepout, speed: the corners; crop: two corners; origin: the place"),
     ] = None
     state: Annotated[str | None, Meta(description="paint and fill: free, occupied or unknown")] = None
     width: Annotated[Number | None, Meta(description="paint: width of the brush, m")] = None
-    value: Annotated[Number | None, Meta(description="keepout: 1 to 100, 0 for none; despeckle: most cells")] = None
+    value: Annotated[
+        Number | None,
+        Meta(description="keepout and speed: value of the filter's mask, 1 to 100, 0 for none; despeckle: most cells"),
+    ] = None
     angle: Annotated[Number | None, Meta(description="rotate: by this; origin: its heading, rad")] = None
 
 

@@ -290,6 +290,12 @@ class PathMessage(Struct, tag_field="type", tag="path"):
     drives: Annotated[bool, Meta(description="whether the robot drives along it")]
     length: Annotated[float | None, Meta(description="length, m; null: there is no path")]
     cost: Annotated[float | None, Meta(description="sum of the costs of its steps; null: there is no path")]
+    travel_s: Annotated[
+        float | None,
+        Meta(
+            description="time along it at the desired velocity, less where speed limits are, s; null: there is no path"
+        ),
+    ]
     reaches_goal: Annotated[bool, Meta(description="whether it ends at the goal")]
     reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
     carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
@@ -304,6 +310,7 @@ class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
     undone: Annotated[int, Meta(description="number of edits that are undone")]
     last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
     keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
+    speed_cells: Annotated[int, Meta(description="cells with a speed limit")]
     notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
 
 

@@ -24,8 +24,9 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 #: What a file of an edited map is called in its address, and how its own name ends.
 _ENDINGS = {
     "map.pgm": ".pgm", "map.yaml": ".yaml", "keepout.pgm": "_keepout.pgm", "keepout.yaml": "_keepout.yaml",
-    "edits.json": ".edits.json",
+    "speed.pgm": "_speed.pgm", "speed.yaml": "_speed.yaml", "edits.json": ".edits.json",
 }  # fmt: skip
+_UNPAINTED = {"keepout": "The map has no keepout zones.", "speed": "The map has no speed limits."}
 
 
 class NewMap(BaseModel):
@@ -63,8 +64,8 @@ async def keep(
 async def file(request: Request, sessions: Sessions, downloads: FileDownloads, session_id: str, name: str) -> Response:
     """Return a file of the session's edited map.
 
-    ``map.pgm``, ``map.yaml``, ``keepout.pgm``, ``keepout.yaml`` or ``edits.json``, which ``gridbloom edit`` carries out
-    again.
+    ``map.pgm``, ``map.yaml``; ``keepout.pgm``, ``keepout.yaml``, ``speed.pgm`` and ``speed.yaml``, the masks of Nav2's
+    filters; or ``edits.json``, which ``gridbloom edit`` carries out again.
     """
     session = sessions.get(session_id)
     edited, stem = _edited(session), f"{stem_of(session)}_edited"
@@ -73,8 +74,8 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
         for own, data in await edited.files(stem):
             if own == stem + _ENDINGS.get(name, "/"):
                 return Content(own, iter([data]), len(data))
-        message = "The map has no keepout zones." if name.startswith("keepout") else f"There is no file {name!r:.80}."
-        raise MapperError("map.no_file", message)
+        missing = _UNPAINTED.get(name.partition(".")[0]) if name in _ENDINGS else None
+        raise MapperError("map.no_file", missing or f"There is no file {name!r:.80}.")
 
     media = "application/json" if name.endswith(".json") else "application/octet-stream"
     return Download(downloads, requester_of(request, session), make, media)

@@ -19,6 +19,7 @@ from mapper.costmap import (
     LayeredCostmap,
     Mask,
     ObstacleLayer,
+    SpeedFilter,
     SpeedLimit,
     StaticConfig,
     StaticLayer,
@@ -37,10 +38,14 @@ from server.stream.layers import GridLayer, Layer
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StaticMap:
-    """A map for the static layer in the place of the belief; ``keepout`` (rows, cols) int8 is its mask, 0 … 100."""
+    """A map for the static layer in the place of the belief.
+
+    ``keepout`` and ``speed`` (rows, cols) int8 are its masks of keepout zones and of speed limits, 0 … 100.
+    """
 
     grid: OccupancyGrid
     keepout: Int8Array | None = None
+    speed: Int8Array | None = None
 
 
 class LabCostmap:
@@ -75,7 +80,8 @@ class LabCostmap:
         if self._terrain is not None:
             self._graded.take(self._terrain.costs(), self._terrain.patches.geometry)
         self._keepout = KeepoutLayer(self.geometry)
-        self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"])
+        given_limits = None if self._plan is None else self._plan.speed
+        self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"], given_limits)
         self._zones = None
         if self._plan is not None and self._plan.keepout is not None:
             zones = np.where(self._plan.keepout > 0, self._plan.keepout, -1).astype(np.int8)
@@ -182,7 +188,7 @@ class LabCostmap:
         grows = grows and strokes[known - 1].continues(self.strokes[-1])
         if not grows and known:
             self._keepout.clear()
-            self._speed.mask[...] = 0
+            self._speed.clear()
         for stroke in strokes[known - 1 if grows else 0 :]:
             self._paint(stroke)
         self.strokes = strokes
@@ -235,6 +241,11 @@ class LabCostmap:
     def speed_limit(self, pose: PoseTuple) -> SpeedLimit | None:
         """Return the speed limit of the robot at ``pose``; None where speed limits are off."""
         return self._speed.at(pose[0], pose[1]) if self.parameters.is_on("speed_filter") else None
+
+    @property
+    def speed_filters(self) -> tuple[SpeedFilter, ...]:
+        """The speed filter; none where speed limits are off."""
+        return (self._speed.filter,) if self.parameters.is_on("speed_filter") else ()
 
     def why_speed(self, x: float, y: float) -> str | None:
         """Return which speed limit is painted at (x, y), metres, in one sentence; None for none."""

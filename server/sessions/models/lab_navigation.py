@@ -156,7 +156,8 @@ class LabNavigation(Navigation):
         self._is_stale |= self._path.limit(costmap.speed_limit(pose), greatest)
         if self._is_stale or (moved and is_scan and self._path.goal is not None):
             self._is_stale, self._pose = False, pose
-            self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, are_new=are_new)
+            limits = costmap.speed_filters
+            self._path.plan(costmap.costs, costmap.geometry, pose, costmap.parameters, limits, are_new=are_new)
             result.changed = True
             result.slot(self._path.message())
         result.changed |= self._path.draw()

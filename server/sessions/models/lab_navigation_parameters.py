@@ -22,6 +22,7 @@ from mapper.costmap.parameters import (
     StaticConfig,
 )
 from mapper.costmap.speed_filter import ABSOLUTE
+from mapper.planning.nav2_parameters import Nav2Path
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
 
@@ -95,12 +96,14 @@ class LabParameters:
     """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
 
     ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2_parameters.Nav2Costmap`
-    has them, with the lab's names of its layers.
+    has them, with the lab's names of its layers. ``loaded_path`` is the planner and the follower of that file: of their
+    parameters those that the table lacks.
     """
 
     values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
     footprint: Footprint = field(default_factory=lambda: Footprint(HEXAGON))
     others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+    loaded_path: Nav2Path = field(default_factory=Nav2Path)
 
     def with_values(self, values: Mapping[str, Any]) -> LabParameters:
         """Return the parameters with other values; the rest stays."""
@@ -150,7 +153,8 @@ class LabParameters:
     @property
     def planner(self) -> PlannerConfig:
         """Parameters of the planner."""
-        return PlannerConfig(
+        return replace(
+            self.loaded_path.planner,
             use_astar=self.values["use_astar"],
             allow_unknown=self.values["allow_unknown"],
             tolerance=self.values["tolerance"],
@@ -159,9 +163,16 @@ class LabParameters:
     @property
     def pursuit(self) -> PursuitConfig:
         """Parameters of the follower of the path."""
-        return PursuitConfig(
-            desired_linear_vel=self.values["desired_linear_vel"], lookahead_dist=self.values["lookahead_dist"]
+        return replace(
+            self.loaded_path.pursuit,
+            desired_linear_vel=self.values["desired_linear_vel"],
+            lookahead_dist=self.values["lookahead_dist"],
         )
+
+    @property
+    def path(self) -> Nav2Path:
+        """Planner and follower as Nav2's parameters have them."""
+        return replace(self.loaded_path, planner=self.planner, pursuit=self.pursuit)
 
     @property
     def nav2(self) -> Nav2Costmap:
@@ -176,9 +187,7 @@ class LabParameters:
         return Nav2Costmap("global_costmap", self.general, self.footprint, layers, others=self.others)
 
 
-def from_nav2(
-    before: LabParameters, found: Nav2Costmap, planner: PlannerConfig, pursuit: PursuitConfig
-) -> LabParameters:
+def from_nav2(before: LabParameters, found: Nav2Costmap, path: Nav2Path) -> LabParameters:
     """Return the parameters of a Nav2 parameter file, of others those ``before``.
 
     Of its filters only their kind and whether they are on is taken: their masks are other files.
@@ -216,8 +225,8 @@ def from_nav2(
             values |= {"speed_filter": one.enabled, "speed_limits": kind}
         elif one.kind == "keepout":
             values["keepout_filter"] = one.enabled
-    values |= {name: getattr(planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
-    values |= {name: getattr(pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
+    values |= {name: getattr(path.planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
+    values |= {name: getattr(path.pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)
     others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in found.others.items()}
-    return replace(before.with_values(values), footprint=footprint, others=others)
+    return replace(before.with_values(values), footprint=footprint, others=others, loaded_path=path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,9 +12,10 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array, UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedLimit
+from mapper.costmap import INSCRIBED, LETHAL, NO_INFORMATION, SpeedFilter, SpeedLimit
 from mapper.grid import GridGeometry
 from mapper.planning import GoalPlanner, Path, follow_path
+from mapper.planning.travel_time import travel_time
 from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.stream.layers import GridLayer, Layer, TableLayer
@@ -33,6 +35,7 @@ class LabPath:
         self._planner: GoalPlanner | None = None
         self._shown: Float64Array | None = None  #: the potential in the layer
         self._reason: str | None = None
+        self._travel_s: float | None = None
         self._carrot: Goal | None = None
         self._plan_ms = 0.0
         self._limit: SpeedLimit | None = None
@@ -72,15 +75,17 @@ class LabPath:
         geometry: GridGeometry,
         pose: PoseTuple,
         parameters: LabParameters,
+        limits: Sequence[SpeedFilter],
         *,
         are_new: bool = True,
     ) -> None:
         """Plan the path from the robot's pose, and keep the reason where there is none.
 
-        Without ``are_new`` the costs are those of the last call: where the robot and the planner's parameters are the
-        same too, a goal that moved has its path traced in the cost to come that is known.
+        ``limits`` are the speed limits on the way. Without ``are_new`` the costs are those of the last call: where the
+        robot and the planner's parameters are the same too, a goal that moved has its path traced in the cost to come
+        that is known.
         """
-        self._path = self._reason = None
+        self._path = self._reason = self._travel_s = None
         started = time.perf_counter()
         if self.goal is None:
             self._planner = None
@@ -97,6 +102,8 @@ class LabPath:
                     begun = begun.copy() if begun is costs else begun  # the costmap goes on writing its own
                     self._planner = planner = GoalPlanner(begun, geometry, pose[:2], parameters.planner)
                 self._path = planner.plan(pose[:2], self.goal)
+                greatest = parameters.pursuit.desired_linear_vel
+                self._travel_s = travel_time(self._path.points, greatest, limits)
                 if not self._path.reaches_goal:
                     away = math.dist(self._path.points[-1], self.goal)
                     self._reason = f"The robot cannot be at the goal itself: the path ends {away:.2f} m before it."
@@ -147,6 +154,7 @@ class LabPath:
             "drives": self.drives,
             "length": None if path is None else round(path.length, 3),
             "cost": None if path is None else round(path.cost, 1),
+            "travel_s": None if path is None or self._travel_s is None else round(self._travel_s, 2),
             "reaches_goal": path is not None and path.reaches_goal,
             "reason": self._reason,
             "carrot": None if self._carrot is None else [round(v, 3) for v in self._carrot],

@@ -66,7 +66,7 @@ class LogNavigation(Navigation):
             message = f"The given map has {given.values.size} cells, and a costmap at most {MOST_CELLS}."
             raise ConfigError("costmap.too_large", message)
         self._given = given
-        return StaticMap(grid_of_values(given.geometry, given.values), given.keepout)
+        return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
     def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
         """Follow what changed in the map, look at a new scan, and plan again."""
@@ -102,7 +102,8 @@ class LogNavigation(Navigation):
         self._is_stale |= self._path.limit(costmap.speed_limit(robot.pose), None)
         if self._is_stale:
             self._is_stale = False
-            self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, are_new=are_new)
+            limits = costmap.speed_filters
+            self._path.plan(costmap.costs, costmap.geometry, robot.pose, costmap.parameters, limits, are_new=are_new)
             result.changed = True
             result.slot(self._path.message())
         result.changed |= self._path.draw()

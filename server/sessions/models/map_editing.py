@@ -35,13 +35,14 @@ _FIELDS = {
     "paint": {"points": "points", "state": "state", "width": "width"},
     "fill": {"points": "polygon", "state": "state"},
     "keepout": {"points": "polygon", "value": "value"},
+    "speed": {"points": "polygon", "value": "value"},
     "despeckle": {"value": "cells"},
     "rotate": {"angle": "angle"},
     "crop": {"points": "corners"},
     "origin": {"points": "points", "angle": "yaw"},
 }  #: of each operation: the field of the command ``map_edit``, and its own
 
-#: The picture's value (256,) of each value of the keepout mask, by its bits: 1 … 127 as they are, else none.
+#: The picture's value (256,) of each value of a mask, by its bits: 1 … 127 as they are, else none.
 _ZONE_SHADES = np.where((np.arange(256) > 0) & (np.arange(256) < 128), np.arange(256) - 127, NEVER_OBSERVED).astype(
     np.int8
 )
@@ -67,10 +68,12 @@ class MapModel(SessionModel):
         super().__init__(Playback(playing=False))
         self._host, self._given, self._log_id = host, given, log_id
         geometry = _limited(given.geometry, host.limits())
-        self._edited = EditedMap(geometry, given.values, given.keepout, host.may_continue)
+        self._edited = EditedMap(geometry, given.values, given.keepout, host.may_continue, speed=given.speed)
         self._map = GridLayer("map", "Map")
         self._keepout = GridLayer("keepout", "Keepout zones", "keepout")
+        self._speed = GridLayer("speed_filter", "Speed limits", "speed")
         self._is_stale = True
+        self._has_limits = False  #: whether the layer of speed limits was ever drawn
         self.editing = self
         self._draw()
 
@@ -78,8 +81,8 @@ class MapModel(SessionModel):
 
     @property
     def layers(self) -> Sequence[Layer]:
-        """The map and its keepout zones."""
-        return (self._map, self._keepout)
+        """The map, its keepout zones and its speed limits."""
+        return (self._map, self._keepout, self._speed)
 
     @property
     def title(self) -> str:
@@ -89,7 +92,7 @@ class MapModel(SessionModel):
     @property
     def footprint(self) -> Footprint:
         """The cells of the states that are kept, and of the layers."""
-        return Footprint(self._edited.cells + 4 * self._edited.values.size)
+        return Footprint(self._edited.cells + 6 * self._edited.values.size)
 
     @property
     def progress(self) -> tuple[int, int]:
@@ -110,6 +113,7 @@ class MapModel(SessionModel):
                 "undone": edited.n_undone,
                 "last": [one.phrase for one in edited.operations[-MOST_LISTED:]],
                 "keepout_cells": int(np.count_nonzero(edited.keepout)),
+                "speed_cells": int(np.count_nonzero(edited.speed)),
                 "notes": list(self._given.notes),
             }
         ]
@@ -157,6 +161,9 @@ class MapModel(SessionModel):
         edited = self._edited
         self._map.set_cells(edited.geometry, *picture_range(MappingConfig()), self._bands(edited.values, _map_shades()))
         self._keepout.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.keepout, _ZONE_SHADES))
+        if self._has_limits or edited.speed.any():  # few maps have speed limits: the others are not drawn once more
+            self._has_limits = True
+            self._speed.set_cells(edited.geometry, 0.0, 254.0, self._bands(edited.speed, _ZONE_SHADES))
 
     def _bands(self, values: Int8Array, shades: Int8Array) -> Iterator[tuple[int, Int8Array]]:
         """Yield the first row and the picture's cells of bands of whole tiles; other sessions compute between them."""

@@ -12,7 +12,7 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import OccupancyGrid
-from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_planner, parse_nav2_pursuit
+from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_path
 from server.sessions.models.lab_costmap import LabCostmap, StaticMap
 from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2
 from server.sessions.models.lab_path import LabPath
@@ -136,15 +136,16 @@ class Navigation(ABC):
             masks, kind = costmap.masks, costmap.parameters.values["speed_limits"]
             filters = painted_filters(masks.get("keepout"), masks.get("speed"), kind)
             parts = nav2_yaml(replace(costmap.parameters.nav2, filters=filters), costmap.geometry.resolution)
-            path = nav2_path_yaml(costmap.parameters.planner, costmap.parameters.pursuit)
+            path = nav2_path_yaml(costmap.parameters.path)
             result.answer({"type": "nav2", "text": parts + path})
             return
         data = text(command, "text").encode()
-        read = parse_nav2_costmap(data)
-        found = from_nav2(costmap.parameters, read, parse_nav2_planner(data), parse_nav2_pursuit(data))
+        read, read_path = parse_nav2_costmap(data), parse_nav2_path(data)
+        found = from_nav2(costmap.parameters, read, read_path)
         costmap.change(found, self._map(found), self._plan)
-        if read.unused:
-            names = ", ".join(read.unused[:_MOST_NAMES]) + (" and more" if len(read.unused) > _MOST_NAMES else "")
+        unused = *read.unused, *read_path.unused
+        if unused:
+            names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
             result.notice("nav2.kept", f"Without effect here, and kept in the yaml that you download: {names}.")
         self._note_change(result)
         result.answer({"type": "nav2", "text": None})

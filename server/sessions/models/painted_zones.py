@@ -93,10 +93,11 @@ def strokes_of(given: Sequence[dict[str, Any]]) -> tuple[Stroke, ...]:
 class SpeedZones:
     """The painted mask of a speed filter: ``mask`` (rows, cols) int8, 1 … 100, 0 for no limit."""
 
-    def __init__(self, geometry: GridGeometry, kind: str) -> None:
-        """``kind`` is a name of :data:`SPEED_TYPES`."""
-        self._geometry = geometry
+    def __init__(self, geometry: GridGeometry, kind: str, given: Int8Array | None = None) -> None:
+        """``kind`` is a name of :data:`SPEED_TYPES`; ``given`` is a mask over which is painted."""
+        self._geometry, self._given = geometry, given
         self.mask: Int8Array = np.zeros(geometry.shape, dtype=np.int8)
+        self.clear()
         self.interpret(kind)
 
     def interpret(self, kind: str) -> None:
@@ -109,6 +110,15 @@ class SpeedZones:
         value = np.int8(0 if stroke.speed is None else stroke.speed)
         for outline in stroke.outlines():
             fill_polygon(self._geometry.to_lattice(outline), value, self.mask, no_bounds())
+
+    def clear(self) -> None:
+        """Remove all that was painted."""
+        self.mask[...] = 0 if self._given is None else self._given
+
+    @property
+    def filter(self) -> SpeedFilter:
+        """The speed filter of the mask."""
+        return self._filter
 
     def at(self, x: float, y: float) -> SpeedLimit:
         """Return the limit for a robot at a point, map metres."""

@@ -3,7 +3,7 @@
 import { batch, signal } from "@preact/signals";
 import type { MapEditsMessage, Point } from "../wire/protocol";
 
-export type MapTool = "brush" | "line" | "area" | "keepout" | "straighten" | "crop" | "origin";
+export type MapTool = "brush" | "line" | "area" | "keepout" | "speed" | "straighten" | "crop" | "origin";
 
 /** What a cell becomes. */
 export type PaintedState = "occupied" | "free" | "unknown";
@@ -18,6 +18,8 @@ export class MapEditing {
   readonly isFreehand = signal(false);
   /** Whether the tool of keepout zones allows what was forbidden. */
   readonly allows = signal(false);
+  /** Value of the speed filter's mask that the tool of speed limits sets, 1 … 100; 0 is no limit. */
+  readonly limit = signal(50);
   /** What is being drawn, or was sent and is not yet in the map. */
   readonly sketch = signal<readonly Point[] | null>(null);
   /** Whether the sketch was sent. */

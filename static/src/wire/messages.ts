@@ -752,6 +752,8 @@ export interface PathMessage {
   readonly length: number | null;
   /** sum of the costs of its steps; null: there is no path */
   readonly cost: number | null;
+  /** time along it at the desired velocity, less where speed limits are, s; null: there is no path */
+  readonly travel_s: number | null;
   /** whether it ends at the goal */
   readonly reaches_goal: boolean;
   /** why there is no path, or why it ends before the goal */
@@ -788,6 +790,8 @@ export interface MapEditsMessage {
   readonly last: readonly string[];
   /** cells of keepout zones */
   readonly keepout_cells: number;
+  /** cells with a speed limit */
+  readonly speed_cells: number;
   /** what the reader of the map noted */
   readonly notes: readonly string[];
 }
@@ -1195,15 +1199,15 @@ export interface Nav2Command {
 /** Maps: edit the map; see `mapper.editing`. Points are in the coordinates that the edits before have left. */
 export interface MapEditCommand {
   readonly type: "map_edit";
-  /** paint, fill, keepout, despeckle, rotate, crop or origin */
+  /** paint, fill, keepout, speed, despeckle, rotate, crop or origin */
   readonly op: string;
-  /** paint: the line; fill and keepout: the corners; crop: two corners; origin: the place */
+  /** paint: the line; fill, keepout, speed: the corners; crop: two corners; origin: the place */
   readonly points?: readonly Point[] | null;
   /** paint and fill: free, occupied or unknown */
   readonly state?: string | null;
   /** paint: width of the brush, m */
   readonly width?: number | null;
-  /** keepout: 1 to 100, 0 for none; despeckle: most cells */
+  /** keepout and speed: value of the filter's mask, 1 to 100, 0 for none; despeckle: most cells */
   readonly value?: number | null;
   /** rotate: by this; origin: its heading, rad */
   readonly angle?: number | null;
@@ -1922,6 +1926,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     drives: isFlag,
     length: oneOf(isNumber, isNull),
     cost: oneOf(isNumber, isNull),
+    travel_s: oneOf(isNumber, isNull),
     reaches_goal: isFlag,
     reason: oneOf(isText, isNull),
     carrot: oneOf(isPoint, isNull),
@@ -1939,6 +1944,7 @@ export const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<stri
     undone: isInteger,
     last: isListOf(isText),
     keepout_cells: isInteger,
+    speed_cells: isInteger,
     notes: isListOf(isText),
   },
   nav2: {

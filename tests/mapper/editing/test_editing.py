@@ -29,6 +29,7 @@ STROKE: dict[str, Any] = {
 }
 AREA: dict[str, Any] = {"op": "fill", "state": "unknown", "polygon": [[1.0, 0.2], [3.1, 0.4], [1.4, 2.2]]}
 ZONE = {"op": "keepout", "polygon": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], "value": 80}
+SLOW = {"op": "speed", "polygon": [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]], "value": 30}
 TURN = {"op": "rotate", "angle": 0.3}
 CUT = {"op": "crop", "corners": [[0.32, 0.4], [2.0, 1.99]]}
 MOVE = {"op": "origin", "x": 1.0, "y": 0.5, "yaw": 0.5}
@@ -67,7 +68,7 @@ def test_a_stroke_covers_the_cells_near_its_line(yaw: float) -> None:
 
 def test_an_area_and_a_zone_cover_the_cells_inside() -> None:
     """The triangle by the signs of its edges; the square of 10 × 10 cells by its corners."""
-    before, edited = made(), after(made(), AREA, ZONE)
+    before, edited = made(), after(made(), AREA, ZONE, SLOW)
     a, b, c = (np.array(p) for p in AREA["polygon"])
     for row, col in np.ndindex(*edited.geometry.shape):
         p = edited.geometry.cell_to_world((row, col))
@@ -77,6 +78,12 @@ def test_an_area_and_a_zone_cover_the_cells_inside() -> None:
     expected = np.zeros(edited.geometry.shape, np.int8)
     expected[3:13, :10] = 80
     np.testing.assert_array_equal(edited.keepout, expected)
+    expected[...] = 0
+    expected[3:13, 10:20] = 30
+    np.testing.assert_array_equal(edited.speed, expected)
+    after(edited, SLOW | {"value": 0})
+    assert not edited.speed.any()
+    assert edited.keepout.any()
 
 
 def test_specks_go_and_walls_stay() -> None:
@@ -104,19 +111,21 @@ def test_four_quarter_turns_are_none() -> None:
 
 
 def test_a_turned_map_has_each_value_where_it_was_turned_to() -> None:
-    before, edited = made(), after(made(), ZONE, TURN)
+    before, edited = after(made(), SLOW), after(made(), ZONE, SLOW, TURN)
     assert edited.geometry.origin[2] == 0.0
     back = np.array([[math.cos(0.3), math.sin(0.3)], [-math.sin(0.3), math.cos(0.3)]])
     for row, col in np.ndindex(*edited.geometry.shape):
         old = before.geometry.world_to_cell(back @ edited.geometry.cell_to_world((row, col)))
         inside = before.geometry.contains(old)
         assert edited.values[row, col] == (before.values[tuple(old)] if inside else -1)
+        assert edited.speed[row, col] == (before.speed[tuple(old)] if inside else 0)
 
 
 def test_a_crop_and_a_moved_origin_leave_each_cell_its_place() -> None:
-    before, edited = made(), after(made(), CUT)
+    before, edited = after(made(), SLOW), after(made(), SLOW, CUT)
     assert edited.geometry.shape == (16, 17), "rows of -0.3 m up: 0.4 … 1.99 is 7 … 23, columns 3 … 20"
     np.testing.assert_array_equal(edited.values, before.values[7:23, 3:20])
+    np.testing.assert_array_equal(edited.speed, before.speed[7:23, 3:20])
     assert edited.geometry.origin == pytest.approx((0.3, 0.4, 0.0))
     after(edited, MOVE)
     np.testing.assert_array_equal(edited.values, before.values[7:23, 3:20])

@@ -50,6 +50,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"op": "paint", "state": "occupied", "width": 0.2, "points": [[0.5, 0.5], [1.5, 0.5]]},
     {"op": "fill", "state": "unknown", "points": [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]},
     {"op": "keepout", "value": 100, "points": [[0.0, 1.0], [1.0, 1.0], [1.0, 2.0]]},
+    {"op": "speed", "value": 40, "points": [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]},
     {"op": "despeckle", "value": 2},
     {"op": "rotate", "angle": 0.5},
     {"op": "crop", "points": [[0.0, 0.0], [1.5, 1.5]]},
@@ -59,9 +60,10 @@ OPERATIONS: tuple[dict[str, Any], ...] = (
     COMMANDS[0],
     {"op": "fill", "state": "unknown", "polygon": COMMANDS[1]["points"]},
     {"op": "keepout", "value": 100, "polygon": COMMANDS[2]["points"]},
+    {"op": "speed", "value": 40, "polygon": COMMANDS[3]["points"]},
     {"op": "despeckle", "cells": 2},
-    COMMANDS[4],
-    {"op": "crop", "corners": COMMANDS[5]["points"]},
+    COMMANDS[5],
+    {"op": "crop", "corners": COMMANDS[6]["points"]},
     {"op": "origin", "x": 0.5, "y": 0.5, "yaw": 1.0},
 )
 
@@ -75,17 +77,20 @@ def test_commands_are_the_operations_of_the_editor() -> None:
         shown.draw(result)
         edited.apply(parse_operation(operation))
         assert result.slots["map_edits"]["last"][-1] == edited.operations[-1].phrase
-    map_layer, zones = shown.layers
+    map_layer, zones, limits = shown.layers
     for layer in shown.layers:
         layer.publish()
     cells = map_layer.picture.cells  # type: ignore[attr-defined]
     np.testing.assert_array_equal(cells == -128, edited.values == -1)
     np.testing.assert_array_equal(cells > 0, edited.values == 100)
     np.testing.assert_array_equal(zones.picture.cells != -128, edited.keepout > 0)  # type: ignore[attr-defined]
+    # A value v of a mask has the picture's value v - 127.
+    np.testing.assert_array_equal(limits.picture.cells == 40 - 127, edited.speed == 40)  # type: ignore[attr-defined]
+    assert (edited.speed == 40).any()
     assert map_layer.picture.geometry == edited.geometry  # type: ignore[attr-defined]
     result = TickResult()
     shown.obey({"type": "map_history", "steps": -9}, result)
-    assert (shown.messages()[0]["n"], shown.messages()[0]["undone"]) == (0, 7)
+    assert (shown.messages()[0]["n"], shown.messages()[0]["undone"]) == (0, 8)
     shown.obey({"type": "map_history", "steps": 3}, result)
     assert (shown.messages()[0]["n"], shown.messages()[0]["notes"]) == (3, ["A note."])
 

@@ -32,6 +32,7 @@ ZONE = {"op": "keepout", "polygon": [[-9, -9], [9, -9], [9, 9], [-9, 9]], "value
 def files_of(name: str = "room") -> dict[str, bytes]:
     edited = EditedMap(GEOMETRY, VALUES)
     edited.apply(parse_operation(ZONE))
+    edited.apply(parse_operation(ZONE | {"op": "speed", "value": 35}))
     return dict(map_files(edited, name, "old.yaml"))
 
 
@@ -48,10 +49,13 @@ def test_a_map_is_read_with_its_mask_and_what_made_it(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.values, VALUES)
     assert found.keepout is not None
     assert (found.keepout == 60).all()
-    assert found.notes[-1] == "Made by 1 edit of 'old.yaml'."
+    assert found.speed is not None
+    assert (found.speed == 35).all()
+    assert found.notes[-1] == "Made by 2 edits of 'old.yaml'."
     found.write(tmp_path / "pack")
     again = read_given_map(tmp_path / "pack")
     np.testing.assert_array_equal(again.keepout, found.keepout)
+    np.testing.assert_array_equal(again.speed, found.speed)
     assert (again.geometry, again.notes) == (found.geometry, found.notes)
     said = summarise_map(found)
     assert said.map is not None
@@ -99,7 +103,9 @@ def test_what_is_refused(tmp_path: Path) -> None:
         "room_keepout.pgm": small["small.pgm"],
     }
     for files, said in (
-        (room | other, "there are 3 yamls here"),
+        (room | other, "there are 4 yamls here"),
+        (room | {"room_speed.pgm": b"P5 no numbers"}, "The map's image 'room_speed.pgm' is damaged"),
+        (room | {"room_speed.yaml": b"image: room_speed.pgm"}, "resolution"),
         (room | mask, "'room_keepout.yaml' has other cells than the map 'room.yaml'"),
         ({"room.yaml": room["room.yaml"], "else.pgm": room["room.pgm"]}, "room.pgm"),
     ):

@@ -14,6 +14,7 @@ from mapper.core.errors import ConfigError, MapperError
 from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.planning.nav2_parameters import parse_nav2_path
 from server.sessions import SessionRegistry
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.simulation import SimulationModel
@@ -246,6 +247,10 @@ async def test_the_robot_drives_slower_where_a_speed_limit_is_painted(lab: Lab) 
     on = lab.do(type="costmap", values={"speed_filter": True})
     erased = lab.do(type="costmap", keepout=[zone, {"width": 2.0, "erases": True, "points": zone["points"]}])
     assert [one["speed_limit"] for one in (off, on, erased)] == [None, "0.1 m/s", None]
+    # Without a limit the whole path is at 0.5 m/s; with it, what lies in the zone takes five times as long.
+    assert off["travel_s"] == erased["travel_s"] == pytest.approx(off["length"] / 0.5, rel=1e-2)
+    inside = BEYOND[0] - lab.model.robot_state().pose[0]
+    assert on["travel_s"] - off["travel_s"] == pytest.approx(inside * (1 / 0.1 - 1 / 0.5), rel=0.1)
     assert lab.masks == {}
     for wrong in (0, 101):
         with pytest.raises(ProtocolError, match="value of 1 to 100"):
@@ -312,7 +317,14 @@ async def test_what_a_loaded_yaml_has_besides_is_said_and_downloaded_again(lab: 
     text = lab.answers[0]["text"].replace("obstacle_layer", "laser")
     lab.do(type="nav2", text=text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown"))
     assert lab.notices == ["nav2.kept"]
+    followed = text.replace("controller_plugins:", "controller_frequency: 12.0\n    controller_plugins:")
+    followed = followed.replace("rotate_to_heading_angular_vel: 1.8", "rotate_to_heading_angular_vel: 0.9")
+    lab.do(type="nav2", text=followed.replace("track_unknown", "update_frequency: 3.5\n      track_unknown"))
+    lab.do(type="costmap", values={"lookahead_dist": 1.3})
     lab.do(type="nav2")
+    path = parse_nav2_path(lab.answers[0]["text"].encode())
+    assert (path.pursuit.rotate_to_heading_angular_vel, path.pursuit.lookahead_dist) == (0.9, 1.3)
+    assert path.unused == ("controller_server.controller_frequency",)
     found = parse_nav2_costmap(lab.answers[0]["text"].encode())
     assert found.others[("update_frequency",)] == 3.5
     assert found.others["obstacle_layer", "scan", "topic"] == "/scan"

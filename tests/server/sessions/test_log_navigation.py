@@ -130,12 +130,14 @@ async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log)
         geometry = GridGeometry(0.1, rows, 60, (x - 3.0, y - 2.0, 0.0))
         values = rng.choice(np.array([0, 100, -1], np.int8), geometry.shape)
         zones = rng.choice(np.array([0, 50], np.int8), geometry.shape) if keepout else None
-        log.model.localization.show_map(GivenMap("given", geometry, values, (), zones))
+        limits = np.full(geometry.shape, 35 if keepout else 0, np.int8)
+        log.model.localization.show_map(GivenMap("given", geometry, values, (), zones, limits))
         log.do(type="costmap", values=STATIC_ONLY | {"map": "given", "inflation_layer": False})
         costs = np.select([values == 100, values == 0], [254, 0], 255)
         if zones is not None:
             costs = np.where((zones > 0) & ((costs == 255) | (costs < 127)), 127, costs)
         np.testing.assert_array_equal(log.costs, costs)
+        assert log.model.messages()[-1]["speed_limit"] == ("35 %" if keepout else None)
     log.do(type="costmap", values={"map": "belief"})
     assert log.costs.shape == log.model.grid.geometry.shape
 

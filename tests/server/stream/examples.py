@@ -38,6 +38,7 @@ COMMANDS: tuple[dict[str, Any], ...] = (
     {"type": "nav2", "text": None},
     {"type": "map_edit", "op": "paint", "state": "free", "width": 0.2, "points": [[1.0, 2.0], [1.5, 2.0]]},
     {"type": "map_edit", "op": "rotate", "angle": 0.25},
+    {"type": "map_edit", "op": "speed", "value": 40, "points": [[1.0, 2.0], [1.5, 2.0], [1.5, 2.5]]},
     {"type": "map_history", "steps": -1},
     {"type": "why", "row": 3, "col": 4, "epoch": 1, "layer": "second_map"},
     {"type": "pause"},
@@ -251,8 +252,8 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.36,
         [parts.BrushStroke(0.4, False, [(1.0, 2.0)]), parts.BrushStroke(0.4, False, [(1.0, 2.0)], 40)],
     ),
-    messages.PathMessage((4.5, -1.0), True, 5.25, 5250.5, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"),
-    messages.PathMessage((4.5, -1.0), False, None, None, False, "There is no path to the goal.", None, 3.5, None),
+    messages.PathMessage((4.5, -1.0), True, 5.25, 5250.5, 13.1, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"),
+    messages.PathMessage((4.5, -1.0), False, None, None, None, False, "There is no path to the goal.", None, 3.5, None),
     messages.CostMessage(
         4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")], None
     ),
@@ -286,7 +287,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
     ),
     messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
     messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
-    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, ["A note."]),
+    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
     messages.WorkingMessage(0.55, 0.2, "voxel"),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),

@@ -46,6 +46,7 @@ describe("files that are chosen together", () => {
   it("are one map where a yaml and its image come together", () => {
     expect(names("", "office.pgm", "office.yaml", "a.log")).toEqual(["office.yaml", "a.log"]);
     expect(names("m", "o.pgm", "o.yaml", "o_keepout.pgm", "o_keepout.yaml", "o.edits.json")).toEqual(["o.yaml"]);
+    expect(names("m", "o.pgm", "o.yaml", "o_speed.pgm", "o_speed.yaml")).toEqual(["o.yaml"]);
     expect(names("", "a.yaml", "b.yaml", "a.pgm")).toEqual(["a.yaml", "b.yaml", "a.pgm"]);
   });
 

@@ -40,7 +40,7 @@ function depthImages(files: readonly File[]): readonly File[] | null {
 /** The yaml of a map, its image, and what map editing saves beside them; the yaml is the first. */
 function mapFiles(files: readonly File[]): readonly File[] | null {
   const yamls = files.filter(({ name }) => /\.ya?ml$/i.test(name) && name !== "metadata.yaml");
-  const own = yamls.filter(({ name }) => !/_keepout\.ya?ml$/i.test(name));
+  const own = yamls.filter(({ name }) => !/_(keepout|speed)\.ya?ml$/i.test(name));
   const images = files.filter(({ name }) => /\.(pgm|png|bmp|jpe?g|tiff?|gif)$/i.test(name));
   const edits = files.filter(({ name }) => name.endsWith(".edits.json"));
   if (own.length !== 1 || images.length === 0) return null;

@@ -5,6 +5,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
+import { SPEED_LIMITS } from "../navigation/paint";
 import { LinkedPicture } from "../picture/LinkedPicture";
 import { mapSurface } from "../picture/mapSurface";
 import { paintEditing, watchEditing, ZONES, zonesOver } from "./paint";
@@ -20,6 +21,7 @@ export function MapView({ store, onPicture }: MapViewProps) {
   const failure = useMemo(() => signal(""), []);
   const shown = useRef(0);
   useEffect(() => store.layers.subscribe(ZONES), [store]);
+  useEffect(() => store.layers.subscribe(SPEED_LIMITS), [store]);
   useSignalEffect(() => {
     // A turn, a crop or another origin puts the map elsewhere.
     const epoch = store.map.value?.geometry.epoch ?? 0;

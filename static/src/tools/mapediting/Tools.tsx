@@ -23,6 +23,7 @@ const TOOLS: readonly ToolText[] = [
   { tool: "line", label: "Line", icon: "wall", hint: "Drag from one end of a wall to the other." },
   { tool: "area", label: "Area", icon: "box", hint: "Drag over an area to fill it." },
   { tool: "keepout", label: "Keepout", icon: "blank", hint: "Drag over a zone that robots must not enter." },
+  { tool: "speed", label: "Speed", icon: "gauge", hint: "Drag over a zone in which robots drive slower." },
   {
     tool: "straighten",
     label: "Straighten",
@@ -46,7 +47,7 @@ export function Tools({ store }: { readonly store: Store }) {
   const name = useId();
   const now = mapEditing.tool.value;
   const isDrawn = DRAWN.some((tool) => tool === now);
-  const isArea = now === "area" || now === "keepout";
+  const isArea = now === "area" || now === "keepout" || now === "speed";
   return (
     <div class="mapediting">
       <div class="mapediting-tools" role="radiogroup" aria-label="Tool">
@@ -84,6 +85,21 @@ export function Tools({ store }: { readonly store: Store }) {
             value={mapEditing.allows.value ? "allow" : "forbid"}
             onChange={(value) => {
               mapEditing.allows.value = value === "allow";
+            }}
+          />
+        )}
+        {now === "speed" && (
+          <Slider
+            label="Limit"
+            sentence="Value of the speed filter’s mask: percent of the robot’s greatest speed with type 1, base 0 and multiplier 1. 0 removes the limit."
+            unit="%"
+            value={mapEditing.limit.value}
+            initial={50}
+            low={0}
+            high={100}
+            step={1}
+            onInput={(limit) => {
+              mapEditing.limit.value = limit;
             }}
           />
         )}

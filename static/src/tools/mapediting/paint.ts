@@ -8,6 +8,8 @@ import { toScreen } from "../../render/view";
 import type { Store } from "../../store/store";
 import { tokenRgb } from "../../style/colour";
 import type { Geometry, Point } from "../../wire/protocol";
+import { SPEED_LIMITS } from "../navigation/paint";
+import { SPEED_OVER } from "../navigation/palettes";
 import { drawingOf, isFree, shapeOf } from "./strokes";
 
 const AXIS_PX = 46;
@@ -29,17 +31,22 @@ const KEEPOUT: Palette = {
 /** The layer of keepout zones. */
 export const ZONES = "keepout";
 
-/** The keepout zones, to be laid over the map. */
+/** The keepout zones and the speed limits, to be laid over the map. */
 export function zonesOver(store: Store): readonly Layer[] {
-  const map = store.layers.grid(ZONES).map.peek();
-  return map ? [{ map, palette: KEEPOUT, blends: true }] : [];
+  const zones = store.layers.grid(ZONES).map.peek();
+  const limits = store.layers.grid(SPEED_LIMITS).map.peek();
+  return [
+    ...(limits ? [{ map: limits, palette: SPEED_OVER, blends: true }] : []),
+    ...(zones ? [{ map: zones, palette: KEEPOUT, blends: true }] : []),
+  ];
 }
 
 /** Read every signal that is painted here. */
 export function watchEditing(store: Store): void {
   const { tool, state, width, isFreehand, allows, sketch, isSent, corner, turn } = store.mapEditing;
   for (const one of [tool, state, width, isFreehand, allows, sketch, isSent, corner, turn]) void one.value;
-  void [store.cell.value, store.pinned.value, store.layers.grid(ZONES).version.value];
+  void [store.cell.value, store.pinned.value];
+  for (const one of [ZONES, SPEED_LIMITS]) void store.layers.grid(one).version.value;
 }
 
 export function paintEditing(store: Store, brush: Brush): void {

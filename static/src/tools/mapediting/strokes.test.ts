@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { commandOf, type Drawing, straightened, turnOf } from "./strokes";
 
-const DRAWING: Drawing = { tool: "brush", state: "free", width: 0.2, isFreehand: false, allows: false };
+const DRAWING: Drawing = { tool: "brush", state: "free", width: 0.2, isFreehand: false, allows: false, limit: 40 };
 const SCALE = 0.01;
 
 test("a line that is nearly level or upright becomes so", () => {
@@ -55,6 +55,9 @@ test("each tool sends its edit", () => {
   expect(of({ tool: "area", isFreehand: true })).toMatchObject({ op: "fill", points });
   expect(of({ tool: "keepout" })).toEqual({ type: "map_edit", op: "keepout", value: 100, points: corners });
   expect(of({ tool: "keepout", allows: true })).toMatchObject({ value: 0 });
+  expect(of({ tool: "speed" })).toEqual({ type: "map_edit", op: "speed", value: 40, points: corners });
+  expect(of({ tool: "speed", limit: 0 })).toMatchObject({ value: 0 });
+  expect(of({ tool: "speed", isFreehand: true })).toMatchObject({ op: "speed", points });
   expect(of({ tool: "crop" })).toEqual({
     type: "map_edit",
     op: "crop",
@@ -72,7 +75,7 @@ test("a slip of the hand sends nothing; a dot of the brush and a clicked origin 
     [1, 1],
     [1.01, 1],
   ] as const;
-  for (const tool of ["area", "keepout", "crop", "straighten"] as const)
+  for (const tool of ["area", "keepout", "speed", "crop", "straighten"] as const)
     expect(commandOf({ ...DRAWING, tool }, dot, SCALE)).toBeNull();
   expect(commandOf(DRAWING, [[1, 1]], SCALE)).toMatchObject({ op: "paint", points: [[1, 1]] });
   expect(commandOf({ ...DRAWING, tool: "origin" }, dot, SCALE)).toMatchObject({ op: "origin", angle: 0 });

@@ -21,19 +21,27 @@ export interface Drawing {
   readonly width: number;
   readonly isFreehand: boolean;
   readonly allows: boolean;
+  readonly limit: number;
 }
 
 export const drawingOf = (store: Store): Drawing | null => {
-  const { tool, state, width, isFreehand, allows } = store.mapEditing;
+  const { tool, state, width, isFreehand, allows, limit } = store.mapEditing;
   const now = tool.peek();
   return (
-    now && { tool: now, state: state.peek(), width: width.peek(), isFreehand: isFreehand.peek(), allows: allows.peek() }
+    now && {
+      tool: now,
+      state: state.peek(),
+      width: width.peek(),
+      isFreehand: isFreehand.peek(),
+      allows: allows.peek(),
+      limit: limit.peek(),
+    }
   );
 };
 
 /** Whether each point of the hand counts, not only the first and the last. */
 export const isFree = ({ tool, isFreehand }: Drawing): boolean =>
-  tool === "brush" || (isFreehand && (tool === "area" || tool === "keepout"));
+  tool === "brush" || (isFreehand && (tool === "area" || tool === "keepout" || tool === "speed"));
 
 const rounded = (value: number): number => Math.round(value * 1e4) / 1e4;
 const place = ([x, y]: Point): Point => [rounded(x), rounded(y)];
@@ -84,6 +92,8 @@ export function commandOf(drawing: Drawing, points: readonly Point[], scale: num
       return isSmall ? null : { type: "map_edit", op: "fill", state, points: shape };
     case "keepout":
       return isSmall ? null : { type: "map_edit", op: "keepout", value: drawing.allows ? 0 : 100, points: shape };
+    case "speed":
+      return isSmall ? null : { type: "map_edit", op: "speed", value: Math.round(drawing.limit), points: shape };
     case "straighten":
       return isShort ? null : { type: "map_edit", op: "rotate", angle: turnOf(first, last) };
     case "crop":

@@ -89,6 +89,12 @@ function Outcome({ store }: { readonly store: Store }) {
             <dt>Path</dt>
             <dd>{written(path.length, 1)} m</dd>
           </div>
+          {path.travel_s !== null && (
+            <div>
+              <dt>Travel time</dt>
+              <dd>{written(path.travel_s, 1)} s</dd>
+            </div>
+          )}
           <div>
             <dt>Cost</dt>
             <dd>{Math.round(path.cost ?? 0).toLocaleString("en")}</dd>

@@ -11,7 +11,9 @@ export function useCostmap(store: Store): void {
   const isOn = navigation.costmap.value?.is_on === true;
   const isEnded = navigation.isEnded.value;
   const over = navigation.over.value;
-  const isLimited = navigation.costmap.value?.keepout.some(({ speed }) => speed != null) === true;
+  // A given map may have speed limits of its own.
+  const isGiven = navigation.values.values.value.map === "given";
+  const isLimited = isGiven || navigation.costmap.value?.keepout.some(({ speed }) => speed != null) === true;
   useEffect(() => {
     if (!isOn && !isEnded && navigation.costmap.peek()) store.send({ type: "costmap" });
   }, [store, isOn, isEnded, navigation.costmap.value === null]);

@@ -2,8 +2,10 @@ import { computed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { stateAt } from "../../../grid/cellValues";
 import { centreOf } from "../../../grid/lattice";
+import { costOfByte } from "../../../render/map/costColours";
 import type { Store } from "../../../store/store";
 import { ZONES } from "../../../tools/mapediting/paint";
+import { SPEED_LIMITS } from "../../../tools/navigation/paint";
 import { LiveRegion } from "../../../ui/LiveRegion";
 import "../../../tools/readout/readout.css";
 
@@ -20,7 +22,14 @@ export function MapReadout({ store }: { readonly store: Store }) {
         const isForbidden = zones !== null && zones.cells.at(cell.row, cell.col) > 0;
         const state = stateAt(map.cells.at(cell.row, cell.col), map.geometry);
         const [x, y] = centreOf(map.geometry, cell);
-        return { x: x.toFixed(2), y: y.toFixed(2), text: isForbidden ? `${state}, keepout` : state };
+        const limits = store.layers.grid(SPEED_LIMITS).map.value;
+        const limit = limits ? costOfByte(limits.cells.at(cell.row, cell.col)) : 0;
+        const words = [
+          state,
+          ...(isForbidden ? ["keepout"] : []),
+          ...(limit > 0 && limit <= 100 ? [`speed ${limit} %`] : []),
+        ];
+        return { x: x.toFixed(2), y: y.toFixed(2), text: words.join(", ") };
       }),
     [store],
   );

@@ -41,6 +41,12 @@ export function Saving({ store, session }: SavingProps) {
           ["keepout.yaml", "Keepout yaml"],
         ] as const)
       : []),
+    ...((edits.value?.speed_cells ?? 0) > 0
+      ? ([
+          ["speed.pgm", "Speed pgm"],
+          ["speed.yaml", "Speed yaml"],
+        ] as const)
+      : []),
     ...(edits.value?.n ? ([["edits.json", "Edits"]] as const) : []),
   ] as const;
   return (
@@ -107,8 +113,9 @@ export function Saving({ store, session }: SavingProps) {
             </p>
           )}
           <p class="quiet">
-            pgm and yaml together are a map for map_server and Nav2; the keepout files are the mask of Nav2’s keepout
-            filter. gridbloom edit carries the edits out again.
+            pgm and yaml together are a map for map_server and Nav2; the keepout and speed files are the masks of Nav2’s
+            keepout filter and speed filter, the latter in percent (type 1, base 0, multiplier 1). gridbloom edit
+            carries the edits out again.
           </p>
         </div>
       </Panel>
