@@ -30,7 +30,8 @@ from mapper.editing.specks import without_specks
 from mapper.grid.occupancy_grid import GridGeometry
 
 MAX_EDITS = 2000
-_EVERY = 20  #: edits between two kept states
+_EVERY = 20  #: edits between two kept states,
+_COSTLY = (Rotate, Despeckle)  #: and edits of the whole map, after which the state is kept too: they take longest
 _LEAST_KEPT = 3  #: states
 MOST_KEPT_CELLS = 1 << 26  #: of all kept states
 _AT_ONCE = 1 << 16  #: cells that are turned at a time
@@ -138,7 +139,7 @@ class EditedMap:
         self._n += 1
         for n in [n for n in self._kept if n >= self._n]:
             del self._kept[n]
-        if self._n % _EVERY == 0:
+        if self._n % _EVERY == 0 or isinstance(operation, _COSTLY):
             self._kept[self._n] = self._state
             self._drop_states()
 
@@ -164,8 +165,9 @@ class EditedMap:
             del self._kept[numbers[1 + min(range(len(gaps) - 1), key=lambda k: gaps[k] + gaps[k + 1])]]
 
     def _go_to(self, n: int) -> None:
-        begin = max(k for k in self._kept if k <= n) if n < self._n else self._n
-        state = self._kept[begin] if n < self._n else self._state
+        states = {**self._kept, self._n: self._state}
+        begin = max(k for k in states if k <= n)
+        state = states[begin]
         for operation in self._operations[begin:n]:
             state = self._after(state, operation)
         self._state, self._n = state, n

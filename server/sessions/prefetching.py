@@ -76,7 +76,8 @@ class CheckpointPrefetching:
             began = self._clock()
             if not any(one.is_busy for one in self._sessions()):
                 prefetcher = prefetcher or session.prefetcher()
-                if prefetcher is None or not await self._step(session, prefetcher):
+                # Whether there is room is asked last: the answer takes a look at each session of the service.
+                if prefetcher is None or not self._is_room(session) or not await self._step(session, prefetcher):
                     return
             await asyncio.sleep(max(PAUSE_S, self._clock() - began))
 
@@ -90,4 +91,4 @@ class CheckpointPrefetching:
 
     def _may(self, session: Prefetchable) -> bool:
         is_idle = session.watched and not session.closed and self._clock() - session.commanded_at >= QUIET_S
-        return is_idle and session not in self._failed and self._is_room(session)
+        return is_idle and session not in self._failed

@@ -135,10 +135,11 @@ class TilePicture:
         for first in range(0, len(tiles), MOST_AT_ONCE):
             some = tiles[first : first + MOST_AT_ONCE]
             revisions = self.revision[some[:, 0], some[:, 1]].tolist()
-            found = [kept.get((ty, tx)) for ty, tx in some.tolist()]
+            places = some.tolist()
+            found = [kept.get((ty, tx)) for ty, tx in places]
             old = [i for i, one in enumerate(found) if one is None or one.revision != revisions[i]]
             for i, data in zip(old, self._compressed(some[old]), strict=True):
-                ty, tx = some[i].tolist()
+                ty, tx = places[i]
                 found[i] = kept[ty, tx] = TilePayload(tx, ty, revisions[i], data)
             yield from (one for one in found if one is not None)
 

@@ -20,4 +20,4 @@ def followers(*counts: int) -> None:
             theirs = figures(process, ["/"] * count, count // 10, PERIOD_S)
         print(row(f"{count} followers", ours))
         print(row(f"{count} echoes", theirs))
-        print(f"{'ratio':<20}{'':>44}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)
+        print(f"{'ratio':<20}{'':>55}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)

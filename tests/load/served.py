@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.load.viewer import Seen, cpu_seconds, watch
+from tests.load.viewer import watch
 
 SECONDS = 10.0
 
@@ -30,13 +30,15 @@ class Process:
 @dataclass(frozen=True, slots=True)
 class Figures:
     """What viewers saw of a server, and what it cost: frames a second of the slowest and of the middle viewer, ages of
-    the newest frame at a look beyond the viewer's own period, milliseconds, cores, and µs of processor time per frame.
+    the newest frame at a look beyond the viewer's own period, milliseconds, cores, cores of the viewers themselves,
+    which share the machine, and µs of the server's processor time per frame.
     """
 
     slowest: float
     middle: float
     p99_ms: float
     cores: float
+    viewers_cores: float
     us_per_frame: float
     text_bytes: int
     tile_bytes: int
@@ -92,29 +94,18 @@ def echo(text_bytes: int, tile_bytes: int) -> Iterator[Process]:
 
 
 def figures(process: Process, paths: Sequence[str], stalled: int, period_s: float) -> Figures:
-    """Watch the streams at ``paths``, and return what was seen."""
-    warm_up_s = 3.0
-    cpu = 0.0
-
-    async def run() -> tuple[list[Seen], float]:
-        nonlocal cpu
-        watching = asyncio.create_task(watch(paths, process.port, SECONDS, stalled=stalled, warm_up_s=warm_up_s))
-        # The processor time is that of the same seconds, up to the connecting of the viewers.
-        seen, lasted = await watching
-        return seen, lasted
-
-    before = cpu_seconds(process.pid)
-    seen, lasted = asyncio.run(run())
-    cpu = cpu_seconds(process.pid) - before
+    """Watch the streams at ``paths``, and return what was seen, and what it cost in the same seconds."""
+    seen, lasted, cpu, own = asyncio.run(watch(paths, process.port, SECONDS, stalled=stalled, pid=process.pid))
     rates = np.array([len(one.ages) / lasted for one in seen])
     ages = np.concatenate([one.ages for one in seen])
-    frames = sum(len(one.ages) for one in seen) * (lasted + warm_up_s) / lasted
+    frames = sum(len(one.ages) for one in seen)
     lengths = [length for one in seen for length in one.messages]
     return Figures(
         float(rates.min()),
         float(np.median(rates)),
         1e3 * (float(np.percentile(ages, 99)) - period_s),
-        cpu / (lasted + warm_up_s),
+        cpu / lasted,
+        own / lasted,
         1e6 * cpu / frames,
         int(np.mean(lengths[0::2])),
         int(np.mean(lengths[1::2])),

@@ -25,13 +25,15 @@ def begun(process: Process, count: int) -> list[str]:
 
 def row(name: str, one: Figures) -> str:
     """Return a line of the table."""
-    numbers = (one.slowest, one.middle, one.p99_ms, one.cores, one.us_per_frame)
+    numbers = (one.slowest, one.middle, one.p99_ms, one.cores, one.viewers_cores, one.us_per_frame)
     return f"{name:<20}" + "".join(
-        f"{value:>11.{digits}f}" for value, digits in zip(numbers, (1, 1, 0, 2, 0), strict=True)
+        f"{value:>11.{digits}f}" for value, digits in zip(numbers, (1, 1, 0, 2, 2, 0), strict=True)
     )
 
 
-HEAD = f"{'':<20}" + "".join(f"{name:>11}" for name in ("slowest/s", "median/s", "p99 +ms", "cores", "µs/frame"))
+HEAD = f"{'':<20}" + "".join(
+    f"{name:>11}" for name in ("slowest/s", "median/s", "p99 +ms", "cores", "viewers'", "µs/frame")
+)
 
 
 def sessions(*counts: int) -> None:
@@ -46,4 +48,4 @@ def sessions(*counts: int) -> None:
             theirs = figures(process, ["/"] * count, stalled, PERIOD_S)
         print(row(f"{count} sessions", ours))
         print(row(f"{count} echoes", theirs))
-        print(f"{'ratio':<20}{'':>44}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)
+        print(f"{'ratio':<20}{'':>55}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)

@@ -264,7 +264,35 @@ def test_many_steps_are_undone_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert edited.undo(5)
     assert not edited.undo()
     assert edited.redo(99)
-    assert (len(edited.operations), edited.can_redo, len(done)) == (45, False, 46)
+    assert (len(edited.operations), edited.can_redo, len(done)) == (
+        45,
+        False,
+        6,
+    )  # redone from the state that is kept after 40
+
+
+@pytest.mark.parametrize("edit", [{"op": "rotate", "angle": 0.5}, {"op": "despeckle", "cells": 2}])
+def test_steps_after_an_edit_of_the_whole_map_do_not_repeat_it(
+    edit: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kind = type(parse_operation(edit))
+    done: list[Any] = []
+    apply = edited_map._APPLY[kind]
+
+    def counted(state: Any, operation: Any, check: Any) -> Any:
+        done.append(operation)
+        return apply(state, operation, check)
+
+    monkeypatch.setitem(edited_map._APPLY, kind, counted)
+    edited = after(made(), STROKE, edit)
+    whole = edited.values
+    after(edited, STROKE | {"points": [[0.5, 0.5]]})
+    assert edited.undo()
+    np.testing.assert_array_equal(edited.values, whole)
+    assert edited.undo(2)
+    assert edited.redo(2)
+    np.testing.assert_array_equal(edited.values, whole)
+    assert len(done) == 1
 
 
 @pytest.mark.parametrize("seed", range(5))

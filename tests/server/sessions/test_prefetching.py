@@ -97,6 +97,31 @@ class Watched:
         return self.steps
 
 
+async def test_room_is_asked_for_only_while_no_session_computes() -> None:
+    # The answer takes a look at each session, and it would be asked for fifty times a second.
+    looks, asked = 0, list[object]()
+    one, other = Watched(Steps()), Watched(Steps(), is_busy=True)
+
+    def sessions() -> list[Watched]:
+        nonlocal looks
+        looks += 1
+        return [one, other]
+
+    def is_room(session: object) -> bool:
+        asked.append(session)
+        return len(asked) < 4
+
+    task = asyncio.create_task(CheckpointPrefetching(sessions, is_room, lambda: 10.0).run())
+    await eventually(lambda: looks > 10)
+    assert not asked
+    other.is_busy = False
+    other.closed = True
+    await eventually(lambda: len(asked) > 4)
+    assert one.steps.taken == 3  # one for each time that there was room
+    task.cancel()
+    await asyncio.gather(task, return_exceptions=True)
+
+
 async def test_a_command_to_any_session_stops_it_and_only_quiet_lets_it_go_on() -> None:
     now = 10.0
     one, other = Watched(Steps()), Watched(Steps())
