@@ -71,7 +71,13 @@ export function Tabs({ class: className, label, tabs, open, onOpen }: TabsProps)
           onClick={() => onOpen(tab.key)}
         >
           {tab.title}
-          {tab.badge && <span class="dock-badge">{tab.badge}</span>}
+          {tab.badge === "on" ? (
+            <span class="dock-badge dock-dot">
+              <span class="visually-hidden">on</span>
+            </span>
+          ) : (
+            tab.badge && <span class="dock-badge">{tab.badge}</span>
+          )}
         </button>
       ))}
     </div>
