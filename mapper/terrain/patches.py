@@ -116,6 +116,11 @@ class Terrain:
     score: Float64Array
     classes: UInt8Array
 
+    @property
+    def geometry(self) -> GridGeometry:
+        """Where the patches are, as a grid in the map's frame."""
+        return self.patches.geometry
+
     def costs(self) -> UInt8Array:
         """Return costs (rows, cols): 252 times the score, 254 for unsafe patches, 255 for unknown ones."""
         scaled = np.nan_to_num(self.score, nan=0.0, posinf=1.0).clip(0.0, 1.0) * (INSCRIBED - 1)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from PIL import Image
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_true, open_group
@@ -26,6 +28,39 @@ def drag(page: Page, *places: tuple[float, float]) -> None:
     for one in places[1:]:
         page.mouse.move(*one, steps=3)
     page.mouse.up()
+
+
+def terrain_files(folder: Path) -> list[Path]:
+    """The map of a terrain around the origin, 40 m wide: unsafe where x is above 0."""
+    pixels = np.full((80, 80), 254, np.uint8)
+    pixels[:, 40:] = 0
+    Image.fromarray(pixels).save(folder / "slopes.pgm")
+    (folder / "slopes.yaml").write_text(
+        "image: slopes.pgm\nresolution: 0.5\norigin: [-20, -20, 0]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    return [folder / "slopes.pgm", folder / "slopes.yaml"]
+
+
+def test_the_terrain_of_a_map_is_a_sheet_of_the_costmap(page: Page, server: str, tmp_path: Path) -> None:
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", terrain_files(tmp_path))
+    await_true(page, "() => window.gridbloom && gridbloom.connection.store.map.peek()?.geometry.rows === 80")
+    page.get_by_role("button", name="All logs").click()
+    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    open_group(page, "Costmap")
+    await_true(page, f"() => window.gridbloom && {_NAVIGATION}.costmap.peek()?.is_on")
+    sheet = page.get_by_role("switch", name="Terrain", exact=True)
+    assert sheet.count() == 0
+    page.locator("select", has_text="slopes.yaml (map)").select_option(label="slopes.yaml (map)")
+    expect(sheet).to_have_attribute("aria-checked", "true")
+    unsafe = "(() => { const m = gridbloom.connection.store.layers.grid('terrain_layer').map.peek(); if (!m) return 0;"
+    unsafe += " let n = 0; for (let r = 0; r < m.geometry.rows; r++) for (let c = 0; c < m.geometry.cols; c++)"
+    unsafe += " if (m.cells.at(r, c) === 255) n++; return n; })()"
+    await_true(page, f"() => {unsafe} > 1000")
+    page.get_by_role("button", name="Without terrain").click()
+    expect(sheet).to_have_count(0)
 
 
 def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:

@@ -1,20 +1,33 @@
-"""``/api/sessions/{id}/costmap/…``: the costs of a session as files."""
+"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and the terrain of a log's costmap."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
+from pydantic import BaseModel, ConfigDict, Field
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import ConfigError, LimitError, MapperError
 from server.downloads import Content, Download
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import requester_of, stem_of
-from server.http.services import FileDownloads, Sessions
+from server.http.services import FileDownloads, Logs, Sessions
+from server.http.session_access import writable_session
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
+
+class TerrainOfMap(BaseModel):
+    """The map of a terrain among the visitor's uploads."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    log: str | None = Field(max_length=200, description="Id of the map, as in /api/logs; null: no terrain.")
+
+
+MOST_CELLS = 1 << 24  #: of the map of a terrain
 _NAMES = ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml", "speed.pgm", "speed.yaml")
 _UNPAINTED = {"keepout": "No keepout zone is painted.", "speed": "No speed limit is painted."}
 
@@ -59,3 +72,23 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
         return Content(f"{stem}.{ending}", iter([data]), len(data))
 
     return Download(downloads, requester_of(request, session), make, "application/octet-stream")
+
+
+@router.put("/{session_id}/costmap/terrain")
+async def terrain(library: Logs, sessions: Sessions, session_id: str, wanted: TerrainOfMap) -> dict[str, Any]:
+    """Choose the terrain's layer of a log's costmap: a map of the library, as ``gridbloom terrain`` writes it.
+
+    Its free cells are safe, its occupied ones unsafe; it must be in the frame of the log's poses.
+    """
+    of_log = writable_session(sessions, session_id)
+    found = None
+    if wanted.log is not None:
+        found = await library.given_map(of_log.owner, wanted.log)
+        if found is None:
+            raise ConfigError("terrain.no_map", "This is a log: choose the map that gridbloom terrain has written.")
+        if found.values.size > MOST_CELLS:
+            raise LimitError(
+                "terrain.cells", f"The map has {found.values.size:,} cells; at most {MOST_CELLS:,} are used."
+            )
+    of_log.session.enqueue({"type": "use_terrain", "map": found})
+    return {"map": None if found is None else found.public()}

@@ -30,9 +30,9 @@ from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
-from mapper.terrain import Terrain
 from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
 from server.sessions.models.painted_zones import SpeedZones, Stroke
+from server.sessions.models.terrain_map import TerrainCosts
 from server.stream.layers import GridLayer, Layer
 
 
@@ -64,7 +64,7 @@ class LabCostmap:
         self._sheets = {name: GridLayer(name, title, "costs") for name, title in names.items()}
         self._master = GridLayer("costmap", "Costmap", "costs")
         self._limits = GridLayer("speed_filter", "Speed limits", "speed")
-        self._terrain: Terrain | None = None
+        self._terrain: TerrainCosts | None = None
         self._shown: dict[str, tuple[GridGeometry, UInt8Array]] = {}
         self.begin(grid)
 
@@ -78,7 +78,7 @@ class LabCostmap:
         self._dynamic = DecayLayer(self.geometry, parameters.dynamic, general)
         self._graded = GivenLayer(self.geometry, "terrain_layer", self._why_terrain)
         if self._terrain is not None:
-            self._graded.take(self._terrain.costs(), self._terrain.patches.geometry)
+            self._graded.take(self._terrain.costs(), self._terrain.geometry)
         self._keepout = KeepoutLayer(self.geometry)
         given_limits = None if self._plan is None else self._plan.speed
         self._speed = SpeedZones(self.geometry, parameters.values["speed_limits"], given_limits)
@@ -138,19 +138,19 @@ class LabCostmap:
         self._obstacle.observe(observation)
         self._dynamic.observe(observation)
 
-    def lay_terrain(self, terrain: Terrain | None) -> None:
-        """Take other patches for the terrain's layer; None for none."""
+    def lay_terrain(self, terrain: TerrainCosts | None) -> None:
+        """Take other costs for the terrain's layer; None for none."""
         self._terrain = terrain
         if terrain is None:
             self._graded.set(np.full(self.geometry.shape, NO_INFORMATION, dtype=np.uint8))
         else:
-            self._graded.take(terrain.costs(), terrain.patches.geometry)
+            self._graded.take(terrain.costs(), terrain.geometry)
 
     def _why_terrain(self, row: int, col: int) -> str:
         """Say what the patch at a cell of the costmap is."""
         if self._terrain is None:
             return "There is no terrain: begin it in the group Terrain."
-        geometry = self._terrain.patches.geometry
+        geometry = self._terrain.geometry
         at_row, at_col = (int(k) for k in geometry.world_to_cell(self.geometry.cell_to_world((row, col))))
         if not geometry.contains((at_row, at_col)):
             return "Terrain: there is no patch here."

@@ -90,6 +90,7 @@ class LogModel(SessionModel):
     comparison: LogComparison
     graph: LogGraph
     localization: LogLocalization
+    navigation: LogNavigation
 
     def __init__(
         self,
@@ -115,7 +116,7 @@ class LogModel(SessionModel):
         self.parameters = MappingParameters(host, replay.config, self._remake, self._parameters_message)
         self.comparison = LogComparison(host, self.recording, self._parameters_message)
         self.graph = LogGraph(host, self.recording)
-        self._navigation = self.costed = LogNavigation(self.recording, lambda: self.localization.given)
+        self.navigation = self.costed = LogNavigation(self.recording, lambda: self.localization.given)
         self.localization = LogLocalization(host, self.recording)
         self._healing = LogHealing(self.recording)
         self._updates = LogUpdates(self, self._healing)
@@ -132,7 +133,7 @@ class LogModel(SessionModel):
     @property
     def layers(self) -> Sequence[Layer]:
         """The map, the second map of a comparison, the pose graph, and what it is localized in."""
-        others = (self.comparison, self.graph, self.localization, self._navigation)
+        others = (self.comparison, self.graph, self.localization, self.navigation)
         return (self._map, *(layer for one in others for layer in one.layers))
 
     @property
@@ -160,7 +161,7 @@ class LogModel(SessionModel):
         """The cells of both maps, and their logs."""
         other = self.comparison.footprint
         return Footprint(
-            int(self.grid.log_odds.size) + other.cells + self.localization.cells + self._navigation.cells,
+            int(self.grid.log_odds.size) + other.cells + self.localization.cells + self.navigation.cells,
             (self.recording.log, *other.logs),
         )
 
@@ -239,7 +240,7 @@ class LogModel(SessionModel):
     def messages(self) -> list[dict[str, Any]]:
         """Return the parameters, the trajectory, how the robot is localized, the costmap and the path."""
         first = [self._parameters_message(), self._trajectory_message(), self.localization.message()]
-        return [*first, *self._navigation.messages()]
+        return [*first, *self.navigation.messages()]
 
     def _parameters_message(self) -> dict[str, Any]:
         return parameters_message(self.config, None) | {"compare": self.comparison.description()}
@@ -298,7 +299,7 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
-        self._navigation.draw(result.box, result, whole=result.new_grid)
+        self.navigation.draw(result.box, result, whole=result.new_grid)
         message = self.localization.draw()
         if message is not None:
             result.slot(message)
@@ -329,7 +330,7 @@ class LogModel(SessionModel):
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         if self.parameters.obey(command, result) or self._questions.obey(command, result):
             return
-        if self._updates.obey(command, result) or self._navigation.obey(command, result):
+        if self._updates.obey(command, result) or self.navigation.obey(command, result):
             return
         count = self.recording.log.n_scans
         if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):

@@ -12,6 +12,7 @@ from mapper.io.maps.reading import grid_of_values
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
 from server.sessions.models.navigation import Navigation
+from server.sessions.models.terrain_map import TerrainMap
 from server.sessions.tick import TickResult
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ class LogNavigation(Navigation):
         self._recording, self._given_map = recording, given_map
         self._given: GivenMap | None = None  #: which the static layer has
         self._index = -1  #: of the scan that the layers of obstacles saw last
+        self._terrain: TerrainMap | None = None
+        self._laid: TerrainMap | None = None  #: the terrain in the costmap
 
     def _check(self, wanted: Mapping[str, Any]) -> None:
         geometry = self._recording.replay.grid.geometry
@@ -53,6 +56,7 @@ class LogNavigation(Navigation):
 
     def _forget_scans(self) -> None:
         self._index = -1
+        self._laid = None
 
     def _drives(self, command: dict[str, Any]) -> bool:  # noqa: ARG002 - the robot of a log drives as recorded
         return False
@@ -91,6 +95,9 @@ class LogNavigation(Navigation):
             costmap.begin(replay.grid)  # what later scans marked is not known yet
         else:
             costmap.follow(replay.grid, box, whole=whole)
+        if self._terrain is not self._laid:
+            self._laid, self._is_new = self._terrain, True
+            costmap.lay_terrain(self._terrain)
         robot = self._recording.robot_state()
         if replay.index != self._index:
             self._index, self._is_new = replay.index, True
@@ -107,6 +114,15 @@ class LogNavigation(Navigation):
             result.changed = True
             result.slot(self._path.message())
         result.changed |= self._path.draw()
+
+    def use_terrain(self, given: GivenMap | None, result: TickResult) -> None:
+        """Take the classes of a map for the terrain's layer; None for none."""
+        self._terrain = None if given is None else TerrainMap(given)
+        costmap = self._costmap
+        geometry = self._recording.replay.grid.geometry if costmap is None else costmap.geometry
+        if self._terrain is not None and not self._terrain.meets(geometry):
+            message = "The terrain's map has no known cell within the costmap: are both in one frame?"
+            result.notice("terrain.elsewhere", message)
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""

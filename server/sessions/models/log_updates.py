@@ -12,6 +12,7 @@ from mapper.sensors.scan import ScanLog
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_localization import LogLocalization
+from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult, error_message
@@ -27,6 +28,7 @@ class Updated(Protocol):
     recording: LogRecording
     graph: LogGraph
     localization: LogLocalization
+    navigation: LogNavigation
     playback: Playback
 
     @property
@@ -72,6 +74,8 @@ class LogUpdates:
                 self._end_poses(command["trajectory"], result)
             case "show_given_map":
                 model.localization.show_map(command["map"])
+            case "use_terrain":
+                model.navigation.use_terrain(command["map"], result)
             case "show_course":
                 model.localization.show_course(command["trajectory"], command["course"])
             case _:

@@ -97,6 +97,7 @@ NEVER = {
     ("GET", "/api/sessions/{session_id}/localization/map"),
     ("PUT", "/api/sessions/{session_id}/localization/map"),
     ("PUT", "/api/sessions/{session_id}/localization/map-files"),
+    ("PUT", "/api/sessions/{session_id}/costmap/terrain"),
     ("GET", "/api/sessions"),
     ("POST", "/api/sessions"),
     ("DELETE", "/api/sessions/{session_id}"),

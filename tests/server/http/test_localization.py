@@ -91,6 +91,23 @@ def layers(service: Service, session: str) -> list[str]:
     return [layer.name for layer in service.state.sessions.get(session).model.layers]
 
 
+def test_a_map_of_the_library_is_the_terrain_of_the_costmap(service: Service, session: str, files: Path) -> None:
+    http, address = service.http, f"/api/sessions/{session}/costmap/terrain"
+    body = tarred(files / "office.yaml", files / "office.pgm")
+    map_id = str(http.put("/api/logs", params={"name": "slopes.yaml"}, content=body).json()["id"])
+    once_read(http, map_id)
+    made = http.put(address, json={"log": map_id})
+    assert (made.status_code, made.json()["map"]["title"]) == (200, "slopes.yaml")
+    service.state.sessions.get(session).enqueue({"type": "costmap"})
+    until(lambda: "terrain_layer" in layers(service, session))
+    assert http.put(address, json={"log": None}).json() == {"map": None}
+    until(lambda: "terrain_layer" not in layers(service, session))
+    refused = http.put(address, json={"log": recording_of(service, session).log_id})
+    assert (refused.status_code, refused.json()["code"]) == (422, "terrain.no_map")
+    assert http.put(address, json={"log": "none"}).status_code == 404
+    service.state.sessions.get(session).enqueue({"type": "costmap", "value": False})
+
+
 def test_a_log_is_localized_in_map_files(service: Service, session: str, files: Path, drive: ScanLog) -> None:
     http, address = service.http, f"/api/sessions/{session}/localization"
     assert http.get(f"{address}/map").json() == {"map": None}

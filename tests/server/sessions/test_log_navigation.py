@@ -43,7 +43,7 @@ class Log:
 
     @property
     def costs(self) -> np.ndarray:
-        costmap = self.model._navigation._costmap
+        costmap = self.model.navigation._costmap
         assert costmap is not None
         return costmap.costs
 
@@ -73,7 +73,7 @@ async def test_costs_are_those_of_the_whole_map_at_each_scan(log: Log) -> None:
 
 async def test_a_painted_speed_limit_is_told_where_the_robot_is(log: Log) -> None:
     log.do(type="seek", index=120)
-    x, y, _ = log.model._navigation._recording.robot_state().pose
+    x, y, _ = log.model.navigation._recording.robot_state().pose
     zone = {"width": 3.0, "erases": False, "points": [[x, y]], "speed": 40}
     log.do(type="costmap", keepout=[zone])
     limits = []
@@ -116,7 +116,7 @@ async def test_the_path_begins_at_the_robot_and_ends_at_the_goal(log: Log) -> No
     log.do(type="nav2", text=text)
     assert log.model.messages()[-2]["values"]["inflation_radius"] == 0.8
     assert log.do(type="costmap", value=False)["goal"] is None
-    assert log.model._navigation.layers == ()
+    assert log.model.navigation.layers == ()
 
 
 async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log) -> None:
@@ -142,6 +142,38 @@ async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log)
     assert log.costs.shape == log.model.grid.geometry.shape
 
 
+async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
+    """At the centre of each cell, of a map with other cells; unknown where the map is, or ends."""
+    log.do(type="seek", index=150)
+    x, y = log.model.recording.robot_state().pose[:2]
+    geometry = GridGeometry(0.4, 5, 6, (x - 1.0, y - 1.0, 0.3))
+    values = np.random.default_rng(5).choice(np.array([0, 100, -1, 50], np.int8), geometry.shape)
+    only = STATIC_ONLY | {"static_layer": False, "inflation_layer": False, "terrain_layer": True}
+    assert "terrain_layer" not in [layer.name for layer in log.model.layers]
+    log.do(type="use_terrain", map=GivenMap("slopes.yaml", geometry, values))
+    log.do(type="costmap", values=only | {"track_unknown_space": True})
+    assert log.notices == []
+    own = log.model.grid.geometry
+    costs = {0: 0, 100: 254, -1: 255, 50: 127}
+    for row, col in np.ndindex(*own.shape):
+        at = geometry.world_to_cell(own.cell_to_world((row, col)))
+        assert log.costs[row, col] == (costs[int(values[tuple(at)])] if geometry.contains(at) else 255)
+    assert "terrain_layer" in [layer.name for layer in log.model.layers]
+    unsafe = geometry.cell_to_world(np.argwhere(values == 100)[0])
+    log.do(type="cost", x=float(unsafe[0]), y=float(unsafe[1]))
+    (reason,) = [one for one in log.answers[0]["layers"] if one["layer"] == "terrain_layer"]
+    assert reason["sentence"] == "Terrain: unsafe, in the map 'slopes.yaml'."
+    # Begun again it is there again; a map elsewhere is said so, and none leaves no layer.
+    log.do(type="costmap", value=False)
+    log.do(type="costmap", values=only)
+    assert (log.costs == 254).any()
+    log.do(type="use_terrain", map=GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values))
+    assert log.notices == ["terrain.elsewhere"]
+    log.do(type="use_terrain", map=None)
+    assert not (log.costs == 254).any()
+    assert "terrain_layer" not in [layer.name for layer in log.model.layers]
+
+
 async def test_what_a_log_cannot_have_is_refused(log: Log, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ProtocolError, match="has to be begun first"):
         log.do(type="goal", x=0.0, y=0.0)
@@ -150,7 +182,7 @@ async def test_what_a_log_cannot_have_is_refused(log: Log, monkeypatch: pytest.M
     monkeypatch.setattr(log_navigation, "MOST_CELLS", 10)
     with pytest.raises(ConfigError, match="a costmap at most 10; choose a coarser resolution"):
         log.do(type="costmap")
-    assert log.model._navigation.layers == ()
+    assert log.model.navigation.layers == ()
 
 
 async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
@@ -171,4 +203,4 @@ async def test_a_map_that_became_too_large_ends_the_costmap_and_not_the_session(
     log.do(type="costmap", values={"map": "belief"})
     monkeypatch.setattr(log_navigation, "MOST_CELLS", 25)
     log.do(type="step")
-    assert (log.notices, log.model._navigation.layers) == (["costmap.too_large"], ())
+    assert (log.notices, log.model.navigation.layers) == (["costmap.too_large"], ())

@@ -15,15 +15,21 @@ interface LogChoiceProps {
   readonly disabled: boolean;
   /** Whether maps are offered too. */
   readonly withMaps?: boolean;
+  /** Whether only maps are offered. */
+  readonly onlyMaps?: boolean;
   readonly onChoose: (chosen: ChosenLog) => void;
 }
 
 const SEPARATOR = "\n";
 
-export function LogChoice({ own, chosen, disabled, withMaps = false, onChoose }: LogChoiceProps) {
+export function LogChoice({ own, chosen, disabled, withMaps = false, onlyMaps = false, onChoose }: LogChoiceProps) {
   useEffect(watchAll, []);
   const list = (logs.value ?? []).filter(
-    (log) => log.state === "ready" && log.id !== own && log.costmaps === 0 && (withMaps || !log.map),
+    (log) =>
+      log.state === "ready" &&
+      log.id !== own &&
+      log.costmaps === 0 &&
+      (onlyMaps ? log.map !== null : withMaps || !log.map),
   );
   const choices = list.flatMap((log) => {
     const sensors = log.topics.filter((topic) => topic.beams !== null);
@@ -33,7 +39,7 @@ export function LogChoice({ own, chosen, disabled, withMaps = false, onChoose }:
   });
   return (
     <label class="field">
-      <span class="visually-hidden">The other log</span>
+      <span class="visually-hidden">{onlyMaps ? "The map" : "The other log"}</span>
       <select
         class="select"
         disabled={disabled || choices.length === 0}
@@ -43,7 +49,15 @@ export function LogChoice({ own, chosen, disabled, withMaps = false, onChoose }:
           if (log) onChoose({ log, topic: topic || null });
         }}
       >
-        <option value="">{choices.length > 0 ? "Choose a log …" : "No other log"}</option>
+        <option value="">
+          {onlyMaps
+            ? choices.length > 0
+              ? "Choose a map …"
+              : "No map"
+            : choices.length > 0
+              ? "Choose a log …"
+              : "No other log"}
+        </option>
         {choices.map(({ id, topic, label }) => (
           <option key={id + topic} value={id + SEPARATOR + topic}>
             {label}

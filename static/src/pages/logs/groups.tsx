@@ -25,6 +25,7 @@ import type { NotesState } from "./notes/useNotes";
 import { Settings } from "./Settings";
 import { Share } from "./Share";
 import type { SensorState } from "./sensor/useSensor";
+import { TerrainChoice } from "./TerrainChoice";
 import type { TrajectoryErrors } from "./trajectories/errors";
 import { Trajectories } from "./trajectories/Trajectories";
 
@@ -126,7 +127,9 @@ const GROUPS: readonly Group[] = [
     title: "Costmap",
     section: "Navigate",
     isThere: ({ log }) => log !== null,
-    content: ({ store }) => <CostmapGroup store={store} />,
+    content: ({ store, session, isGuest }) => (
+      <CostmapGroup store={store}>{!isGuest && <TerrainChoice store={store} session={session} />}</CostmapGroup>
+    ),
   },
   {
     id: "path",

@@ -1,6 +1,7 @@
 /** The costmap of the lab's robot: its layers as sheets, their parameters, and the robot's outline. */
 
 import { useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
@@ -28,7 +29,13 @@ const INFLATION = ["inflation_radius", "cost_scaling_factor"];
 /** A command has at most 64 KiB. */
 const MOST_BYTES = 60_000;
 
-export function CostmapGroup({ store }: { readonly store: Store }) {
+interface CostmapGroupProps {
+  readonly store: Store;
+  /** Further settings of the layers. */
+  readonly children?: ComponentChildren;
+}
+
+export function CostmapGroup({ store, children }: CostmapGroupProps) {
   useCostmap(store);
   const rows = useRows(store, ROWS);
   const inflation = useRows(store, INFLATION);
@@ -52,6 +59,7 @@ export function CostmapGroup({ store }: { readonly store: Store }) {
       <h2>Layers</h2>
       <div class="navigation-settings">
         <ParameterRows rows={rows} values={values} set={set} />
+        {children}
       </div>
       <h2>Nav2</h2>
       <Nav2 store={store} />

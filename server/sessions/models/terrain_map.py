@@ -1,0 +1,63 @@
+"""A map of a terrain's classes, as costs of a layer of a costmap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from mapper.core.array_types import UInt8Array
+from mapper.costmap.masks import mask_costs
+from mapper.grid import GridGeometry
+
+if TYPE_CHECKING:
+    from server.library.given_map import GivenMap
+
+
+class TerrainCosts(Protocol):
+    """Costs of a terrain on its own cells."""
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Where the cells are."""
+
+    def costs(self) -> UInt8Array:
+        """Return the costs (rows, cols): 254 where it is unsafe, 255 where it is unknown."""
+
+    def why(self, row: int, col: int) -> str:
+        """Say in one sentence why a cell has its cost."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TerrainMap:
+    """The costs of a map file, as ``gridbloom terrain`` writes it: safe patches are free, unsafe ones occupied.
+
+    A value v between 0 and 100 costs v · 254 / 100, rounded, as in a mask of Nav2's keepout filter.
+    """
+
+    given: GivenMap
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Where the cells are."""
+        return self.given.geometry
+
+    def costs(self) -> UInt8Array:
+        """Return the costs (rows, cols)."""
+        return mask_costs(self.given.values)
+
+    def why(self, row: int, col: int) -> str:
+        """Say the class of a cell."""
+        value = int(self.given.values[row, col])
+        known = {-1: "unknown", 0: "safe", 100: "unsafe"}
+        return f"Terrain: {known.get(value, f'{value} of 100')}, in the map {self.given.title!r:.80}."
+
+    def meets(self, geometry: GridGeometry) -> bool:
+        """Whether a known cell of it is at the place of a cell of another geometry."""
+        rows, cols = (self.given.values >= 0).nonzero()
+        if not len(rows):
+            return False
+        step = max(1, len(rows) // 100_000)
+        centres = self.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
+        return bool(geometry.contains(geometry.world_to_cell(centres)).any())
