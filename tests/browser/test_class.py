@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from functools import partial
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
@@ -204,12 +205,55 @@ def test_the_map_of_a_log_is_followed_and_copied(page: Page, visitor: BrowserCon
 
 
 #: Sections with a prediction below their figure, and the answer that it gives.
+def beams_without_return() -> int:
+    """Return how many of 180 beams from (2.4, 2.5) meet nothing within 5 m, or first the pane of glass.
+
+    The hall is from (0.5, 0.5) to (9.1, 5.9), its pillar from (6.3, 3.9) to (6.9, 4.5), the glass at x = 3.9 up to
+    y = 2.1: metres, as in the lesson.
+    """
+    x, y = 2.4, 2.5
+    angle = np.radians(2.0) * np.arange(180)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1 / np.stack([np.cos(angle), np.sin(angle)])
+        walls = np.max(
+            [(np.array([[0.5 - x], [0.5 - y]])) * inverse, (np.array([[9.1 - x], [5.9 - y]])) * inverse], axis=0
+        )
+        sides = np.sort(
+            [np.array([[6.3 - x], [3.9 - y]]) * inverse, np.array([[6.9 - x], [4.5 - y]]) * inverse], axis=0
+        )
+        glass = (3.9 - x) * inverse[0]
+    enters, leaves = sides[0].max(axis=0), sides[1].min(axis=0)
+    pillar = np.where((enters <= leaves) & (enters > 0), enters, np.inf)
+    nearest = np.minimum(walls.min(axis=0), pillar)
+    at = y + glass * np.sin(angle)
+    is_glass = (glass > 0) & (at >= 0.5) & (at <= 2.1) & (glass < nearest)
+    return int(np.sum(is_glass | (nearest > 5)))
+
+
+def first_number(text: str) -> float:
+    """Return the first number in a text."""
+    found = re.search(r"\d+(\.\d+)?", text)
+    assert found, text
+    return float(found[0])
+
+
+def odometry_error(section: Locator) -> str:
+    """Return the error that the figure itself states."""
+    return f"{first_number(section.locator('.drift-raw').inner_text()):.1f} m"
+
+
+def scans_of(section: Locator) -> float:
+    """Return the number of scans that the figure of the kidnapped robot states."""
+    return first_number(section.get_by_text(re.compile(r"^Scan \d+: ")).inner_text())
+
+
+#: Of each prediction: the answer. Those whose figures draw random numbers state theirs beside the drawing.
 PREDICTIONS = {
-    "log-odds": "16 hits",
-    "no-return": "beams",
-    "resolution": "960 kB",
-    "odometry": "m",
-    "kidnapping": "scans",
+    "log-odds": "16 hits",  # the least n with 1 / (1 + 3ⁿ) < 2⁻²⁵
+    "no-return": f"{beams_without_return()} beams",
+    "resolution": "960 kB",  # 12 m × 8 m in cells of 2 cm, 4 bytes each
+    "odometry": None,
+    "kidnapping": None,
 }
 
 
@@ -229,8 +273,16 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
         expect(predict.locator("title")).not_to_have_count(0)  # the columns of the answers, on the lecturer's page only
         until("the answer", partial(one_answer, predict))
         expect(card.get_by_role("img", name="1 answered")).to_have_count(0)
+        figure = page.locator(f"#{section} figure").first
+        before = scans_of(figure) if section == "kidnapping" else 0
         predict.get_by_role("button", name="Show the result").click()
-        expect(predict.get_by_role("status")).to_contain_text(answer)
+        expect(predict.get_by_role("status")).to_contain_text("It is ")
+        expected = answer
+        if section == "odometry":
+            expected = odometry_error(figure)
+        elif section == "kidnapping":
+            expected = f"{scans_of(figure) - before:.0f} scans"
+        expect(predict.get_by_role("status")).to_contain_text(f"It is {expected}.")
         expect(card.get_by_role("img", name="1 answered.")).to_be_visible()
         expect(card.get_by_role("status")).to_contain_text("1 answered. ")
         nothing_wrong(page, f"#{section} .prediction")

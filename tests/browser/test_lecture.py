@@ -93,6 +93,14 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
             page.mouse.wheel(0, way)
             page.evaluate("() => new Promise(requestAnimationFrame)")
     assert page.evaluate("window.moved") < 0.02
+    # Another address is followed at once: a scroll that takes a while ends elsewhere if figures are rendered meanwhile.
+    top = page.evaluate("""async () => {
+      location.hash = "terrain";
+      await new Promise(done => addEventListener("hashchange", () => requestAnimationFrame(done), { once: true }));
+      const section = document.getElementById("terrain");
+      return section.getBoundingClientRect().top - parseFloat(getComputedStyle(section).scrollMarginTop);
+    }""")
+    assert abs(top) < 2
     sections.get_by_role("button").click()
     sections.get_by_role("link", name="Rays on a grid").focus()
     page.keyboard.press("Enter")

@@ -67,6 +67,9 @@ def test_a_puzzle_is_made_in_the_lab_and_given_to_a_class(
     solver.get_by_role("radio", name="The beams are read in the wrong order").check()
     solver.get_by_role("button", name="This is the cause").click()
     board = page.get_by_role("region", name="Puzzle of the class")
+    expect(board.get_by_role("status")).to_have_text("0 of 1 solved")
+    expect(board.get_by_role("listitem")).to_have_count(0)  # it covers one line until it is unfolded
+    board.get_by_role("button", name="Each follower").click()
     expect(board.get_by_role("listitem")).to_contain_text("cause named, repaired 0 %")
     solver.get_by_role("button", name="Back to the class").click()
     expect(solver.get_by_role("heading", name="You are in the class")).to_be_visible()

@@ -116,14 +116,13 @@ const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIE
 /** Scroll to the section in the address, or show its slide: at the start, and when the address changes. */
 function useAddress(): void {
   useEffect(() => {
-    const follow = (behavior: ScrollBehavior): void => {
+    const follow = (): void => {
       readAddress().catch((error: Error) => toast(`${error.message} The slides stay as they are.`, "error"));
-      if (!presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView({ behavior });
+      if (!presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView();
     };
-    const onHash = (): void => follow("auto");
-    follow("instant"); // the sections were not yet rendered when the browser looked for the anchor
-    addEventListener("hashchange", onHash);
-    return () => removeEventListener("hashchange", onHash);
+    follow(); // the sections were not yet rendered when the browser looked for the anchor
+    addEventListener("hashchange", follow);
+    return () => removeEventListener("hashchange", follow);
   }, []);
 }
 
@@ -132,7 +131,7 @@ function useReturn(): void {
   const was = useRef(presenting.peek());
   const now = presenting.value;
   useEffect(() => {
-    if (was.current && !now) document.getElementById(sectionOfSlide())?.scrollIntoView({ behavior: "instant" });
+    if (was.current && !now) document.getElementById(sectionOfSlide())?.scrollIntoView();
     was.current = now;
   }, [now]);
 }

@@ -5,6 +5,7 @@ import { beamModel, INITIAL_PARAMETERS } from "../../grid/sensorModel";
 import { toPixel } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { signed, written } from "../../ui/numbers";
+import { Plot } from "../common/Plot";
 import "./cell.css";
 import { type CellEvent, type CellParameters, logOddsHistory, readingsUntil } from "../../grid/cellUpdate";
 import {
@@ -21,8 +22,7 @@ import {
 export const START: readonly CellEvent[] = ["miss", "miss", "hit", "hit", "miss", "hit", "hit", "hit"];
 const SHOWN = 26;
 
-const WIDTH = 360;
-const HEIGHT = 200;
+const HEIGHT = 260;
 
 interface CellProps {
   readonly parameters: ReadonlySignal<Readonly<Record<string, unknown>>>;
@@ -59,13 +59,8 @@ export function Cell({ parameters, events: given }: CellProps) {
 
   const limits = now.clamp ? [now.log_odds_min, now.log_odds_max] : [];
   const first = Math.max(0, path.length - SHOWN);
-  const across = readingScale(WIDTH, first, first + SHOWN);
   const up = evidenceScale(HEIGHT, limits, path.slice(-SHOWN));
-  const x = (i: number): number => toPixel(i, across);
   const y = (evidence: number): number => toPixel(evidence, up);
-  const stairs = path
-    .slice(first)
-    .map((evidence, i) => `${i === 0 ? "M" : "V"}${i === 0 ? `${x(first)} ` : ""}${y(evidence)}H${x(first + i + 1)}`);
   const until =
     state === "occupied" ? readingsUntil("miss", value, FREE, now) : readingsUntil("hit", value, OCCUPIED, now);
 
@@ -103,16 +98,27 @@ export function Cell({ parameters, events: given }: CellProps) {
           }}
         />
       </div>
-      <svg class="cell-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT + TITLE_PX}`} role="presentation">
-        <LogOddsBackground width={WIDTH} evidence={up} limits={limits} />
-        <ReadingTitle width={WIDTH} height={HEIGHT} text="readings of the cell" />
-        <path class="profile-line" d={stairs.join("")} />
-        <ZoneNames width={WIDTH} evidence={up} />
-        {events.value.slice(-SHOWN + 1).map((event, i, shown) => {
-          const at = path.length - shown.length + i;
-          return <circle key={at} class={`dot-${event}`} cx={x(at)} cy={y(path[at] ?? 0)} r={4} />;
-        })}
-      </svg>
+      <Plot height={HEIGHT + TITLE_PX}>
+        {(width) => {
+          const across = readingScale(width, first, first + SHOWN);
+          const x = (i: number): number => toPixel(i, across);
+          const stairs = path
+            .slice(first)
+            .map((evidence, i) => `${i === 0 ? `M${x(first)} ` : "V"}${y(evidence)}H${x(first + i + 1)}`);
+          return (
+            <>
+              <LogOddsBackground width={width} evidence={up} limits={limits} />
+              <ReadingTitle width={width} height={HEIGHT} text="readings of the cell" />
+              <path class="profile-line" d={stairs.join("")} />
+              <ZoneNames width={width} evidence={up} />
+              {events.value.slice(-SHOWN + 1).map((event, i, shown) => {
+                const at = path.length - shown.length + i;
+                return <circle key={at} class={`dot-${event}`} cx={x(at)} cy={y(path[at] ?? 0)} r={4} />;
+              })}
+            </>
+          );
+        }}
+      </Plot>
       <figcaption class="quiet">
         ℓ = {written(value, 2)} · odds {written(Math.exp(value), 2)} : 1
         {until !== null &&

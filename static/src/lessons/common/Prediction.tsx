@@ -15,6 +15,12 @@ const AXIS = 66;
 const PAD = 14;
 const PARTS = 4;
 
+/** Resolves after the next frame is painted: what is shown before a long computation is on the screen during it. */
+const framePainted = (): Promise<void> =>
+  new Promise((done) => {
+    requestAnimationFrame(() => setTimeout(done));
+  });
+
 export interface PredictionProps extends GuessQuestion {
   /** Step of the guess. */
   readonly step: number;
@@ -29,10 +35,15 @@ export function Prediction({ text, axis, step, reveal }: PredictionProps) {
   const guess = useSignal(middle);
   const result = useSignal<number | null>(null);
   const isPending = useSignal(false);
+  const hasFailed = useSignal(false);
   const showResult = async (): Promise<void> => {
     isPending.value = true;
+    hasFailed.value = false;
     try {
+      await framePainted();
       result.value = await reveal();
+    } catch {
+      hasFailed.value = true;
     } finally {
       isPending.value = false;
     }
@@ -113,6 +124,7 @@ export function Prediction({ text, axis, step, reveal }: PredictionProps) {
       </div>
       <p class="quiet" role="status">
         {result.value !== null && verdict(guess.value, result.value, step, told)}
+        {hasFailed.value && "The result could not be loaded. Check the connection, and press the button again."}
         {awaits && "Answer in the line of the class; the lecturer shows the result."}
       </p>
     </section>

@@ -108,9 +108,11 @@ function Strip({ map, cells }: { map: number; cells: number }) {
 }
 
 const WIDTH = 460;
-const HEIGHT = 356;
-const SENSOR = { x: 40, y: HEIGHT / 2 + 13 };
+const HEIGHT = 372;
+const SENSOR = { x: 40, y: HEIGHT / 2 + 6 };
 const RADIUS = 235;
+/** Radius of the cone: its edge is within the drawing. */
+const RIM = 262;
 const SPREAD = 0.66;
 const SIZE = 56;
 
@@ -128,16 +130,12 @@ function Cone({ beamResults, grid, joint: marginals, onTurn }: ConeProps) {
     SENSOR.x + r * Math.cos(angle(i)),
     SENSOR.y + r * Math.sin(angle(i)),
   ];
-  const edge = SPREAD + 0.12;
-  const rim = (a: number): string =>
-    `${SENSOR.x + (RADIUS + 40) * Math.cos(a)} ${SENSOR.y + (RADIUS + 40) * Math.sin(a)}`;
+  const edge = SPREAD + 0.09;
+  const rim = (a: number): string => `${SENSOR.x + RIM * Math.cos(a)} ${SENSOR.y + RIM * Math.sin(a)}`;
   return (
     <div class="cone-box">
       <svg class="cone" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="presentation">
-        <path
-          class="cone-body"
-          d={`M${SENSOR.x} ${SENSOR.y}L${rim(-edge)}A${RADIUS + 40} ${RADIUS + 40} 0 0 1 ${rim(edge)}Z`}
-        />
+        <path class="cone-body" d={`M${SENSOR.x} ${SENSOR.y}L${rim(-edge)}A${RIM} ${RIM} 0 0 1 ${rim(edge)}Z`} />
         {[0.35, 0.55, 0.75].map((share) => {
           const r = RADIUS * share;
           const point = (a: number): string => `${SENSOR.x + r * Math.cos(a)} ${SENSOR.y + r * Math.sin(a)}`;

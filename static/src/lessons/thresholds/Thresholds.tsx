@@ -95,7 +95,7 @@ export function Thresholds() {
 function rowsOf(greys: Uint8Array): string {
   const { cols } = GEOMETRY;
   return [2, 3, 4, 5]
-    .map((row) => [...greys.slice(row * cols + 2, row * cols + 12)].map((grey) => String(grey).padStart(3)).join(" "))
+    .map((row) => [...greys.slice(row * cols + 2, row * cols + 9)].map((grey) => String(grey).padStart(3)).join(" "))
     .map((line) => `… ${line} …`)
     .join("\n");
 }

@@ -42,8 +42,10 @@ export function Fleet() {
       )}
       {logs !== null && totalOf(all) === 0 && (
         <p class="notice">
-          There are no logs with scans yet. Add some on the page <a href="/logs.html">Logs</a>, or start the service
-          with <code>--logs-dir</code>.
+          <span>
+            There are no logs with scans yet, beside the sample. Add some on the page <a href="/logs.html">Logs</a>, or
+            start the service with <code>--logs-dir</code>.
+          </span>
         </p>
       )}
       {logs !== null && totalOf(all) > 0 && (

@@ -2,7 +2,7 @@ import type { ComponentChildren } from "preact";
 import { LazyFigure } from "./LazyFigure";
 import { SlideQuestion } from "./present/SlideQuestion";
 import { place, presenting, shownOf, stage } from "./present/state";
-import { useFittedWidth } from "./present/useFittedWidth";
+import { useFittedFigure } from "./present/useFittedFigure";
 import { SOURCES, type SourceName } from "./sources";
 
 /** Sections about what goes wrong with a map: there are puzzles on each. */
@@ -40,7 +40,7 @@ interface SectionProps extends SectionHead {
 /** One lesson: a heading, text, one interactive figure, and the sources. */
 export function Section({ id, number, title, figure, children, after, predict, sources }: SectionProps) {
   const shown = shownOf(id);
-  const frame = useFittedWidth(shown === "section");
+  const frame = useFittedFigure(shown === "section");
   return (
     <section
       class={`lesson${shown ? ` on-slide shows-${shown}` : ""}`}

@@ -48,10 +48,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
     <div class="puzzles">
       <header class="puzzles-head">
         <h1>Puzzles</h1>
-        <p>
-          Each of these maps has one fault. Find its cause, then repair the map. Why, Compare and the doctor help; hints
-          cost points.
-        </p>
+        <p>Each of these maps has one fault. Find its cause, then repair the map. Hints cost points.</p>
         {puzzles.length > 0 && (
           <p class="quiet">
             Solved in this browser: {solved} of {puzzles.length}.

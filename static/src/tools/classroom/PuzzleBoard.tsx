@@ -1,3 +1,4 @@
+import { useSignal } from "@preact/signals";
 import { type Classroom, lecturersClass } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
@@ -12,8 +13,12 @@ function described(one: ClassSolver): string {
 
 const sign = (one: ClassSolver): string => (one.is_solved ? "✓" : one.is_named ? "½" : "·");
 
-/** How far each follower is with the puzzle of the class, for the lecturer: numbers, no names. */
+/**
+ * How far each follower is with the puzzle of the class, for the lecturer: numbers, no names. The numbers unfold, so that
+ * the board covers one line of the page.
+ */
 export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readonly puzzle: ClassPuzzle }) {
+  const isOpen = useSignal(false);
   const close = async (): Promise<void> => {
     const answer = await fetch(`/api/classes/${room.code}/puzzle`, { method: "DELETE" }).catch(() => null);
     if (!answer?.ok) toast("The puzzle was not taken away: the server does not answer.", "error");
@@ -25,28 +30,42 @@ export function PuzzleBoard({ room, puzzle }: { readonly room: Classroom; readon
         <p role="status">
           {puzzle.solved} of {puzzle.begun} solved
         </p>
-        {lecturersClass.value && <Button onClick={() => void close()}>End the puzzle</Button>}
+        <div class="actions">
+          <Button
+            pressed={isOpen.value}
+            onClick={() => {
+              isOpen.value = !isOpen.value;
+            }}
+          >
+            Each follower
+          </Button>
+          {lecturersClass.value && <Button onClick={() => void close()}>End the puzzle</Button>}
+        </div>
       </div>
-      {puzzle.begun === 0 ? (
-        <p class="quiet">Nobody has begun yet. Followers have a button at the bottom of their page.</p>
-      ) : (
-        <>
-          <ul class="class-board">
-            {puzzle.board.map((one) => (
-              <li key={one.number} class={one.is_solved ? "is-solved" : one.is_named ? "is-named" : ""}>
-                <span aria-hidden="true">{sign(one)}</span> <b class="number">{one.number}</b>
-                <span class="class-board-bar" aria-hidden="true">
-                  <i style={`width: ${100 * (one.is_solved ? 1 : one.repair)}%`} />
-                </span>
-                <span class="visually-hidden">{described(one)}</span>
-              </li>
-            ))}
-          </ul>
-          <p class="quiet class-board-legend">
-            “·” begun, “½” cause named, “✓” solved; the bar is the repair. The numbers are those of the followers.
-          </p>
-        </>
-      )}
+      {isOpen.value && <Numbers puzzle={puzzle} />}
     </section>
+  );
+}
+
+function Numbers({ puzzle }: { readonly puzzle: ClassPuzzle }) {
+  if (puzzle.begun === 0)
+    return <p class="quiet">Nobody has begun yet. Followers have a button at the bottom of their page.</p>;
+  return (
+    <>
+      <ul class="class-board">
+        {puzzle.board.map((one) => (
+          <li key={one.number} class={one.is_solved ? "is-solved" : one.is_named ? "is-named" : ""}>
+            <span aria-hidden="true">{sign(one)}</span> <b class="number">{one.number}</b>
+            <span class="class-board-bar" aria-hidden="true">
+              <i style={`width: ${100 * (one.is_solved ? 1 : one.repair)}%`} />
+            </span>
+            <span class="visually-hidden">{described(one)}</span>
+          </li>
+        ))}
+      </ul>
+      <p class="quiet class-board-legend">
+        “·” begun, “½” cause named, “✓” solved; the bar is the repair. The numbers are those of the followers.
+      </p>
+    </>
   );
 }

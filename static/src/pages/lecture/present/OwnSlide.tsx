@@ -1,15 +1,53 @@
 import "./ownSlide.css";
 import { useEffect, useRef } from "preact/hooks";
 import { act, canAct } from "./acts";
+import { type FormulaPart, formulaOf } from "./formula";
 import { listenToKeys } from "./keys";
 import { isPreview, paragraphsOf, place, presenting, slide } from "./state";
 
-/** Lines that begin with a dash are a list. */
+/** Single letters are variables, in italics; digits, brackets and names of functions are upright. */
+function Letters({ text }: { readonly text: string }) {
+  const runs = text.split(/(?<!\p{L})(\p{L})(?!\p{L})/u);
+  return <>{runs.map((run, i) => (i % 2 === 1 ? <i key={`${i} ${run}`}>{run}</i> : run))}</>;
+}
+
+function Formula({ parts }: { readonly parts: readonly FormulaPart[] }) {
+  return (
+    <span class="own-formula">
+      {parts.map(({ text, place: where }, i) => {
+        const key = `${i} ${text}`;
+        if (where === "sub")
+          return (
+            <sub key={key}>
+              <Letters text={text} />
+            </sub>
+          );
+        return where === "sup" ? (
+          <sup key={key}>
+            <Letters text={text} />
+          </sup>
+        ) : (
+          <Letters key={key} text={text} />
+        );
+      })}
+    </span>
+  );
+}
+
+/** Lines that begin with a dash are a list, lines between dollar signs are formulas. */
 function Paragraph({ text, shown }: { text: string; shown: boolean }) {
   const lines = text.split("\n").filter((line) => line.trim());
   const isList = lines.every((line) => /^\s*[-–•] /.test(line));
   const style = { visibility: shown ? "visible" : "hidden" } as const;
-  if (!isList) return <p style={style}>{text}</p>;
+  if (!isList)
+    return (
+      <p style={style}>
+        {lines.map((line, i) => {
+          const parts = formulaOf(line);
+          return parts ? <Formula key={`${i} ${line}`} parts={parts} /> : `${line}\n`;
+        })}
+      </p>
+    );
   return (
     <ul style={style}>
       {lines.map((line) => (
@@ -48,10 +86,12 @@ export function OwnSlide() {
     <section class={`own-slide own-${now.kind} on-slide`} aria-label={now.title}>
       {now.kind === "text" ? (
         <>
-          <h2>{now.title}</h2>
-          {paragraphsOf(now.text).map((text, i) => (
-            <Paragraph key={`${i} ${text}`} text={text} shown={i <= place.value.step} />
-          ))}
+          <h2 class="visually-hidden">{now.title}</h2>
+          <div class="own-text-page">
+            {paragraphsOf(now.text).map((text, i) => (
+              <Paragraph key={`${i} ${text}`} text={text} shown={i <= place.value.step} />
+            ))}
+          </div>
         </>
       ) : (
         <Framed key={now.address} address={now.address} title={now.title} />

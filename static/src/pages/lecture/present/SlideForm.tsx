@@ -81,7 +81,7 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
       </label>
       {kind.value === "text" ? (
         <label>
-          <span>Text: an empty line begins the next step, a dash an item of a list</span>
+          <span>Text: an empty line begins the next step, a dash an item of a list; $p_t = e^x$ is a formula</span>
           <textarea
             name="text"
             required

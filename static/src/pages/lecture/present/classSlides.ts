@@ -93,7 +93,7 @@ async function goTo(hash: string): Promise<void> {
   if (presenting.peek() !== isSlide) setPresenting(isSlide);
   history.replaceState(null, "", location.pathname + hash);
   await readAddress().catch(() => undefined); // a deck that this page cannot read: it stays where it is
-  if (!isSlide) document.getElementById(hash.slice(1))?.scrollIntoView({ behavior: "smooth" });
+  if (!isSlide) document.getElementById(hash.slice(1))?.scrollIntoView();
 }
 
 /** Take part in a class, whatever one's role is. */

@@ -65,7 +65,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "Three states, or six steps of density: which picture shows a doubt?",
     options: ["The three states", "The density", "Both"],
     right: 1,
-    answer: "Density shows by how much a cell is occupied; three states show only on which side of the margin it is.",
+    answer: "Density shows the probability of each cell; three states show only on which side of the thresholds it is.",
     notes: "Switch between states and density at the same scan. Look at cells at the edge of what was seen.",
   },
   sonar: {
@@ -237,7 +237,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The printed source gives the slope without the root.",
   },
   layers: {
-    question: "A crate stands in the way, and the saved map does not have it. Who knows?",
+    question: "A crate in the way is not in the saved map. Which layer has it?",
     options: ["The static layer", "The obstacle layer", "The inflation layer"],
     right: 1,
     answer: "Each layer has its own source; the greater cost counts. The scan’s layer marks the crate and clears it.",
@@ -248,8 +248,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "cost_scaling_factor is doubled. Do paths come nearer to the walls?",
     options: ["Yes", "No, they keep away"],
     right: 0,
-    answer:
-      "Yes: the cost falls faster, so that near the wall is cheap. The name is often understood the other way round.",
+    answer: "Yes: the cost falls faster, so places near the wall are cheap. Many expect the opposite from the name.",
     notes:
       "Drag the point of the curve up and down, then its foot. Put the cross into the right door and make the robot wider until the door is closed.",
   },

@@ -1,0 +1,81 @@
+import { useEffect, useRef } from "preact/hooks";
+import { later } from "../../../lessons/stage/later";
+import { stage } from "./state";
+
+/** Least width of a figure as a fraction of the available width. */
+const NARROWEST = 0.5;
+
+/** Greatest enlargement of a figure with its type, of the controls beside a picture, and the step of both. */
+const LARGEST = 1.4;
+const LARGEST_CONTROLS = 1.25;
+const STEP = 0.05;
+
+const heightOf = (element: Element): number => element.getBoundingClientRect().height;
+
+/** Enlarge something as far as it fits; returns whether it fits at least as it is. */
+function enlarge(most: number, fits: () => boolean, set: (zoom: number) => void): boolean {
+  for (let zoom = most; zoom > 1; zoom -= STEP) {
+    set(zoom);
+    if (fits()) return true;
+  }
+  set(1);
+  return fits();
+}
+
+/**
+ * Sets the figure of a slide to the greatest width at which its height fits. A figure that is lower than its room is
+ * enlarged with its type, and so are the controls beside a picture that is higher than they are.
+ */
+export function useFittedFigure(on: boolean) {
+  const now = on ? stage.value : null; // the figure may show more of itself at a later step
+  const hasCode = later.value !== null; // of the figures that are fetched after the first ones
+  const frame = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const element = frame.current;
+    const room = element?.parentElement;
+    if (!element || !room || !on) return;
+    const controls = element.querySelector<HTMLElement>(".on-stage-controls");
+    const fits = (): boolean => heightOf(element) <= heightOf(room) + 0.5;
+    const resize = (): void => {
+      const widest = room.clientWidth;
+      const setZoom = (zoom: number): void => {
+        element.style.zoom = String(zoom);
+        element.style.width = `${widest / zoom}px`;
+      };
+      // What the stage draws depends on its size: it is not enlarged.
+      if (enlarge(controls ? 1 : LARGEST, fits, setZoom)) return;
+      for (let width = 0.98 * widest; width > NARROWEST * widest; width *= 0.98) {
+        element.style.width = `${width}px`;
+        if (fits()) return;
+      }
+      element.style.width = `${widest}px`; // it scrolls within the slide
+    };
+    const settle = (): void => {
+      if (controls) controls.style.zoom = "";
+      resize();
+      if (!controls) return;
+      const before = heightOf(element);
+      const staysAsHigh = (): boolean => heightOf(element) <= before + 0.5;
+      enlarge(LARGEST_CONTROLS, staysAsHigh, (zoom) => {
+        controls.style.zoom = String(zoom);
+      });
+    };
+    const observer = new ResizeObserver(settle);
+    observer.observe(room);
+    // What it shows may grow later, for example a sentence that takes another line. It does not become larger again, so
+    // that nothing changes its size while a handle is dragged.
+    const growth = new ResizeObserver(() => fits() || settle());
+    growth.observe(element);
+    let isOver = false;
+    void document.fonts.ready.then(() => isOver || settle());
+    return () => {
+      isOver = true;
+      observer.disconnect();
+      growth.disconnect();
+      element.style.width = "";
+      element.style.zoom = "";
+      if (controls) controls.style.zoom = "";
+    };
+  }, [on, now, hasCode]);
+  return frame;
+}
