@@ -6,16 +6,18 @@ import os
 import subprocess
 import sys
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
+from tests.browser.conftest import visiting
 from tests.browser.looking import await_map, await_true, frame, open_group, settled_digest, told, until
 from tests.browser.running import free_port
+from tests.browser.test_class import shows_cell
 from tests.haproxy import running_haproxy
 from tests.programs import MissingProgramError
 from tests.server.library.postgresql import running_postgresql
@@ -24,6 +26,7 @@ from tests.server.service import PATIENCE_S
 from tests.server.service import until as eventually
 
 BUCKET = "gridbloom"
+FOLLOWERS = 4
 S3 = {"AWS_ACCESS_KEY_ID": "tests", "AWS_SECRET_ACCESS_KEY": "tests", "AWS_REGION": "us-east-1", "AWS_ALLOW_HTTP": "1"}
 
 
@@ -38,7 +41,7 @@ def answers(address: str) -> bool:
 @contextmanager
 def process(command: list[str], log: Path, **environment: str) -> Iterator[subprocess.Popen[bytes]]:
     """Run a program until the block ends; it may be killed before."""
-    with log.open("wb") as output:
+    with log.open("ab") as output:
         running = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, env=os.environ | environment)
     try:
         yield running
@@ -52,10 +55,20 @@ def process(command: list[str], log: Path, **environment: str) -> Iterator[subpr
 
 
 class Replicas:
-    """Services by the port of each, and the address of the proxy."""
+    """Services by the port of each, and the address of the proxy; ``start`` starts one at a port."""
 
-    def __init__(self, address: str, processes: dict[int, subprocess.Popen[bytes]]) -> None:
-        self.address, self._processes = address, processes
+    def __init__(self, address: str, ports: list[int], start: Callable[[int], subprocess.Popen[bytes]]) -> None:
+        self.address, self._ports, self._start = address, ports, start
+        self._processes: dict[int, subprocess.Popen[bytes]] = {}
+
+    def complete(self) -> None:
+        """Start the services that do not run, and wait until all are ready."""
+        for port in self._ports:
+            if port not in self._processes:
+                self._processes[port] = self._start(port)
+        for port in self._ports:
+            eventually(partial(answers, f"http://127.0.0.1:{port}/readyz"))
+        eventually(lambda: answers(f"{self.address}/readyz"))
 
     def of_session(self, session: str) -> int:
         """The port of the only service that has a session."""
@@ -70,7 +83,7 @@ class Replicas:
 
 
 @pytest.fixture(scope="module")
-def replicas(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
+def services(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
     folder = tmp_path_factory.mktemp("replicas")
     with ExitStack() as stack:
         try:
@@ -87,15 +100,19 @@ def replicas(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
         urllib.request.urlopen(request, timeout=60).close()
         gridbloom = str(Path(sys.executable).with_name("gridbloom"))
         stores = ["--database", cluster.new_database(), "--blobs", f"s3://{BUCKET}/logs"]
-        running = {}
-        for port in ports:
+
+        def start(port: int) -> subprocess.Popen[bytes]:
             command = [gridbloom, "serve", "--port", str(port), "--data-dir", str(folder / str(port)), *stores]
-            log = folder / f"{port}.log"
-            running[port] = stack.enter_context(process(command, log, AWS_ENDPOINT=endpoint, **S3))
-        for port in ports:
-            eventually(partial(answers, f"http://127.0.0.1:{port}/readyz"))
-        eventually(lambda: answers(f"{address}/readyz"))
-        yield Replicas(address, running)
+            return stack.enter_context(process(command, folder / f"{port}.log", AWS_ENDPOINT=endpoint, **S3))
+
+        yield Replicas(address, ports, start)
+
+
+@pytest.fixture
+def replicas(services: Replicas) -> Replicas:
+    """All services, also those that the test before has killed."""
+    services.complete()
+    return services
 
 
 def session_of(page: Page) -> str:
@@ -147,3 +164,40 @@ def test_pages_reopen_on_the_other_service_when_theirs_is_killed(
         return bool(context.request.get(f"{replicas.address}/api/logs/{late.json()['id']}").json()["state"] == "ready")
 
     until("the late upload to be read", is_read)
+
+
+def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_is_killed(
+    browser: Browser, context: BrowserContext, server: str, replicas: Replicas
+) -> None:
+    lecturer = context.new_page()
+    lecturer.goto(f"{replicas.address}/lab.html")
+    await_map(lecturer)
+    lecturer.get_by_role("button", name="Class", exact=True).click()
+    code = lecturer.locator(".class-code-small").text_content() or ""
+    lecturer.get_by_role("dialog").get_by_role("button", name="Close").click()
+    its_service = replicas.of_session(session_of(lecturer))
+    lecturer.evaluate("() => { gridbloom.connection.store.pinned.value = [3.5, 2.5]; }")
+    with ExitStack() as stack:
+        phones = []
+        for _ in range(FOLLOWERS):  # a cookie of its own each: by it alone the proxy would take either service
+            phone = stack.enter_context(visiting(browser, server)).new_page()
+            phone.goto(f"{replicas.address}/class/{code}")
+            phone.wait_for_url("**/lab.html")
+            await_map(phone)
+            until("the lecturer's cell", partial(shows_cell, phone))
+            phones.append(phone)
+        expect(lecturer.get_by_role("complementary", name="Class")).to_contain_text(f"{FOLLOWERS} here")
+        replicas.kill(its_service)
+        for phone in phones:
+            expect(phone.get_by_role("complementary", name="Class")).to_contain_text("The class has ended.")
+        # The lecturer's world goes on with the other service, and so does the lecture: a new class is opened there.
+        expect(lecturer.locator(".toast")).to_contain_text("Its world was restored")
+        bar = lecturer.get_by_role("complementary", name="Class")
+        expect(bar).to_contain_text("has ended")
+        bar.get_by_role("button", name="Close").click()
+        expect(bar).to_have_count(0)
+        lecturer.get_by_role("button", name="Class", exact=True).click()
+        again = lecturer.locator(".class-code-small")
+        expect(again).not_to_have_text(code)
+        phones[0].goto(f"{replicas.address}/class/{again.text_content()}")
+        await_map(phones[0])

@@ -29,6 +29,19 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
       toast((error as Error).message, "error");
     }
   };
+  if (room.isOver.value)
+    return (
+      <aside class="class-bar-box no-print" aria-label="Class">
+        <div class="class-line">
+          <p role="status">
+            Class <b class="class-code-small">{room.code}</b> has ended, or its server was stopped.
+          </p>
+          <div class="actions">
+            <Button onClick={() => void end()}>Close</Button>
+          </div>
+        </div>
+      </aside>
+    );
   return (
     <aside class="class-bar-box no-print" aria-label="Class">
       {state?.puzzle && <PuzzleBoard room={room} puzzle={state.puzzle} />}
