@@ -29,7 +29,7 @@ def test_a_point_of_a_patch_is_dragged_and_its_moments_follow(page: Page, server
     await_true(page, f"() => window.gridbloom && {_STORE}.volume.peek()")
     group = open_group(page, "Terrain")
     await_true(page, f"() => {_STORE}.terrain.message.peek()?.safe > 0")
-    page.evaluate(f"() => {{ {_STORE}.pinned.value = [9.9, 9.9]; }}")
+    page.locator(".volume-above-map .picture").click()  # in its middle
     asked = group.get_by_label("The patch that was clicked")
     await_true(page, f"() => (({_PATCH})()?.n ?? 0) > 3")
     patch = page.evaluate(_PATCH)

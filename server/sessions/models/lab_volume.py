@@ -89,7 +89,7 @@ class LabVolume:
         touched = []
         for scan in self.scans[self.used : self.used + AT_ONCE]:
             try:
-                touched.append(self._insert(_placed(scan)).slots)
+                touched.append(self._insert(_placed(scan, self.config)).slots)
             except LimitError as error:
                 self.problem = error
                 break
@@ -114,7 +114,7 @@ class LabVolume:
 
     def placed_scans(self) -> Iterator[PlacedScan]:
         """Yield these scans."""
-        return map(_placed, self.scans[: self.used])
+        return (_placed(scan, self.config) for scan in self.scans[: self.used])
 
     def projection(self) -> OccupancyGrid:
         """Return the map from above of the heights of the band, on a lattice that holds the world."""
@@ -162,8 +162,16 @@ def lab_limits(limits: Limits) -> Limits:
     return replace(limits, max_blocks=min(MOST_BLOCKS, limits.max_cells // BLOCK**3))
 
 
-def _placed(scan: Scan3D) -> PlacedScan:
-    return PlacedScan(*scan.ends(), round(1e9 * scan.stamp_s))
+def _placed(scan: Scan3D, config: VolumeConfig) -> PlacedScan:
+    """Return the ends of a scan's beams.
+
+    Those without a return end beyond the longest range of the map, which cuts them. Where the sensor had a shorter
+    range than it has now they are left out: their ends would be obstacles.
+    """
+    ends, origin = scan.ends()
+    if scan.sensor.reach < config.range_max:
+        ends = ends[np.isfinite(scan.ranges)]
+    return PlacedScan(ends, origin, round(1e9 * scan.stamp_s))
 
 
 def only_in_3d(projection: OccupancyGrid, flat: OccupancyGrid) -> tuple[np.ndarray, int]:

@@ -152,6 +152,23 @@ async def test_other_voxels_remake_the_map_and_change_its_memory(lab: Lab) -> No
     np.testing.assert_array_equal(again.volume.values, lab.map.volume.values)
 
 
+async def test_beams_without_a_return_stay_free_when_the_range_becomes_longer(lab: Lab) -> None:
+    lab.do(type="map3d", values={"reach": 2.0})
+    lab.do(type="auto", value=False)
+    lab.do(type="teleport", x=4.0, y=1.6, yaw=0.0)
+    lab.pass_time(0.5)
+    assert any(np.isinf(scan.ranges).sum() > 1000 for scan in lab.map.scans)
+    before = {tuple(key) for key in lab.map.volume.voxels(0.0)[0].tolist()}
+    lab.do(type="map3d", values={"reach": 8.0, "rate": 0.5})
+    scans = [scan for scan in lab.map.scans if scan.sensor.reach == 2.0]
+    lab.map.scans[:] = scans
+    lab.map.begin_map()
+    while lab.map.is_behind:
+        lab.map.catch_up(Limits())
+    after = {tuple(key) for key in lab.map.volume.voxels(0.0)[0].tolist()}
+    assert len(after ^ before) < 0.1 * len(before)  # fewer beams pass
+
+
 async def test_the_costmap_can_stand_on_the_map_from_above(lab: Lab) -> None:
     lab.do(type="map3d")
     lab.look_around()
