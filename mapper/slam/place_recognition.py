@@ -21,13 +21,12 @@ from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam.config import SlamConfig
 from mapper.slam.consistency import largest_consistent
 from mapper.slam.front_end import FrontEnd
-from mapper.slam.kernels.agreement import count_agreement
-from mapper.slam.kernels.graph_distance import ways_from
 from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pairs
 from mapper.slam.local_map import LocalMap, local_map
-from mapper.slam.loop_test import GATE, Loop, Place, try_loop
+from mapper.slam.loop_test import Loop, Place, try_loop
 from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
+from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted, spread
 
 STAGE = "place recognition: "  #: begins the reasons of what is refused here
 
@@ -49,10 +48,7 @@ OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that tw
 TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
 MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
 RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
-BEFORE, EVERY = 10.0, 1.0  #: metres of the way before the group, and between two scans, that are looked at
-AROUND, OTHERS = 4.0, 8  #: metres, and scans near where the group puts a scan that it is compared with
-BACK = 2  #: of these, that are compared with the scans on the way
-MOST_CONTRADICTED = 0.12  #: share of the points of those scans
+MOST_CONTRADICTED = 0.12  #: share of the points seen on the way to the group
 LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
 
 
@@ -90,7 +86,7 @@ class PlaceRecognizer:
         # A stretch from which a loop closed is where it is known to be.
         if any(loop.j >= members[0] for loop in reversed(loops)):
             return []
-        drift = self._drift(j, way, loops)
+        drift = graph_ways(j, way, loops)
         before = len(self._waiting)
         self._recognize(poses, way, drift, tried)
         if len(self._waiting) == before:
@@ -125,13 +121,6 @@ class PlaceRecognizer:
         if len(self._maps) > KEPT_MAPS:
             self._maps.popitem(last=False)
         return self._maps[stretch]
-
-    def _drift(self, j: int, way: Float64Array, loops: list[Loop]) -> Float64Array:
-        """Return the way in the graph (j + 1,) from node j to each, metres."""
-        ends = np.array([(loop.i, loop.j) for loop in loops], dtype=np.int64).reshape(-1, 2)
-        drift = np.empty(j + 1)
-        ways_from(j, way, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), drift)
-        return drift
 
     def _recognize(self, poses: Float64Array, way: Float64Array, drift: Float64Array, tried: list[Loop]) -> None:
         """Pair the corners of the newest local map with those of earlier ones, and verify the best of the poses."""
@@ -233,38 +222,11 @@ class PlaceRecognizer:
         uncertain = 1.0 / np.sqrt(max(float(np.linalg.eigvalsh(total)[0]), 1e-12))
         if uncertain > MOST_UNCERTAIN:
             return f"the scans leave one direction uncertain, by {uncertain:.1f} m"
-        contradicted = self._contradicted(group, poses, way)
+        first = float(way[[loop.j for loop in group]].min()) - BEFORE
+        contradicted = share_contradicted(self._store, group, poses, way, way < max(first, 0.0) - LEAST_WAY)
         if contradicted > MOST_CONTRADICTED:
             return f"on the way there {100 * contradicted:.0f} % of the points are where earlier scans saw free space"
         return ""
-
-    def _contradicted(self, group: list[Loop], poses: Float64Array, way: Float64Array) -> float:
-        """Return the share of points, where a group puts the way to it, that lie in free space of the other scans.
-
-        Scans of that way are compared with earlier ones nearby, and those with them.
-        """
-        ends = np.array([loop.j for loop in group])
-        later = np.flatnonzero(way >= max(float(way[ends].min()) - BEFORE, 0.0))
-        moved = [compose(compose(poses[loop.i], loop.relative), inverse(poses[loop.j])) for loop in group]
-        nearest = np.argmin(np.abs(way[ends][np.newaxis] - way[later][:, np.newaxis]), axis=1)
-        placed = poses.copy()
-        placed[later] = compose(np.array(moved)[nearest], poses[later])
-        earlier = np.flatnonzero(way < way[later[0]] - LEAST_WAY)
-        scans = self._store.arrays
-        counts, total = np.empty(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-        wanted = np.searchsorted(way, np.arange(way[later[0]], way[-1], EVERY))
-        for k in np.unique(wanted).tolist():
-            near = earlier[np.hypot(*(placed[earlier, :2] - placed[k, :2]).T) < AROUND]
-            if not len(near):
-                continue
-            chosen = spread(near, OTHERS)
-            count_agreement(scans, k, placed[k], chosen, placed, GATE, 2, counts)
-            total += counts
-            there = later[np.hypot(*(placed[later, :2] - placed[k, :2]).T) < AROUND]
-            for one in spread(near, BACK).tolist():
-                count_agreement(scans, one, placed[one], spread(there, OTHERS), placed, GATE, 2, counts)
-                total += counts
-        return float(total[2]) / max(int(total[0]), 1)
 
 
 def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
@@ -280,13 +242,6 @@ def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
     if 2 * lost > len(after.weight) - n:
         return f"they contradict {lost} loops that were accepted before"
     return ""
-
-
-def spread(values: Int64Array, most: int) -> Int64Array:
-    """Return at most ``most`` of some values, evenly spread, the first and the last among them."""
-    if len(values) <= most:
-        return values
-    return values[np.linspace(0, len(values) - 1, most).round().astype(np.int64)]
 
 
 def _corners_in_common(

@@ -134,21 +134,40 @@ def test_a_group_that_the_graph_does_not_bear_is_refused(drifted: ScanLog) -> No
     assert "contradict 3 loops" in reason_against_group(before, replace(graph, weight=weight))
 
 
+def with_worse_odometry(log: ScanLog, scale: float, noise: float, turn: float) -> ScanLog:
+    """The log with wheels that report each metre as ``scale``, each step off by a share, and turn more by the metre."""
+    wheels = log.trajectory(odometry_name(log)).poses
+    steps, rng = motions(wheels), np.random.default_rng(1)
+    way = np.hypot(steps[:, 0], steps[:, 1])
+    steps[:, :2] *= (scale + noise * rng.standard_normal(len(steps)))[:, np.newaxis]
+    steps[:, 2] += turn * way + 0.02 * np.sqrt(way) * rng.standard_normal(len(steps))
+    return replace(log, trajectories={"odometry": chained(wheels[0], steps)})
+
+
+def mean_error(expected: np.ndarray, poses: np.ndarray) -> float:
+    return float(absolute_errors(expected, align(expected, poses).apply(poses))[0].mean())
+
+
 @pytest.mark.data
 def test_a_real_log_with_worse_odometry(data_file: Callable[[str], Path]) -> None:
     """ACES with wheels that turn by 0.15 rad more for each metre, and report 20 % more way, each step off by 30 %."""
     log = open_log(data_file("carmen/aces.log.gz"))
     expected = slam_log(log).poses
-    wheels = log.trajectory(odometry_name(log)).poses
-    steps, rng = motions(wheels), np.random.default_rng(1)
-    way = np.hypot(steps[:, 0], steps[:, 1])
-    steps[:, :2] *= (1.2 + 0.3 * rng.standard_normal(len(steps)))[:, np.newaxis]
-    steps[:, 2] += 0.15 * way + 0.02 * np.sqrt(way) * rng.standard_normal(len(steps))
-    worse = replace(log, trajectories={"odometry": chained(wheels[0], steps)})
+    worse = with_worse_odometry(log, 1.2, 0.3, 0.15)
+    assert mean_error(expected, slam_log(worse, SlamConfig(place_recognition=False)).poses) > 2.0
+    assert mean_error(expected, slam_log(worse).poses) < 0.6
 
-    def mean_error(config: SlamConfig) -> float:
-        poses = slam_log(worse, config).poses
-        return float(absolute_errors(expected, align(expected, poses).apply(poses))[0].mean())
 
-    assert mean_error(SlamConfig(place_recognition=False)) > 5.0
-    assert mean_error(SlamConfig()) < 0.6
+@pytest.mark.data
+@pytest.mark.parametrize(
+    ("name", "odometry"), [("aces", (1.15, 0.1, -0.15)), ("fhw", (0.9, 0.2, 0.12)), ("fhw", (1.15, 0.1, -0.15))]
+)
+def test_the_way_to_a_wrong_loop_refuses_it(
+    name: str, odometry: tuple[float, float, float], data_file: Callable[[str], Path]
+) -> None:
+    """One scan fits another place within the wide search window; accepted, the loop makes the map wrong by metres."""
+    log = open_log(data_file(f"carmen/{name}.log.gz"))
+    expected = slam_log(log).poses
+    found = slam_log(with_worse_odometry(log, *odometry))
+    assert any(reason.startswith("on the way there ") for reason in found.candidates.reason)
+    assert mean_error(expected, found.poses) < 0.6
