@@ -12,7 +12,7 @@ from mapper.core.se2 import compose, inverse
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
 from mapper.slam.kernels.graph_distance import least_of_ranges
-from mapper.slam.loop_test import MOST_CONTRADICTED, Loop, Place, try_loop
+from mapper.slam.loop_test import Loop, Place, try_loop
 from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted
@@ -93,7 +93,7 @@ class LoopCloser:
         is_earlier = graph_ways(loop.i, way, loops) <= SURE
         is_earlier &= way < way[loop.j] - BEFORE - LEAST_WAY
         share = share_contradicted(self._store, [loop], poses, way, is_earlier)
-        if share <= MOST_CONTRADICTED:
+        if share <= self._config.loop_contradicted:
             return loop
         told = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
         return replace(loop, reason=told)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mapper.core.errors import ConfigError
 from mapper.core.parallel import single_threaded
 from mapper.core.se2 import compose, inverse
 from mapper.evaluation import absolute_errors, align
@@ -97,9 +98,18 @@ def test_a_loop_closes_that_is_off_by_more_than_the_search_window(stretched: flo
 def test_what_is_refused_names_the_stage_and_the_graph_gets_only_what_is_accepted(drifted: ScanLog) -> None:
     found = slam_log(drifted, SlamConfig(loop_score=0.95))
     told = [reason for reason in found.candidates.reason if reason.startswith("place recognition: ")]
-    assert any("corners of an earlier stretch correspond" in reason for reason in told)
+    assert any("corners of an earlier submap correspond" in reason for reason in told)
     assert any("no pose in the window scores 0.95" in reason for reason in told)
     assert np.count_nonzero(found.candidates.accepted) == found.graph.n_loops
+
+
+def test_the_parameters_say_what_is_enough(drifted: ScanLog) -> None:
+    corners = slam_log(drifted, SlamConfig(place_corners=40))
+    assert corners.graph.n_loops == 0
+    assert any("corners of an earlier submap correspond" in reason for reason in corners.candidates.reason)
+    assert slam_log(drifted, SlamConfig(place_length=15.0)).graph.n_loops >= 5
+    with pytest.raises(ConfigError, match="place_group"):
+        SlamConfig(place_group=1)
 
 
 @pytest.mark.parametrize("stretched", [1.0, 1.5])
@@ -168,6 +178,8 @@ def test_the_way_to_a_wrong_loop_refuses_it(
     """One scan fits another place within the wide search window; accepted, the loop makes the map wrong by metres."""
     log = open_log(data_file(f"carmen/{name}.log.gz"))
     expected = slam_log(log).poses
-    found = slam_log(with_worse_odometry(log, *odometry))
+    worse = with_worse_odometry(log, *odometry)
+    assert mean_error(expected, slam_log(worse, SlamConfig(loop_contradicted=1.0)).poses) > 2.0
+    found = slam_log(worse)
     assert any(reason.startswith("on the way there ") for reason in found.candidates.reason)
     assert mean_error(expected, found.poses) < 0.6
