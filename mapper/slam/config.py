@@ -65,18 +65,39 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
         low=0.2, high=1.0, step=0.01,
     ),
     Parameter(
+        "loop_contradicted", "Most contradicted", "loops", "number", 0.15,
+        "Share of the points of a loop's scan, and of the scans on the way to one from far away in the graph, that may "
+        "lie where the earlier scans saw free space.",
+        low=0.0, high=1.0, step=0.01,
+    ),
+    Parameter(
         "loop_inliers", "Least inliers", "loops", "number", 0.55,
         "Share of the points in view that must lie on the walls of the earlier scans for a loop to be accepted.",
         low=0.2, high=1.0, step=0.01,
     ),
     Parameter(
         "place_recognition", "Recognize places", "loops", "flag", True,
-        "Where no loop closes in the search window, look for corners that an earlier stretch of the way has too.",
+        "Where no loop closes in the search window, look for corners that an earlier submap has too.",
     ),
     Parameter(
         "place_drift", "Drift up to recognition", "loops", "number", 0.15,
         "How far the pose may be off where a place is recognized, for each metre driven since.",
         unit="m/m", low=0.02, high=1.0, step=0.01,
+    ),
+    Parameter(
+        "place_length", "Way of a place", "loops", "number", 10.0,
+        "How much of the way becomes the submap by whose corners a place is recognized.",
+        unit="m", low=3.0, high=50.0, step=1.0,
+    ),
+    Parameter(
+        "place_corners", "Least corners", "loops", "number", 5,
+        "Corners of two submaps that must lie upon one another for their scans to be matched.",
+        low=3, high=40, step=1,
+    ),
+    Parameter(
+        "place_group", "Least loops of a place", "loops", "number", 5,
+        "Loops at a recognized place that must agree with one another to be accepted.",
+        low=3, high=30, step=1,
     ),
     Parameter(
         "robust", "Robust kernel", "graph", "choice", "geman_mcclure",
@@ -121,9 +142,13 @@ class SlamConfig:
     loop_distance: float = 0.7
     loop_window: float = 4.0
     loop_score: float = 0.55
+    loop_contradicted: float = 0.15
     loop_inliers: float = 0.55
     place_recognition: bool = True
     place_drift: float = 0.15
+    place_length: float = 10.0
+    place_corners: float = 5
+    place_group: float = 5
     robust: str = "geman_mcclure"
     robust_scale: float = 3.0
     refinement: float = 3

@@ -14,7 +14,9 @@ from mapper.slam.loop_closure import MOST_ATTEMPTS
 from mapper.slam.odometry import matched_scans, odometry_name
 
 MS_PER_SCAN, MS_PER_BEAM = 1.0, 0.009  #: of processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
-SECONDS_PER_ATTEMPT = 2e-6  #: times the square of the loops that are looked for: the graph is optimised again and again
+SECONDS_OF_LOOPS = (
+    2.5e-10  #: times n² of the scans and the loops that are looked for: the graph is optimised again and again
+)
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind
 BYTES_PER_SCAN = 12_000  #: poses, edges, pairs and their share of the factor
 FIXED_BYTES = 150_000_000  #: fields of submaps
@@ -41,7 +43,7 @@ def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | N
     beams = min(log.n_beams, int(config.n_beams))
     return SlamEstimate(
         n,
-        1e-3 * n * (MS_PER_SCAN + MS_PER_BEAM * beams) + SECONDS_PER_ATTEMPT * attempts**2,
+        1e-3 * n * (MS_PER_SCAN + MS_PER_BEAM * beams) + SECONDS_OF_LOOPS * n**2 * attempts,
         FIXED_BYTES + n * (BYTES_PER_SCAN + BYTES_PER_BEAM * beams),
     )
 

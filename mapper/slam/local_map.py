@@ -1,4 +1,4 @@
-"""Local maps of stretches of the way, their corners, and a descriptor of the surroundings of each corner.
+"""Local maps of submaps of the way, their corners, and a descriptor of the surroundings of each corner.
 
 Source: Tipaldi & Arras 2010, FLIRT: keypoints of range data with descriptors of what is occupied and free around them.
 The keypoints here are corners of a local map of several scans, so that a place that is passed in the other direction
@@ -25,7 +25,7 @@ from mapper.slam.scan_store import ScanStore
 
 RESOLUTION = 0.1  #: metres
 REACH = 10.0  #: metres: what is farther from the sensor is left out
-MOST_SCANS = 16  #: of a stretch
+MOST_SCANS = 16  #: of a submap
 BEAMS = 180  #: of a scan
 CORNER_RADIUS = 4  #: cells: of the walls that make a corner
 LEAST_STRENGTH = 0.5  #: of a corner, in cells of the weaker wall
@@ -39,7 +39,7 @@ FREQUENCIES = 6  #: of the sectors
 class LocalMap:
     """The corners (k, 2) of the map of some scans, metres in the frame of ``origin``, and their descriptors (k, d).
 
-    ``origin`` is a node's number; ``members`` (s,) are the nodes of the stretch.
+    ``origin`` is a node's number; ``members`` (s,) are the nodes of the submap.
     """
 
     origin: int

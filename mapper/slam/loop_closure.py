@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +11,11 @@ from numpy.typing import NDArray
 from mapper.core.se2 import compose, inverse
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
-from mapper.slam.kernels.graph_distance import least_of_ranges, ways_from
+from mapper.slam.kernels.graph_distance import least_of_ranges
 from mapper.slam.loop_test import Loop, Place, try_loop
 from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
+from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted
 
 Float64Array = NDArray[np.float64]
 
@@ -24,6 +26,8 @@ SIGHT = 3.0  #: metres: a scan sees as much of a place from so far away
 LEAST_WAY = 8.0  #: metres driven since the last scan of a submap, for it to be a loop
 MOST_ATTEMPTS = 2_000  #: over a way, from which on their distance grows with it: their number with its logarithm
 CANDIDATES = 2  #: submaps that are searched in one attempt
+FAR = 20.0  #: metres of the way in the graph, from which on the window is so wide that places may be mistaken
+SURE = 15.0  #: metres of the way in the graph, to which scans are sure to be placed well beside one another
 
 
 class LoopCloser:
@@ -47,6 +51,8 @@ class LoopCloser:
         tried = []
         for submap, anchor, drift in self._near(j, poses, way, loops):
             loop = self._search(submap, anchor, j, poses, drift)
+            if loop.accepted and drift > FAR:
+                loop = self._checked(loop, poses, way, loops)
             tried.append(loop)
             if loop.accepted:
                 break
@@ -65,9 +71,7 @@ class LoopCloser:
         is_near = away[nearest] < self._config.loop_window + SIGHT
         if not (is_old & is_near).any():
             return []
-        ends = np.array([(loop.i, loop.j) for loop in loops], dtype=np.int64).reshape(-1, 2)
-        drift = np.empty(j + 1)
-        ways_from(j, way, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), drift)
+        drift = graph_ways(j, way, loops)
         window = np.minimum(WINDOW + DRIFT * drift[nearest], self._config.loop_window)
         found = np.flatnonzero(is_old & (away[nearest] < window + SIGHT))
         order = found[np.argsort(away[nearest[found]], kind="stable")][:CANDIDATES]
@@ -79,6 +83,20 @@ class LoopCloser:
         turn_window = min(TURN_WINDOW + TURN_DRIFT * drift, 0.6)
         place = self._place(submap)
         return try_loop(self._store, self._config, self._rule, place, anchor, j, guess, window, turn_window)
+
+    def _checked(self, loop: Loop, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> Loop:
+        """Return an accepted loop, refused where the scans on the way to it contradict those around its place.
+
+        One scan may fit a place that looks like another; what was seen before it hardly does. Only scans that are
+        placed surely beside the loop's first scan tell: others are off by their own drift.
+        """
+        is_earlier = graph_ways(loop.i, way, loops) <= SURE
+        is_earlier &= way < way[loop.j] - BEFORE - LEAST_WAY
+        share = share_contradicted(self._store, [loop], poses, way, is_earlier)
+        if share <= self._config.loop_contradicted:
+            return loop
+        told = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
+        return replace(loop, reason=told)
 
     def _place(self, submap: int) -> Place:
         if submap in self._places:

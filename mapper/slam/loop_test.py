@@ -24,7 +24,6 @@ LEVELS = 4
 SCANS = 6  #: of the place that a found pose is aligned with
 LEAST_PAIRS = 30  #: of points
 GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
-MOST_CONTRADICTED = 0.15  #: share of the points
 PRIOR = np.full(3, 1e-3)  #: weight of the correlation's pose in the alignment, in pairs of points
 FARTHEST_SHIFT = 0.4  #: metres, between the correlation's pose and the aligned one
 
@@ -115,7 +114,7 @@ def try_loop(
         return refused(f"only {min(pairs, agreeing)} points correspond", inliers)
     if inliers < config.loop_inliers:
         return refused(f"only {100 * inliers:.0f} % of the points are on walls of the earlier scans", inliers)
-    if contradicting > MOST_CONTRADICTED * points:
+    if contradicting > config.loop_contradicted * points:
         part = 100 * contradicting / points
         return refused(f"{part:.0f} % of the points are where the earlier scans saw free space", inliers)
     if np.hypot(*(pose - found)[:2]) > FARTHEST_SHIFT:

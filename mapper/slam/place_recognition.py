@@ -1,7 +1,7 @@
 """Place recognition: loops that are off by more than the window search reaches.
 
-Each stretch of the way is a local map (:mod:`mapper.slam.local_map`). Its corners are paired with those of earlier
-stretches by their descriptors, and RANSAC finds the relative pose. Scans of the stretch are then matched with the
+Each submap, some metres of the way, is a local map (:mod:`mapper.slam.local_map`). Its corners are paired with those of
+earlier submaps by their descriptors, and RANSAC finds the relative pose. Scans of the submap are then matched with the
 earlier ones from there as in every loop. No loop is accepted by itself: only a group of them whose relative poses agree
 with one another along the way driven between them (Mangelson et al. 2018), which spans some metres, leaves no direction
 uncertain, is contradicted by no free space along the way, and has no rival: no other group at another place.
@@ -21,38 +21,33 @@ from mapper.sensors.pose_graph import PoseGraph
 from mapper.slam.config import SlamConfig
 from mapper.slam.consistency import largest_consistent
 from mapper.slam.front_end import FrontEnd
-from mapper.slam.kernels.agreement import count_agreement
-from mapper.slam.kernels.graph_distance import ways_from
 from mapper.slam.kernels.keypoint_pairs import nearest_descriptors, pose_of_pairs
 from mapper.slam.local_map import LocalMap, local_map
-from mapper.slam.loop_test import GATE, Loop, Place, try_loop
+from mapper.slam.loop_test import Loop, Place, try_loop
 from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
+from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted, spread
 
 STAGE = "place recognition: "  #: begins the reasons of what is refused here
 
-STRETCH, SPACING = 10.0, 2.5  #: metres of the way that a local map shows, and between two of them
-LEAST_WAY = 20.0  #: metres driven between two stretches, for them to be a loop
+SPACING = 2.5  #: metres of the way between the ends of two submaps, so that a place lies well inside of one
+LEAST_WAY = 20.0  #: metres driven between two submaps, for them to be a loop
 TURN_WINDOW, TURN_DRIFT, MOST_TURN = 0.3, 0.01, np.pi  #: radians, radians for each metre of the way, radians
 NEAREST = 5  #: descriptors that each corner is paired with
 TOLERANCE, LEAST_DISTANCE = 0.3, 1.0  #: metres: of a corner's place, and between the corners of a draw
-LEAST_CORNERS = 5  #: that must agree with a pose
-MOST_STRETCHES = 60  #: earlier ones that a stretch is compared with
+MOST_SUBMAPS = 60  #: earlier ones that a submap is compared with
 KEPT_MAPS = 500  #: local maps, looked at last
-STRETCHES = 3  #: earlier ones whose poses are verified
-SCANS = 4  #: of a stretch that are matched with the earlier one
-MEMBERS = 40  #: scans of the earlier stretch that they are matched with
+VERIFIED = 3  #: earlier ones whose poses are verified
+SCANS = 4  #: of a submap that are matched with the earlier one
+MEMBERS = 40  #: scans of the earlier submap that they are matched with
 WINDOW, TURN = 0.6, 0.15  #: metres, radians: around RANSAC's pose, to each side
 MEMORY = 60.0  #: metres of the way, after which a loop no longer waits for others
-LEAST_GROUP, LEAST_SPAN = 5, 2.0  #: loops of a group, and metres between the first and the farthest
+LEAST_SPAN = 2.0  #: metres between the two loops of a group that are farthest apart: scans at one place say the same
 OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that two loops may disagree
 TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
 MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
 RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
-BEFORE, EVERY = 10.0, 1.0  #: metres of the way before the group, and between two scans, that are looked at
-AROUND, OTHERS = 4.0, 8  #: metres, and scans near where the group puts a scan that it is compared with
-BACK = 2  #: of these, that are compared with the scans on the way
-MOST_CONTRADICTED = 0.12  #: share of the points of those scans
+MOST_CONTRADICTED = 0.12  #: share of the points seen on the way to the group
 LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
 
 
@@ -70,9 +65,9 @@ class PlaceRecognizer:
     def __init__(self, store: ScanStore, front_end: FrontEnd, config: SlamConfig) -> None:
         self._store, self._front_end, self._config = store, front_end, config
         self._rule = pair_rule(store.least_step)
-        self._stretches: list[Int64Array] = []  # their nodes
+        self._submaps: list[Int64Array] = []  # their nodes
         self._maps: OrderedDict[int, LocalMap] = OrderedDict()  # of those that were looked at last
-        self._next = STRETCH  # metres of the way, where the next stretch ends
+        self._next = config.place_length  # metres of the way, where the next submap ends
         self._waiting: list[_Waiting] = []
 
     def try_at(self, j: int, poses: Float64Array, way: Float64Array, loops: list[Loop], tried: list[Loop]) -> list[int]:
@@ -85,12 +80,12 @@ class PlaceRecognizer:
         if way[j] < self._next:
             return []
         self._next = way[j] + SPACING
-        members = np.flatnonzero(way > way[j] - STRETCH)
-        self._stretches.append(members)
-        # A stretch from which a loop closed is where it is known to be.
+        members = np.flatnonzero(way > way[j] - self._config.place_length)
+        self._submaps.append(members)
+        # A submap from which a loop closed is where it is known to be.
         if any(loop.j >= members[0] for loop in reversed(loops)):
             return []
-        drift = self._drift(j, way, loops)
+        drift = graph_ways(j, way, loops)
         before = len(self._waiting)
         self._recognize(poses, way, drift, tried)
         if len(self._waiting) == before:
@@ -115,35 +110,28 @@ class PlaceRecognizer:
         for number in numbers:
             tried[number] = _refused(tried[number], reason)
 
-    def _map(self, stretch: int) -> LocalMap:
-        """Return the local map of a stretch, in the frame of the node in its middle."""
-        if stretch in self._maps:
-            self._maps.move_to_end(stretch)
-            return self._maps[stretch]
-        members = self._stretches[stretch]
-        self._maps[stretch] = local_map(self._store, members, _middle(members), self._front_end.poses)
+    def _map(self, submap: int) -> LocalMap:
+        """Return the local map of a submap, in the frame of the node in its middle."""
+        if submap in self._maps:
+            self._maps.move_to_end(submap)
+            return self._maps[submap]
+        members = self._submaps[submap]
+        self._maps[submap] = local_map(self._store, members, _middle(members), self._front_end.poses)
         if len(self._maps) > KEPT_MAPS:
             self._maps.popitem(last=False)
-        return self._maps[stretch]
-
-    def _drift(self, j: int, way: Float64Array, loops: list[Loop]) -> Float64Array:
-        """Return the way in the graph (j + 1,) from node j to each, metres."""
-        ends = np.array([(loop.i, loop.j) for loop in loops], dtype=np.int64).reshape(-1, 2)
-        drift = np.empty(j + 1)
-        ways_from(j, way, np.ascontiguousarray(ends[:, 0]), np.ascontiguousarray(ends[:, 1]), drift)
-        return drift
+        return self._maps[submap]
 
     def _recognize(self, poses: Float64Array, way: Float64Array, drift: Float64Array, tried: list[Loop]) -> None:
         """Pair the corners of the newest local map with those of earlier ones, and verify the best of the poses."""
-        newest = len(self._stretches) - 1
-        new = self._stretches[newest]
-        origins = np.array([_middle(members) for members in self._stretches])
-        last = np.array([members[-1] for members in self._stretches])
+        newest = len(self._submaps) - 1
+        new = self._submaps[newest]
+        origins = np.array([_middle(members) for members in self._submaps])
+        last = np.array([members[-1] for members in self._submaps])
         window = self._config.place_drift * drift[origins]
         away = np.hypot(*(poses[origins] - poses[origins[-1]])[:, :2].T)
-        possible = np.flatnonzero((way[new[0]] - way[last] >= LEAST_WAY) & (away <= window + STRETCH))
+        possible = np.flatnonzero((way[new[0]] - way[last] >= LEAST_WAY) & (away <= window + self._config.place_length))
         # Of many those where the pose is least in doubt.
-        possible = np.sort(possible[np.argsort(away[possible] - window[possible], kind="stable")][:MOST_STRETCHES])
+        possible = np.sort(possible[np.argsort(away[possible] - window[possible], kind="stable")][:MOST_SUBMAPS])
         found: list[tuple[int, int, Float64Array]] = []
         most = 0
         for number in possible.tolist():
@@ -154,18 +142,18 @@ class PlaceRecognizer:
             count = _corners_in_common(
                 self._map(newest), self._map(number), guess, float(window[number]), turn_window, pose
             )
-            if count >= LEAST_CORNERS:
+            if count >= self._config.place_corners:
                 found.append((count, number, pose))
             most = max(most, count)
         if not found and len(possible):
             nearest = int(origins[possible[np.argmin(away[possible])]])
-            reason = f"{STAGE}at most {most} corners of an earlier stretch correspond"
+            reason = f"{STAGE}at most {most} corners of an earlier submap correspond"
             tried.append(Loop(nearest, int(origins[-1]), 0.0, 0.0, reason, np.zeros(3), np.zeros((3, 3))))
-        for _, number, pose in sorted(found, key=lambda one: -one[0])[:STRETCHES]:
+        for _, number, pose in sorted(found, key=lambda one: -one[0])[:VERIFIED]:
             self._verify(self._map(newest), self._map(number), pose, tried)
 
     def _verify(self, new: LocalMap, old: LocalMap, pose: Float64Array, tried: list[Loop]) -> None:
-        """Match scans of the newest stretch with an earlier one, from the ``pose`` (3,) of the one in the other."""
+        """Match scans of the newest submap with an earlier one, from the ``pose`` (3,) of the one in the other."""
         local = self._front_end.poses
         place = Place.of(self._store, spread(old.members, MEMBERS), local, self._config.range_max)
         at = compose(local[old.origin], pose)
@@ -181,11 +169,11 @@ class PlaceRecognizer:
     def _group(self, poses: Float64Array, way: Float64Array, tried: list[Loop]) -> list[int]:
         """Return the loops that wait and form a group, none where something refuses it, and say what."""
         waiting = [one.loop for one in self._waiting]
-        if len(waiting) < LEAST_GROUP:
+        if len(waiting) < self._config.place_group:
             return []
         agree = self._agree(waiting, poses, way)
         group = largest_consistent(agree)
-        if len(group) < LEAST_GROUP:
+        if len(group) < self._config.place_group:
             return []
         numbers = [self._waiting[int(k)].number for k in group]
         chosen = [waiting[int(k)] for k in group]
@@ -233,38 +221,11 @@ class PlaceRecognizer:
         uncertain = 1.0 / np.sqrt(max(float(np.linalg.eigvalsh(total)[0]), 1e-12))
         if uncertain > MOST_UNCERTAIN:
             return f"the scans leave one direction uncertain, by {uncertain:.1f} m"
-        contradicted = self._contradicted(group, poses, way)
+        first = float(way[[loop.j for loop in group]].min()) - BEFORE
+        contradicted = share_contradicted(self._store, group, poses, way, way < max(first, 0.0) - LEAST_WAY)
         if contradicted > MOST_CONTRADICTED:
             return f"on the way there {100 * contradicted:.0f} % of the points are where earlier scans saw free space"
         return ""
-
-    def _contradicted(self, group: list[Loop], poses: Float64Array, way: Float64Array) -> float:
-        """Return the share of points, where a group puts the way to it, that lie in free space of the other scans.
-
-        Scans of that way are compared with earlier ones nearby, and those with them.
-        """
-        ends = np.array([loop.j for loop in group])
-        later = np.flatnonzero(way >= max(float(way[ends].min()) - BEFORE, 0.0))
-        moved = [compose(compose(poses[loop.i], loop.relative), inverse(poses[loop.j])) for loop in group]
-        nearest = np.argmin(np.abs(way[ends][np.newaxis] - way[later][:, np.newaxis]), axis=1)
-        placed = poses.copy()
-        placed[later] = compose(np.array(moved)[nearest], poses[later])
-        earlier = np.flatnonzero(way < way[later[0]] - LEAST_WAY)
-        scans = self._store.arrays
-        counts, total = np.empty(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-        wanted = np.searchsorted(way, np.arange(way[later[0]], way[-1], EVERY))
-        for k in np.unique(wanted).tolist():
-            near = earlier[np.hypot(*(placed[earlier, :2] - placed[k, :2]).T) < AROUND]
-            if not len(near):
-                continue
-            chosen = spread(near, OTHERS)
-            count_agreement(scans, k, placed[k], chosen, placed, GATE, 2, counts)
-            total += counts
-            there = later[np.hypot(*(placed[later, :2] - placed[k, :2]).T) < AROUND]
-            for one in spread(near, BACK).tolist():
-                count_agreement(scans, one, placed[one], spread(there, OTHERS), placed, GATE, 2, counts)
-                total += counts
-        return float(total[2]) / max(int(total[0]), 1)
 
 
 def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
@@ -280,13 +241,6 @@ def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
     if 2 * lost > len(after.weight) - n:
         return f"they contradict {lost} loops that were accepted before"
     return ""
-
-
-def spread(values: Int64Array, most: int) -> Int64Array:
-    """Return at most ``most`` of some values, evenly spread, the first and the last among them."""
-    if len(values) <= most:
-        return values
-    return values[np.linspace(0, len(values) - 1, most).round().astype(np.int64)]
 
 
 def _corners_in_common(

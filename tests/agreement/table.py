@@ -289,7 +289,7 @@ TABLE = (
     Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
     Row("nearest node of each submap", nearest_by_kernel, nearest_by_textbook, graph_cases()),
     Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, match_cases()),
-    Row("local map of a stretch", local_map_by_kernel, local_map_by_textbook, match_cases(), 1e-6),
+    Row("local map of a submap", local_map_by_kernel, local_map_by_textbook, match_cases(), 1e-6),
     Row("corners and their descriptors", described_by_kernel, described_by_textbook, match_cases(), 1e-6),
     Row("RANSAC over corners", pairs_by_kernel, pairs_by_textbook, pair_cases(), 1e-9),
     Row("largest consistent group", group_by_search, group_by_textbook, pair_cases()),

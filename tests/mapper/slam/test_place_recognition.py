@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mapper.core.errors import ConfigError
 from mapper.core.parallel import single_threaded
 from mapper.core.se2 import compose, inverse
 from mapper.evaluation import absolute_errors, align
@@ -97,9 +98,18 @@ def test_a_loop_closes_that_is_off_by_more_than_the_search_window(stretched: flo
 def test_what_is_refused_names_the_stage_and_the_graph_gets_only_what_is_accepted(drifted: ScanLog) -> None:
     found = slam_log(drifted, SlamConfig(loop_score=0.95))
     told = [reason for reason in found.candidates.reason if reason.startswith("place recognition: ")]
-    assert any("corners of an earlier stretch correspond" in reason for reason in told)
+    assert any("corners of an earlier submap correspond" in reason for reason in told)
     assert any("no pose in the window scores 0.95" in reason for reason in told)
     assert np.count_nonzero(found.candidates.accepted) == found.graph.n_loops
+
+
+def test_the_parameters_say_what_is_enough(drifted: ScanLog) -> None:
+    corners = slam_log(drifted, SlamConfig(place_corners=40))
+    assert corners.graph.n_loops == 0
+    assert any("corners of an earlier submap correspond" in reason for reason in corners.candidates.reason)
+    assert slam_log(drifted, SlamConfig(place_length=15.0)).graph.n_loops >= 5
+    with pytest.raises(ConfigError, match="place_group"):
+        SlamConfig(place_group=1)
 
 
 @pytest.mark.parametrize("stretched", [1.0, 1.5])
@@ -134,21 +144,42 @@ def test_a_group_that_the_graph_does_not_bear_is_refused(drifted: ScanLog) -> No
     assert "contradict 3 loops" in reason_against_group(before, replace(graph, weight=weight))
 
 
+def with_worse_odometry(log: ScanLog, scale: float, noise: float, turn: float) -> ScanLog:
+    """The log with wheels that report each metre as ``scale``, each step off by a share, and turn more by the metre."""
+    wheels = log.trajectory(odometry_name(log)).poses
+    steps, rng = motions(wheels), np.random.default_rng(1)
+    way = np.hypot(steps[:, 0], steps[:, 1])
+    steps[:, :2] *= (scale + noise * rng.standard_normal(len(steps)))[:, np.newaxis]
+    steps[:, 2] += turn * way + 0.02 * np.sqrt(way) * rng.standard_normal(len(steps))
+    return replace(log, trajectories={"odometry": chained(wheels[0], steps)})
+
+
+def mean_error(expected: np.ndarray, poses: np.ndarray) -> float:
+    return float(absolute_errors(expected, align(expected, poses).apply(poses))[0].mean())
+
+
 @pytest.mark.data
 def test_a_real_log_with_worse_odometry(data_file: Callable[[str], Path]) -> None:
     """ACES with wheels that turn by 0.15 rad more for each metre, and report 20 % more way, each step off by 30 %."""
     log = open_log(data_file("carmen/aces.log.gz"))
     expected = slam_log(log).poses
-    wheels = log.trajectory(odometry_name(log)).poses
-    steps, rng = motions(wheels), np.random.default_rng(1)
-    way = np.hypot(steps[:, 0], steps[:, 1])
-    steps[:, :2] *= (1.2 + 0.3 * rng.standard_normal(len(steps)))[:, np.newaxis]
-    steps[:, 2] += 0.15 * way + 0.02 * np.sqrt(way) * rng.standard_normal(len(steps))
-    worse = replace(log, trajectories={"odometry": chained(wheels[0], steps)})
+    worse = with_worse_odometry(log, 1.2, 0.3, 0.15)
+    assert mean_error(expected, slam_log(worse, SlamConfig(place_recognition=False)).poses) > 2.0
+    assert mean_error(expected, slam_log(worse).poses) < 0.6
 
-    def mean_error(config: SlamConfig) -> float:
-        poses = slam_log(worse, config).poses
-        return float(absolute_errors(expected, align(expected, poses).apply(poses))[0].mean())
 
-    assert mean_error(SlamConfig(place_recognition=False)) > 5.0
-    assert mean_error(SlamConfig()) < 0.6
+@pytest.mark.data
+@pytest.mark.parametrize(
+    ("name", "odometry"), [("aces", (1.15, 0.1, -0.15)), ("fhw", (0.9, 0.2, 0.12)), ("fhw", (1.15, 0.1, -0.15))]
+)
+def test_the_way_to_a_wrong_loop_refuses_it(
+    name: str, odometry: tuple[float, float, float], data_file: Callable[[str], Path]
+) -> None:
+    """One scan fits another place within the wide search window; accepted, the loop makes the map wrong by metres."""
+    log = open_log(data_file(f"carmen/{name}.log.gz"))
+    expected = slam_log(log).poses
+    worse = with_worse_odometry(log, *odometry)
+    assert mean_error(expected, slam_log(worse, SlamConfig(loop_contradicted=1.0)).poses) > 2.0
+    found = slam_log(worse)
+    assert any(reason.startswith("on the way there ") for reason in found.candidates.reason)
+    assert mean_error(expected, found.poses) < 0.6
