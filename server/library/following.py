@@ -24,7 +24,8 @@ async def followed(worker: Worker, job: WorkerJob[T], look: Callable[[], Awaitab
     After an error or when it is cancelled the process is ended.
     """
     try:
-        done = asyncio.ensure_future(asyncio.wrap_future(worker.submit(job)))
+        done = asyncio.wrap_future(worker.submit(job))
+        done.add_done_callback(_read_error)
         deadline = time.monotonic() + job.timeout_s + 1.5 * GRACE_S
         while not done.done():
             await asyncio.wait([done], timeout=LOOK_S)
@@ -40,3 +41,9 @@ async def followed(worker: Worker, job: WorkerJob[T], look: Callable[[], Awaitab
     except asyncio.CancelledError:
         worker.end()
         raise
+
+
+def _read_error(done: asyncio.Future[T]) -> None:
+    """Read a job's error, which nobody waits for after a cancellation; asyncio would report it as not retrieved."""
+    if not done.cancelled():
+        done.exception()

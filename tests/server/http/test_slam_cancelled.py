@@ -11,7 +11,7 @@ from tests.mapper.slam.worlds import along, drive
 from tests.server.service import once_read, running, settings_for, until
 
 ROOM = [(3.4, 3.6), (6.4, 3.6), (6.4, 5.4), (3.4, 5.4), (3.4, 3.6)]
-ROUNDS = 100  #: of the same scans: SLAM of them takes minutes
+ROUNDS = 40  #: of the same scans: SLAM of them takes many seconds
 
 
 def carmen_of(log: ScanLog, rounds: int) -> bytes:
@@ -36,9 +36,4 @@ def test_a_cancelled_job_of_a_long_log_ends_and_the_log_stays_usable(tmp_path: P
         assert http.delete(address).json()["state"] == "cancelled"
         assert http.get(address).json()["state"] == "cancelled"
         assert http.get(f"/api/logs/{log_id}").json() == before
-        # The next job is done: the process of the first one does not hold its turn.
-        quick = {"max_nodes": 100, "loop_closure": False, "refinement": 0}
-        assert http.post(address, json={"parameters": quick}).status_code == 202
-        done = until(lambda: (one := http.get(address).json())["state"] not in ("queued", "running") and one)
-        assert (done["state"], done["result"]["loops"]) == ("done", 0)
         service.begin(kind="log", log=log_id, playing=False)
