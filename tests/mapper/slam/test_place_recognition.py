@@ -170,7 +170,12 @@ def test_a_real_log_with_worse_odometry(data_file: Callable[[str], Path]) -> Non
 
 @pytest.mark.data
 @pytest.mark.parametrize(
-    ("name", "odometry"), [("aces", (1.15, 0.1, -0.15)), ("fhw", (0.9, 0.2, 0.12)), ("fhw", (1.15, 0.1, -0.15))]
+    ("name", "odometry"),
+    [
+        ("aces", (1.15, 0.1, -0.15)),
+        pytest.param("fhw", (0.9, 0.2, 0.12), marks=pytest.mark.long),
+        pytest.param("fhw", (1.15, 0.1, -0.15), marks=pytest.mark.long),
+    ],
 )
 def test_the_way_to_a_wrong_loop_refuses_it(
     name: str, odometry: tuple[float, float, float], data_file: Callable[[str], Path]
