@@ -131,7 +131,7 @@ def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[
 
 def test_the_lecture_leads_to_both_maps_in_the_lab(page: Page, server: str) -> None:
     page.goto(f"{server}/lecture.html#tsdf")
-    link = page.get_by_role("link", name="The same in 3D, with a robot, in the lab")
+    link = page.get_by_role("link", name="Open in the lab, in 3D")
     expect(link).to_have_attribute("href", re.compile("group=map3d"))
     link.click()
     panel = page.get_by_role("tabpanel", name="3D map")

@@ -33,7 +33,7 @@ export function TsdfSection({ id, number, title }: SectionHead) {
           </p>
           <div class="actions no-print">
             <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>
-              The same in 3D, with a robot, in the lab
+              Open in the lab, in 3D
             </LabLink>
           </div>
         </>
