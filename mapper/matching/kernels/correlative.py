@@ -59,7 +59,10 @@ def _add_block(scores: UInt8Array, cells: Int32Array, n: int, row: int, col: int
     """
     rows, cols = scores.shape
     h, w = total.shape
-    total[:] = 0
+    # Flat arrays and indices without a sign: a slice for each row would count its references, and an index that may be
+    # negative keeps the compiler from adding several cells at once.
+    flat, out = scores.reshape(-1), total.reshape(-1)
+    out[:] = 0
     for k in range(n):
         top, left = cells[k, 0] + row, cells[k, 1] + col
         if top >= rows or left >= cols or top + h * step <= 0 or left + w * step <= 0:
@@ -69,13 +72,14 @@ def _add_block(scores: UInt8Array, cells: Int32Array, n: int, row: int, col: int
         for y in range(h):
             at = top + y * step
             if -step < at < rows:
-                line, out = scores[max(at, 0)], total[y]
                 if step == 1:
-                    for x in range(first, last):
-                        out[x] += line[left + x]
+                    source, target = np.uintp(at * cols + left + first), np.uintp(y * w + first)
+                    for x in range(np.uintp(last - first)):
+                        out[target + x] += flat[source + x]
                 else:
+                    line = max(at, 0) * cols
                     for x in range(first, last):
-                        out[x] += line[max(left + x * step, 0)]
+                        out[y * w + x] += flat[line + max(left + x * step, 0)]
 
 
 @jit

@@ -24,7 +24,7 @@ from mapper.matching.kernels.types import (
     PairRule,
     ScanArrays,
 )
-from mapper.matching.kernels.views import _nearest_beam
+from mapper.matching.kernels.views import pair_points
 
 
 @jit
@@ -82,33 +82,41 @@ def accumulate_scan(
     t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
     by_normal, to_line = rule.min_cosine > -1.0, rule.residual == LINE
     wanted = POINT_WITH_NORMAL if by_normal or to_line else POINT
-    found = np.empty((moving.points.shape[1], 6))  # of each pair: the point turned and placed, what it is paired with
-    pairs, tried = 0, 0
+    points, normals, kind = moving.points[i], moving.normals[i], moving.kind[i]
+    lines, line_normals = fixed.points[j], fixed.normals[j]
+    room = moving.n_beams[i] // rule.stride + 1
+    beams, xy, n = np.empty(room, dtype=np.int64), np.empty((room, 2)), 0
     for k in range(begin, moving.n_beams[i], rule.stride):
-        if moving.kind[i, k] < (POINT_WITH_NORMAL if by_normal else POINT):
-            continue
-        p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
-        r_x, r_y = turn_c * p_x - turn_s * p_y, turn_s * p_x + turn_c * p_y
-        x, y = r_x + t_x, r_y + t_y
-        q = _nearest_beam(fixed, j, x, y, gate, rule.max_beams, wanted)
+        if kind[k] >= (POINT_WITH_NORMAL if by_normal else POINT):
+            p_x, p_y = np.float64(points[k, 0]), np.float64(points[k, 1])
+            xy[n, 0], xy[n, 1] = turn_c * p_x - turn_s * p_y + t_x, turn_s * p_x + turn_c * p_y + t_y
+            beams[n] = k
+            n += 1
+    nearest = np.empty(n, dtype=np.int64)
+    pair_points(fixed, j, xy, n, gate, rule.max_beams, wanted, nearest)
+    found = np.empty((n, 6))  # of each pair: the point turned and placed, what it is paired with
+    pairs, tried = 0, 0
+    for p in range(n):
+        k, q = beams[p], nearest[p]
         if q == -2:
             continue
         tried += 1
         if q < 0:
             continue
-        n_x, n_y = np.float64(fixed.normals[j, q, 0]), np.float64(fixed.normals[j, q, 1])
+        n_x, n_y = np.float64(line_normals[q, 0]), np.float64(line_normals[q, 1])
         if by_normal:
-            m_x, m_y = np.float64(moving.normals[i, k, 0]), np.float64(moving.normals[i, k, 1])
+            m_x, m_y = np.float64(normals[k, 0]), np.float64(normals[k, 1])
             cosine = n_x * (turn_c * m_x - turn_s * m_y) + n_y * (turn_s * m_x + turn_c * m_y)
             if cosine < rule.min_cosine:
                 continue
-        e_x, e_y = x - np.float64(fixed.points[j, q, 0]), y - np.float64(fixed.points[j, q, 1])
-        one = found[pairs]
-        one[0], one[1], one[2], one[3] = r_x, r_y, n_x, n_y
+        p_x, p_y = np.float64(points[k, 0]), np.float64(points[k, 1])
+        e_x, e_y = xy[p, 0] - np.float64(lines[q, 0]), xy[p, 1] - np.float64(lines[q, 1])
+        r_x, r_y = turn_c * p_x - turn_s * p_y, turn_s * p_x + turn_c * p_y
+        found[pairs, 0], found[pairs, 1], found[pairs, 2], found[pairs, 3] = r_x, r_y, n_x, n_y
         if to_line:
-            one[4] = n_x * e_x + n_y * e_y
+            found[pairs, 4] = n_x * e_x + n_y * e_y
         else:
-            one[4], one[5] = e_x, e_y
+            found[pairs, 4], found[pairs, 5] = e_x, e_y
         pairs += 1
     greatest = 1e300
     if rule.keep < 1.0 and pairs > 0:

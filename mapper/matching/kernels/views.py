@@ -10,74 +10,107 @@ from math import atan2, cos, floor, pi, sin, sqrt
 
 import numpy as np
 
-from mapper.core.array_types import Float64Array
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.jit import jit
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
 
 
 @jit
-def _beam_of(scans: ScanArrays, j: int, x: float, y: float) -> int:
-    """Return the beam of scan j in whose direction a point (x, y) from its sensor lies, −1 where no beam points."""
-    turned = atan2(y, x) - scans.first[j]
-    turned -= 2.0 * pi * floor(turned / (2.0 * pi))
-    beam = int(turned / scans.step[j] + 0.5)
-    if beam < scans.n_beams[j]:
-        return beam
-    if scans.wraps[j] or turned > 2.0 * pi - 0.5 * scans.step[j]:
-        return 0
-    return -1
+def _write_centres(scans: ScanArrays, j: int, xy: Float64Array, n: int, centres: Int64Array) -> None:
+    """Write the beam of scan j in whose direction each of n points ``xy`` (., 2) of its base frame lies.
+
+    ``centres`` (n,) is −1 where no beam points.
+    """
+    n_beams, first, step, wraps = scans.n_beams[j], scans.first[j], scans.step[j], scans.wraps[j]
+    sensor_x, sensor_y = scans.sensor[j, 0], scans.sensor[j, 1]
+    for k in range(n):
+        turned = atan2(xy[k, 1] - sensor_y, xy[k, 0] - sensor_x) - first
+        turned -= 2.0 * pi * floor(turned / (2.0 * pi))
+        beam = int(turned / step + 0.5)
+        if beam >= n_beams:
+            beam = 0 if wraps or turned > 2.0 * pi - 0.5 * step else -1
+        centres[k] = beam
 
 
 @jit
-def _nearest_around(
-    scans: ScanArrays, scan: int, x: float, y: float, centre: int, gate: float, max_beams: int, least: int
-) -> int:
-    """Return the beam of a scan whose point is nearest to (x, y), in its base frame, within ``gate``; −1 for none.
+def _write_nearest(
+    scans: ScanArrays,
+    j: int,
+    xy: Float64Array,
+    n: int,
+    centres: Int64Array,
+    max_beams: Int64Array,
+    gate: float,
+    least: int,
+    nearest: Int64Array,
+) -> None:
+    """Write the beam of scan j whose point is nearest to each of n points ``xy`` (., 2) of its base frame.
 
-    The beams up to ``max_beams`` from ``centre``, the one that points there, are asked. Points of a kind below
-    ``least`` do not count.
+    The beams up to ``max_beams`` (n,) from ``centres`` (n,), those that point there, are asked. Points of a kind below
+    ``least`` do not count. ``nearest`` (n,) is −1 where none lies within ``gate``, or the centre is −1.
+
+    All points are taken in one call, because numba counts the references to each array again in each call.
     """
-    points, kind = scans.points[scan], scans.kind[scan]
-    n_beams, step, wraps = scans.n_beams[scan], scans.step[scan], scans.wraps[scan]
-    to_x, to_y = x - scans.sensor[scan, 0], y - scans.sensor[scan, 1]
-    square_r = to_x * to_x + to_y * to_y
-    best, found = gate * gate, -1
-    last = min(max_beams, n_beams // 2 if wraps else n_beams)
-    for k in range(last + 1):
-        if k > 0:
-            # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
-            angle = min((k - 0.5) * step, 0.5 * pi)
-            sine = angle - angle * angle * angle / 6.0
-            if square_r * (sine * sine) >= best:
-                break
-        for b in (centre - k, centre + k):
-            if b < 0 or b >= n_beams:
-                if not wraps:
-                    continue
-                b += n_beams if b < 0 else -n_beams  # noqa: PLW2901
-            if kind[b] >= least:
-                d_x, d_y = points[b, 0] - x, points[b, 1] - y
-                square = d_x * d_x + d_y * d_y
-                if square < best:
-                    best, found = square, b
-    return found
+    points, kind = scans.points[j], scans.kind[j]
+    n_beams, step, wraps = scans.n_beams[j], scans.step[j], scans.wraps[j]
+    sensor_x, sensor_y = scans.sensor[j, 0], scans.sensor[j, 1]
+    most = n_beams // 2 if wraps else n_beams
+    # A point k beams off is at least r · sin δ away, δ ≥ (k − ½) · step, and sin δ ≥ δ − δ³ / 6.
+    widest = 0
+    for p in range(n):
+        widest = max(widest, min(max_beams[p], most))
+    square_sines = np.zeros(widest + 1)
+    for k in range(1, widest + 1):
+        angle = min((k - 0.5) * step, 0.5 * pi)
+        sine = angle - angle * angle * angle / 6.0
+        square_sines[k] = sine * sine
+    for p in range(n):
+        centre, found = centres[p], -1
+        if centre >= 0:
+            x, y = xy[p, 0], xy[p, 1]
+            to_x, to_y = x - sensor_x, y - sensor_y
+            square_r = to_x * to_x + to_y * to_y
+            best = gate * gate
+            for k in range(min(max_beams[p], most) + 1):
+                if square_r * square_sines[k] >= best:
+                    break
+                for side in range(2 if k > 0 else 1):
+                    b = centre - k if side == 0 else centre + k
+                    if b < 0 or b >= n_beams:
+                        if not wraps:
+                            continue
+                        b += n_beams if b < 0 else -n_beams
+                    if kind[b] >= least:
+                        d_x, d_y = points[b, 0] - x, points[b, 1] - y
+                        square = d_x * d_x + d_y * d_y
+                        if square < best:
+                            best, found = square, b
+        nearest[p] = found
 
 
 @jit
-def _nearest_beam(scans: ScanArrays, scan: int, x: float, y: float, gate: float, max_beams: int, least: int) -> int:
-    """Return :func:`_nearest_around` the beam that points to (x, y), −2 where (x, y) is outside the field of view.
+def pair_points(
+    scans: ScanArrays, j: int, xy: Float64Array, n: int, gate: float, max_beams: int, least: int, nearest: Int64Array
+) -> None:
+    """Write the beam of scan j whose point is nearest to each of n points ``xy`` (., 2) of its base frame, metres.
 
-    Where ``max_beams`` is all beams, a point outside the field of view has a nearest point too.
+    Those up to ``max_beams`` from the one that points there are asked. ``nearest`` (n,) is −1 where no point of a kind
+    from ``least`` on lies within ``gate``, and −2 for a point outside the field of view. Where ``max_beams`` is all
+    beams, a point outside the field of view has a nearest point too.
     """
-    n_beams = scans.n_beams[scan]
-    centre = _beam_of(scans, scan, x - scans.sensor[scan, 0], y - scans.sensor[scan, 1])
-    if centre < 0:
-        if max_beams < n_beams:
-            return -2
-        middle = scans.first[scan] + 0.5 * (n_beams - 1) * scans.step[scan]
-        bearing = atan2(y - scans.sensor[scan, 1], x - scans.sensor[scan, 0])
-        centre = 0 if sin(bearing - middle) < 0.0 else n_beams - 1
-    return _nearest_around(scans, scan, x, y, centre, gate, max_beams, least)
+    centres, limits = np.empty(n, dtype=np.int64), np.full(n, max_beams)
+    _write_centres(scans, j, xy, n, centres)
+    n_beams = scans.n_beams[j]
+    if max_beams >= n_beams:
+        middle = scans.first[j] + 0.5 * (n_beams - 1) * scans.step[j]
+        for k in range(n):
+            if centres[k] < 0:
+                bearing = atan2(xy[k, 1] - scans.sensor[j, 1], xy[k, 0] - scans.sensor[j, 0])
+                centres[k] = 0 if sin(bearing - middle) < 0.0 else n_beams - 1
+    _write_nearest(scans, j, xy, n, centres, limits, gate, least, nearest)
+    for k in range(n):
+        if centres[k] < 0:
+            nearest[k] = -2
 
 
 @jit
@@ -123,24 +156,28 @@ def compare_views(
     turn_c, turn_s = c_j * c_i + s_j * s_i, c_j * s_i - s_j * c_i
     d_x, d_y = pose[0] - at[0], pose[1] - at[1]
     t_x, t_y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
-    near, through, behind, total = 0, 0, 0, 0.0
+    xy, n = np.empty((moving.n_beams[i], 2)), 0
     for k in range(moving.n_beams[i]):
-        if moving.kind[i, k] == NO_POINT:
+        if moving.kind[i, k] != NO_POINT:
+            p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
+            xy[n, 0], xy[n, 1] = turn_c * p_x - turn_s * p_y + t_x, turn_s * p_x + turn_c * p_y + t_y
+            n += 1
+    centres, nearest = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+    _write_centres(fixed, j, xy, n, centres)
+    _write_nearest(fixed, j, xy, n, centres, np.full(n, max_beams), gate, POINT, nearest)
+    near, through, behind, total = 0, 0, 0, 0.0
+    for k in range(n):
+        if centres[k] < 0:
             continue
-        p_x, p_y = np.float64(moving.points[i, k, 0]), np.float64(moving.points[i, k, 1])
-        x, y = turn_c * p_x - turn_s * p_y + t_x, turn_s * p_x + turn_c * p_y + t_y
-        to_x, to_y = x - fixed.sensor[j, 0], y - fixed.sensor[j, 1]
-        centre = _beam_of(fixed, j, to_x, to_y)
-        if centre < 0:
-            continue
-        q = _nearest_around(fixed, j, x, y, centre, gate, max_beams, POINT)
+        x, y, q = xy[k, 0], xy[k, 1], nearest[k]
         if q >= 0:
             o_x, o_y = np.float64(fixed.points[j, q, 0]) - x, np.float64(fixed.points[j, q, 1]) - y
             near += 1
             total += 1.0 - (o_x * o_x + o_y * o_y) / (gate * gate)
             continue
+        to_x, to_y = x - fixed.sensor[j, 0], y - fixed.sensor[j, 1]
         r = sqrt(to_x * to_x + to_y * to_y)
-        least, _ = _measured_around(fixed, j, centre, min(1, max_beams))
+        least, _ = _measured_around(fixed, j, centres[k], min(1, max_beams))
         if least > r + gate and least < 1e300:
             through += 1
         elif least < r - gate:

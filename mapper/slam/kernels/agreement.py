@@ -12,7 +12,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.jit import jit
 from mapper.matching.kernels.types import NO_POINT, POINT, ScanArrays
-from mapper.matching.kernels.views import _beam_of, _measured_around, _nearest_around
+from mapper.matching.kernels.views import _measured_around, _write_centres, _write_nearest
 
 
 @jit
@@ -36,33 +36,40 @@ def count_agreement(
     counts[:] = 0
     c, s = cos(pose[2]), sin(pose[2])
     reach = 12.0 * pi / 180.0
+    room = scans.n_beams[i] // stride + 1
+    world, n = np.empty((room, 2)), 0
     for k in range(0, scans.n_beams[i], stride):
-        if scans.kind[i, k] == NO_POINT:
-            continue
-        p_x, p_y = np.float64(scans.points[i, k, 0]), np.float64(scans.points[i, k, 1])
-        w_x, w_y = pose[0] + c * p_x - s * p_y, pose[1] + s * p_x + c * p_y
-        counts[0] += 1
-        is_near, is_free = False, False
-        for j in others:
-            c_j, s_j = cos(poses[j, 2]), sin(poses[j, 2])
-            d_x, d_y = w_x - poses[j, 0], w_y - poses[j, 1]
-            x, y = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
-            v_x, v_y = x - scans.sensor[j, 0], y - scans.sensor[j, 1]
-            centre = _beam_of(scans, j, v_x, v_y)
-            if centre < 0:
+        if scans.kind[i, k] != NO_POINT:
+            p_x, p_y = np.float64(scans.points[i, k, 0]), np.float64(scans.points[i, k, 1])
+            world[n, 0], world[n, 1] = pose[0] + c * p_x - s * p_y, pose[1] + s * p_x + c * p_y
+            n += 1
+    counts[0] = n
+    xy, is_free = np.empty((n, 2)), np.zeros(n, dtype=np.bool_)
+    centres, halves = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+    nearest = np.empty(n, dtype=np.int64)
+    for j in others:
+        c_j, s_j, step = cos(poses[j, 2]), sin(poses[j, 2]), scans.step[j]
+        for k in range(n):
+            d_x, d_y = world[k, 0] - poses[j, 0], world[k, 1] - poses[j, 1]
+            xy[k, 0], xy[k, 1] = c_j * d_x + s_j * d_y, -s_j * d_x + c_j * d_y
+            r = hypot(xy[k, 0] - scans.sensor[j, 0], xy[k, 1] - scans.sensor[j, 1])
+            halves[k] = int(min(gate / max(r, 0.3), reach) / step) + 1
+        _write_centres(scans, j, xy, n, centres)
+        _write_nearest(scans, j, xy, n, centres, halves, gate, POINT, nearest)
+        # The points that are near are done: the others move up.
+        rest = 0
+        for k in range(n):
+            if nearest[k] >= 0:
                 continue
-            r = hypot(v_x, v_y)
-            half = int(min(gate / max(r, 0.3), reach) / scans.step[j]) + 1
-            if _nearest_around(scans, j, x, y, centre, gate, half, POINT) >= 0:
-                is_near = True
-                break
-            least, seen = _measured_around(scans, j, centre, 1)
-            if seen == 3 and least >= r + 2.0 * gate:
-                is_free = True
-        if is_near:
-            counts[1] += 1
-        elif is_free:
-            counts[2] += 1
+            free = is_free[k]
+            if centres[k] >= 0 and not free:
+                r = hypot(xy[k, 0] - scans.sensor[j, 0], xy[k, 1] - scans.sensor[j, 1])
+                least, seen = _measured_around(scans, j, centres[k], 1)
+                free = seen == 3 and least >= r + 2.0 * gate
+            world[rest, 0], world[rest, 1], is_free[rest] = world[k, 0], world[k, 1], free
+            rest += 1
+        n = rest
+    counts[1], counts[2] = counts[0] - n, is_free[:n].sum()
 
 
 @jit
