@@ -143,6 +143,12 @@ class Costed(Protocol):
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs, in an array of their own; None where there are none."""
 
+    def present_footprint(self) -> dict[str, Any] | None:
+        """Return the robot's footprint: ``footprint``, corners in its frame, metres, and both radii with the padding.
+
+        None where there is none.
+        """
+
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the painted masks (rows, cols) on the costs' cells.
 

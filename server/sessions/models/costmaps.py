@@ -128,6 +128,9 @@ class CostmapsModel(SessionModel):
         """Return the present costmap."""
         return self._now
 
+    def present_footprint(self) -> None:
+        """Return None: the messages of a recording do not say the footprint."""
+
     def present_masks(self) -> dict[str, Int8Array]:
         """Return none: in a recording nothing is painted."""
         return {}
