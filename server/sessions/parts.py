@@ -54,6 +54,15 @@ class Recording(Protocol):
         """
 
 
+class Viewed(Protocol):
+    """What a session shows of an upload, for a link that opens the same."""
+
+    log_id: str
+
+    def view(self) -> LogView:
+        """Return the present view. ``trajectory`` is the topic for recorded costmaps, ``index`` the number of one."""
+
+
 class Comparable(Protocol):
     """The comparison of a session's map, B, with another one, A."""
 
