@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from mapper.core.errors import MapperError
 from server.sessions import SessionRegistry
-from server.sessions.parts import Recording
+from server.sessions.parts import Recording, Viewed
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -43,9 +43,25 @@ def session_of_log(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
     return SessionOfLog(session, recording)
 
 
+def shareable_session(sessions: SessionRegistry, session_id: str) -> tuple[SessionHost, Viewed]:
+    """Return a session that a link can share, and what it shows.
+
+    Raises :class:`MapperError` for a session of another kind, and for one that was begun with a link.
+    """
+    session = sessions.get(session_id)
+    if session.model.viewed is None:
+        raise MapperError("session.not_a_log", "This is possible with a log only, not with a simulation.")
+    _refuse_guests(session)
+    return session, session.model.viewed
+
+
+def _refuse_guests(session: SessionHost) -> None:
+    if session.link is not None:
+        raise MapperError("link.read_only", "This link shares a view of a log; what belongs to the log is only read.")
+
+
 def writable_session(sessions: SessionRegistry, session_id: str) -> SessionOfLog:
     """Return as :func:`session_of_log`; raise :class:`MapperError` for a session that was begun with a link as well."""
     found = session_of_log(sessions, session_id)
-    if found.session.link is not None:
-        raise MapperError("link.read_only", "This link shares a view of a log; what belongs to the log is only read.")
+    _refuse_guests(found.session)
     return found

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from mapper.core.lazy_imports import attributes_from
 from server.sessions.kind import Kind, Plan
 from server.sessions.kinds import KINDS
-from server.sessions.models.log_kind import log_plan
+from server.sessions.models.log_kind import costmaps_plan, log_plan
 from server.sessions.registry import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.view import LogView
 
@@ -23,6 +23,7 @@ __all__ = [
     "SessionModel",
     "SessionNotFoundError",
     "SessionRegistry",
+    "costmaps_plan",
     "log_plan",
 ]
 

@@ -23,7 +23,17 @@ from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
-    from server.sessions.parts import Comparable, Costed, EditedFiles, Graphed, Localized, Recording, Story, Volumetric
+    from server.sessions.parts import (
+        Comparable,
+        Costed,
+        EditedFiles,
+        Graphed,
+        Localized,
+        Recording,
+        Story,
+        Viewed,
+        Volumetric,
+    )
 
 NO_SCAN: dict[str, Any] = {}
 
@@ -103,6 +113,11 @@ class SessionModel(ABC):
     def progress(self) -> tuple[int, int]:
         """``(index, count)``: scans in the map, scans in total."""
         return (0, 0)
+
+    @property
+    def viewed(self) -> Viewed | None:
+        """What a link opens in another session; None where no link can."""
+        return self.recording
 
     def particulars(self) -> dict[str, Any]:
         """Return the fields of ``hello`` that the kind adds or sets."""

@@ -54,6 +54,15 @@ class Recording(Protocol):
         """
 
 
+class Viewed(Protocol):
+    """What a session shows of an upload, for a link that opens the same."""
+
+    log_id: str
+
+    def view(self) -> LogView:
+        """Return the present view. ``trajectory`` is the topic for recorded costmaps, ``index`` the number of one."""
+
+
 class Comparable(Protocol):
     """The comparison of a session's map, B, with another one, A."""
 
@@ -142,6 +151,12 @@ class Costed(Protocol):
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs, in an array of their own; None where there are none."""
+
+    def present_footprint(self) -> dict[str, Any] | None:
+        """Return the robot's footprint: ``footprint``, corners in its frame, metres, and both radii with the padding.
+
+        None where there is none.
+        """
 
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the painted masks (rows, cols) on the costs' cells.

@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from playwright.sync_api import Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
+from tests.browser.conftest import WatchedPage
 from tests.browser.looking import await_true, frame, map_bytes, open_group, until
+from tests.browser.test_axe import violations
 
 OPEN = "() => window.gridbloom && gridbloom.connection.store.frame.peek() && gridbloom.connection.store.map.peek()"
 COUNT = 231
@@ -94,14 +96,54 @@ def test_costs_of_each_value_and_windows_that_move(page: Page, server: str, tmp_
     until("its costs", lambda: np.array_equal(shown(page, 70, 65), second))
 
 
-def test_the_address_of_a_view_opens_it_again(page: Page, server: str, tmp_path: Path) -> None:
+def test_a_link_opens_this_costmap_for_a_guest_until_it_is_revoked(
+    page: Page, visitor: BrowserContext, server: str, tmp_path: Path
+) -> None:
+    nine_costmaps(tmp_path / "nine.mcap")
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{server}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "nine.mcap")
+    await_true(page, OPEN)
+    seek(page, 6)
+    look = {"x": 3.5, "y": 4.25, "scale": 0.0125}
+    page.evaluate("(look) => gridbloom.connection.store.setView(look)", look)
+    shared = open_group(page, "Share")
+    shared.get_by_role("button", name="Create link").click()
+    row = shared.get_by_role("listitem")
+    expect(row).to_contain_text("costmap 6 of 9 · /costmap_raw")
+    assert violations(page, ".share") == []
+
+    watched = WatchedPage(visitor, server)
+    guest = watched.page
+    guest.goto(row.get_by_role("textbox").input_value())
+    await_true(guest, OPEN)
+    until("the costmap of the link", lambda: frame(guest)["index"] == 6)
+    assert np.array_equal(shown(guest, 40, 50), np.full((40, 50), 100))
+    seen = guest.evaluate("() => gridbloom.connection.store.view.peek()")
+    assert (seen["x"], seen["y"]) == (look["x"], look["y"])
+    for absent in (guest.get_by_role("tab", name="Share"), guest.get_by_role("button", name="All logs")):
+        expect(absent).to_have_count(0)
+    seek(guest, 3)
+    assert frame(page)["index"] == 6
+    assert watched.problems == []
+    row.get_by_role("button", name="Revoke").click()
+    page.get_by_role("dialog", name="Revoke this link?").get_by_role("button", name="Revoke").click()
+    expect(guest.get_by_role("alert")).to_contain_text("This link was revoked")
+
+
+def nine_costmaps(path: Path) -> None:
+    """Write a recording of nine costmaps, each of one cost: 0, 20, 40, …"""
     geometry = GridGeometry(0.1, 40, 50, (1.0, 2.0, 0.0))
-    with (tmp_path / "nine.mcap").open("wb") as file:
+    with path.open("wb") as file:
         costs = [np.full((40, 50), 20 * k, np.uint8) for k in range(9)]
         made = (
             RecordedCostmap(t, t, "odom", "master", geometry, costs[t // 10**9]) for t in range(0, 9 * 10**9, 10**9)
         )
         write_costmaps(file, list(made))
+
+
+def test_the_address_of_a_view_opens_it_again(page: Page, server: str, tmp_path: Path) -> None:
+    nine_costmaps(tmp_path / "nine.mcap")
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "nine.mcap")
@@ -119,4 +161,4 @@ def test_the_address_of_a_view_opens_it_again(page: Page, server: str, tmp_path:
     until("the costmap of the address", lambda: frame(page)["index"] == 6)
     assert page.evaluate("() => gridbloom.connection.store.view.peek()") == view
     assert not frame(page)["playing"]
-    assert np.array_equal(shown(page, 40, 50), costs[5])
+    assert np.array_equal(shown(page, 40, 50), np.full((40, 50), 100))

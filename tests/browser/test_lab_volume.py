@@ -94,6 +94,10 @@ def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[
     surface = f"() => {_STORE}.surface.message.peek()"
     settled = f"() => {{ const now = ({surface})(); return now?.index > 2 && now.triangles > 0 && !now.pending; }}"
     await_true(page, settled)
+    # The layers of the 3D view follow what it shows.
+    layers = panel.get_by_role("group", name="Layers")
+    expect(layers.get_by_role("button", name="Surface", exact=True)).to_be_visible()
+    expect(layers.get_by_role("button", name="3D map", exact=True)).to_have_count(0)
     first = page.evaluate(surface)
     figure = panel.get_by_role("figure", name="One beam as occupancy and as signed distance")
     curve = figure.locator(".tsdf-line")
@@ -127,6 +131,8 @@ def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[
     until("the maximum weight to be as before", lambda: page.evaluate(surface)["values"]["max_weight"] == 64)
     panel.get_by_role("radio", name="Occupancy").check()
     expect(figure).to_be_hidden()
+    expect(layers.get_by_role("button", name="3D map", exact=True)).to_be_visible()
+    expect(layers.get_by_role("button", name="Surface", exact=True)).to_have_count(0)
 
 
 def test_the_lecture_leads_to_both_maps_in_the_lab(page: Page, server: str) -> None:

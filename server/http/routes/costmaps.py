@@ -1,13 +1,13 @@
-"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and the terrain of a log's costmap."""
+"""``/api/sessions/{id}/costmap/…``: the costs of a session as files, and its footprint, and the terrain of a log."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, LimitError, MapperError
 from server.downloads import Content, Download
@@ -15,6 +15,9 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
+
+if TYPE_CHECKING:
+    from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
@@ -27,9 +30,49 @@ class TerrainOfMap(BaseModel):
     log: str | None = Field(max_length=200, description="Id of the map, as in /api/logs; null: no terrain.")
 
 
+class FootprintOfCostmap(BaseModel):
+    """The outline of the robot."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    footprint: list[tuple[FiniteFloat, FiniteFloat]] = Field(
+        description="Corners [x, y] in the robot's frame, metres, without padding: 3 to 24, around (0, 0)."
+    )
+
+
 MOST_CELLS = 1 << 24  #: of the map of a terrain
 _NAMES = ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml", "speed.pgm", "speed.yaml")
 _UNPAINTED = {"keepout": "No keepout zone is painted.", "speed": "No speed limit is painted."}
+
+
+@router.get("/{session_id}/costmap/footprint")
+@guests_may(GuestRight.LINKED_SESSION)
+async def footprint(sessions: Sessions, session_id: str) -> dict[str, Any]:
+    """Return the footprint of the session's costmap, and the inscribed and circumscribed radius with the padding."""
+    return await _footprint(sessions.get(session_id))
+
+
+@router.put("/{session_id}/costmap/footprint")
+@guests_may(GuestRight.LINKED_SESSION)
+async def change_footprint(sessions: Sessions, session_id: str, wanted: FootprintOfCostmap) -> dict[str, Any]:
+    """Change the footprint of the session's costmap; answer as GET does."""
+    from server.sessions.models.lab_navigation_parameters import footprint_of  # noqa: PLC0415 - with the first session
+
+    session = sessions.get(session_id)
+    await _footprint(session)  # the command would begin a costmap where there is none
+    footprint_of(wanted.footprint)
+    session.enqueue({"type": "costmap", "footprint": wanted.footprint})
+    return await _footprint(session)
+
+
+async def _footprint(session: SessionHost) -> dict[str, Any]:
+    await session.carried_out()
+    async with session.locked():
+        costed = session.model.costed
+        found = None if costed is None else costed.present_footprint()
+    if found is None:
+        raise MapperError("costmap.off", "This session has no costmap with a footprint: begin one first.")
+    return found
 
 
 @router.get("/{session_id}/costmap/{name}")

@@ -15,9 +15,9 @@ from server.http.routes.clients import chosen_place, client_address, while_conne
 from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import Logs, Sessions, Visitor
-from server.http.session_access import writable_session
+from server.http.session_access import shareable_session
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
-from server.sessions import LogView, SessionRegistry, log_plan
+from server.sessions import LogView, SessionRegistry, costmaps_plan, log_plan
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -65,24 +65,22 @@ def _public(sessions: SessionRegistry, link: Link) -> dict[str, Any]:
 
 @router.post("/api/links", status_code=201)
 async def make(sessions: Sessions, library: Logs, wanted: NewLink) -> dict[str, Any]:
-    """Make a read-only link to what a session of a log shows now.
+    """Make a read-only link to what a session of a log, or of recorded costmaps, shows now.
 
     It is valid until it is revoked, and belongs to the visitor who began the session.
     """
-    of_log = writable_session(sessions, wanted.session)
-    recording = of_log.recording
-    record = library.get(of_log.owner, of_log.log_id)
-    seen = recording.view()
+    session, viewed = shareable_session(sessions, wanted.session)
+    model = session.model
+    record = library.get(session.owner, viewed.log_id)
+    seen = viewed.view()
     look = None if wanted.look is None else wanted.look.model_dump()
-    first = asdict(recording.first_config())
+    first = {} if model.recording is None else asdict(model.recording.first_config())
     changed = sorted(name for name, value in (seen.values or {}).items() if first[name] != value)
-    costed = of_log.session.model.costed
-    async with of_log.session.locked():
-        navigation = [] if costed is None else costed.commands()
-    view = {
-        "view": asdict(seen), "look": look, "count": recording.log.n_scans, "changed": changed, "navigation": navigation
-    }  # fmt: skip
-    return _public(sessions, await library.links.make(of_log.owner, record, view))
+    async with session.locked():
+        navigation = [] if model.costed is None else model.costed.commands()
+    count = model.progress[1]
+    view = {"view": asdict(seen), "look": look, "count": count, "changed": changed, "navigation": navigation}
+    return _public(sessions, await library.links.make(session.owner, record, view))
 
 
 @router.get("/api/links")
@@ -96,17 +94,17 @@ async def mine(
 @router.get("/api/sessions/{session_id}/links")
 async def of_session(sessions: Sessions, library: Logs, session_id: str) -> dict[str, Any]:
     """List the links to a session's log of the visitor who began the session, newest first."""
-    of_log = writable_session(sessions, session_id)
-    return {"links": [_public(sessions, link) for link in library.links.of(of_log.owner, of_log.log_id)]}
+    session, viewed = shareable_session(sessions, session_id)
+    return {"links": [_public(sessions, link) for link in library.links.of(session.owner, viewed.log_id)]}
 
 
 @router.delete("/api/sessions/{session_id}/links/{token}", status_code=204)
 async def revoke_of_session(sessions: Sessions, library: Logs, session_id: str, token: str) -> None:
     """Revoke a link to a session's log, of the visitor who began the session; the sessions begun with it end."""
-    of_log = writable_session(sessions, session_id)
-    if library.links.get(token).log_id != of_log.log_id:
+    session, viewed = shareable_session(sessions, session_id)
+    if library.links.get(token).log_id != viewed.log_id:
         raise LinkGoneError("link.gone", "There is no such link to this log.")
-    await library.links.revoke(of_log.owner, token)
+    await library.links.revoke(session.owner, token)
     await sessions.end_linked(token)
 
 
@@ -145,8 +143,12 @@ async def begin(
         title = _record_name(library, link)
         with sessions.under_way.making(visitor, name) as making:
             making.watched = lambda: library.opening(link.log_id)
-            log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
-        plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
+            costmaps = await library.costmaps(link.owner, link.log_id)
+            if costmaps is None:
+                log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
+                plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
+            else:
+                plan = costmaps_plan(costmaps, log_id=link.log_id, title=title, view=view, playing=False, name=name)
         return await sessions.begin(
             plan, visitor, link=token, address=client_address(request), place=chosen_place(request)
         )

@@ -12,6 +12,7 @@ from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
+from server.sessions.view import LogView
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer, text
 
@@ -29,16 +30,17 @@ class CostmapsModel(SessionModel):
     replacing: ClassVar[frozenset[str]] = frozenset({"seek", "restart", "trajectory"})
 
     def __init__(
-        self, streams: Mapping[str, CostmapStream], *, log_id: str, title: str, topic: str | None = None
+        self, streams: Mapping[str, CostmapStream], *, log_id: str, title: str, topic: str | None = None, index: int = 1
     ) -> None:
-        """Show the costmaps of ``topic``, else of the topic with most of them."""
+        """Show the costmaps of ``topic``, else of the topic with most of them, from number ``index`` on."""
         self._streams = dict(streams)
-        self._log_id, self._title = log_id, title
+        self.log_id, self._title = log_id, title
         self.costed = self
         self._layer = GridLayer("map", "Costmap", "recorded_costs")
         most = max(self._streams, key=lambda name: len(self._streams[name]))
         super().__init__(Playback(speed=1.0, speeds=(0.1, 100.0)))
         self._choose(most if topic is None else topic)
+        self._go_to(index)
 
     def _choose(self, topic: str) -> None:
         if topic not in self._streams:
@@ -79,6 +81,15 @@ class CostmapsModel(SessionModel):
         return Footprint(max(one.geometry.rows * one.geometry.cols for one in kept) + sum(len(k.packed) for k in kept))
 
     @property
+    def viewed(self) -> CostmapsModel:
+        """The costmap that is shown."""
+        return self
+
+    def view(self) -> LogView:
+        """Return the topic and the number of the costmap that is shown."""
+        return LogView(trajectory=self._topic, index=self._index)
+
+    @property
     def progress(self) -> tuple[int, int]:
         """The number of the costmap that is shown, and how many there are."""
         return (self._index, len(self._times))
@@ -87,7 +98,7 @@ class CostmapsModel(SessionModel):
         """Return the recording as a log without scans; its trajectories are the topics."""
         return {
             "log": {
-                "id": self._log_id,
+                "id": self.log_id,
                 "topic": self._topic,
                 "cut": None,
                 "trajectory": self._topic,
@@ -127,6 +138,9 @@ class CostmapsModel(SessionModel):
     def present_costs(self) -> RecordedCostmap:
         """Return the present costmap."""
         return self._now
+
+    def present_footprint(self) -> None:
+        """Return None: the messages of a recording do not say the footprint."""
 
     def present_masks(self) -> dict[str, Int8Array]:
         """Return none: in a recording nothing is painted."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap.footprint import Footprint, Vertices
 from mapper.costmap.nav2_parameters import LayerConfig, NamedLayer, Nav2Costmap
@@ -185,6 +186,18 @@ class LabParameters:
         }
         layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
         return Nav2Costmap("global_costmap", self.general, self.footprint, layers, others=self.others)
+
+
+def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
+    """Return the footprint with these corners [x, y], metres.
+
+    Raises :class:`ConfigError` for one that is impossible, or is so with its padding.
+    """
+    if len(corners) > MOST_CORNERS:
+        raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
+    found = Footprint(tuple((x, y) for x, y in corners))
+    found.padded(CostmapConfig().footprint_padding)
+    return found
 
 
 def from_nav2(before: LabParameters, found: Nav2Costmap, path: Nav2Path) -> LabParameters:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParamete
 from server.sessions.models.volume_look import COLOURS, Look
 from server.sessions.models.volume_surface import VolumeSurface
 
-LABEL = "3D map"  #: of the switch that shows and hides the map in a 3D view
 FUSING_S = 0.05  #: of fusing scans in one tick, after which the others wait for the next one
 
 
@@ -100,14 +99,11 @@ class LabSurface:
         self.is_unmeshed = self.surface.is_stale
 
     def drawing(self, values: Mapping[str, Any]) -> Surface:
-        """Return the triangles between the heights of ``values``, in colours of heights or of normals.
-
-        They are shown and hidden by the same switch as the voxels whose place they take.
-        """
+        """Return the triangles between the heights of ``values``, in colours of heights or of normals."""
         low, high = values["cut_low"], max(values["cut_high"], values["cut_low"])
         colour = "normal" if values["colour"] == "normal" else "height"
         look = Look(colour=colour, band=HIGHEST / COLOURS, cut_low=low, cut_high=high)
-        return replace(self.surface.drawing(look, 0.0), label=LABEL)
+        return self.surface.drawing(look, 0.0)
 
     def message(self) -> dict[str, Any]:
         """Return the message ``surface``."""

@@ -72,7 +72,8 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
         costmaps = await library.costmaps(resources.visitor, wanted.log)
         if costmaps is not None:
             title = library.get(resources.visitor, wanted.log).name
-            return _costmaps_plan(costmaps, wanted, title)
+            view = LogView(trajectory=wanted.topic)
+            return costmaps_plan(costmaps, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
         given = await library.given_map(resources.visitor, wanted.log)
         if given is not None:
             return _map_plan(given, wanted)
@@ -86,15 +87,17 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
     return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
 
 
-def _costmaps_plan(streams: dict[str, CostmapStream], wanted: NewLog, title: str) -> Plan:
-    """Return the plan of a session that shows the costmaps of a recording without scans."""
+def costmaps_plan(
+    streams: dict[str, CostmapStream], *, log_id: str, title: str, view: LogView, playing: bool, name: str | None = None
+) -> Plan:
+    """Return the plan of a session that shows the costmaps of a recording without scans, as ``view`` says."""
 
     def make(host: ModelHost, making: Making) -> SessionModel:  # noqa: ARG001 - as all plans
         from server.sessions.models.costmaps import CostmapsModel  # noqa: PLC0415 - few logs have them
 
-        return CostmapsModel(streams, log_id=wanted.log, title=title, topic=wanted.topic)
+        return CostmapsModel(streams, log_id=log_id, title=title, topic=view.trajectory, index=view.index)
 
-    return Plan(make, playing=wanted.playing)
+    return Plan(make, name=name, playing=playing)
 
 
 def _map_plan(given: GivenMap, wanted: NewLog) -> Plan:

@@ -8,15 +8,19 @@ from dataclasses import replace
 from typing import Any
 
 from mapper.core.array_types import Int8Array
-from mapper.core.errors import ConfigError
-from mapper.costmap import Footprint
 from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
 from mapper.grid import OccupancyGrid
 from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_path
 from server.sessions.models.lab_costmap import LabCostmap, StaticMap
-from server.sessions.models.lab_navigation_parameters import MOST_CORNERS, LabParameters, from_nav2
+from server.sessions.models.lab_navigation_parameters import LabParameters, footprint_of, from_nav2
 from server.sessions.models.lab_path import LabPath
-from server.sessions.models.navigation_messages import COMMANDS, commands_of, cost_message, costmap_message
+from server.sessions.models.navigation_messages import (
+    COMMANDS,
+    commands_of,
+    cost_message,
+    costmap_message,
+    footprint_fields,
+)
 from server.sessions.models.painted_zones import painted_filters, strokes_of
 from server.sessions.tick import TickResult
 from server.stream.layers import Layer
@@ -68,6 +72,10 @@ class Navigation(ABC):
         """Return the commands from which another session gets the same costmap and goal."""
         return commands_of(self._costmap, self._path)
 
+    def present_footprint(self) -> dict[str, Any] | None:
+        """Return the footprint with both radii, None while there is no costmap."""
+        return None if self._costmap is None else footprint_fields(self._costmap.parameters)
+
     def present_masks(self) -> dict[str, Int8Array]:
         """Return the masks of the keepout zones and of the speed limits, as far as they are painted."""
         return {} if self._costmap is None else self._costmap.masks
@@ -117,9 +125,7 @@ class Navigation(ABC):
         parameters = (LabParameters() if costmap is None else costmap.parameters).with_values(wanted)
         corners = command.get("footprint")
         if corners is not None:
-            if len(corners) > MOST_CORNERS:
-                raise ConfigError("footprint.vertices", f"A footprint has at most {MOST_CORNERS} corners here.")
-            parameters = replace(parameters, footprint=Footprint(tuple((x, y) for x, y in corners)))
+            parameters = replace(parameters, footprint=footprint_of(corners))
         strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
         if costmap is None:
             self._costmap = costmap = LabCostmap(self._map(parameters), self._plan, parameters)

@@ -18,16 +18,23 @@ COMMANDS = ("costmap", "goal", "cost", "nav2")
 def costmap_message(costmap: LabCostmap | None) -> dict[str, Any]:
     """Return the message ``costmap``; None for a session without one."""
     parameters = LabParameters() if costmap is None else costmap.parameters
-    outline = parameters.outline
     strokes = () if costmap is None else costmap.strokes
     return {
         "type": "costmap",
         "is_on": costmap is not None,
         "values": dict(parameters.values),
+        **footprint_fields(parameters),
+        "keepout": [one.message() for one in strokes],
+    }
+
+
+def footprint_fields(parameters: LabParameters) -> dict[str, Any]:
+    """Return the corners of the footprint, metres in the robot's frame, and both radii of the padded one, metres."""
+    outline = parameters.outline
+    return {
         "footprint": [list(corner) for corner in parameters.footprint.vertices],
         "inscribed_radius": round(outline.inscribed_radius, 4),
         "circumscribed_radius": round(outline.circumscribed_radius, 4),
-        "keepout": [one.message() for one in strokes],
     }
 
 

@@ -21,7 +21,7 @@ from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost
 from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.lab_navigation import believed_now
-from server.sessions.models.lab_surface import LABEL, LabSurface
+from server.sessions.models.lab_surface import LabSurface
 from server.sessions.models.lab_terrain import points_of, true_ground
 from server.sessions.models.lab_volume import LabVolume, only_in_3d
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
@@ -331,7 +331,7 @@ class VolumeView:
         size = made.parameters.config.resolution
         found = [one for one in flat if not isinstance(one, GridColumns)]
         found.append(
-            Voxels(name="map3d", label=LABEL, chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
+            Voxels(name="map3d", label="3D map", chunks=self._voxels, palette=self._palette, size=size, corner=CENTRE)
             if surface is None
             else surface.drawing(made.parameters.values)
         )

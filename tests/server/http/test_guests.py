@@ -51,6 +51,8 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/trajectory-errors"),
     ("GET", "/api/sessions/{session_id}/compare"),
     ("PUT", "/api/sessions/{session_id}/compare"),
+    ("GET", "/api/sessions/{session_id}/costmap/footprint"),
+    ("PUT", "/api/sessions/{session_id}/costmap/footprint"),
     ("DELETE", "/api/sessions/{session_id}/compare"),
     ("GET", "/api/sessions/{session_id}/compare.png"),
     ("GET", "/api/sessions/{session_id}/graph"),

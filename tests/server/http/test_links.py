@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 from websockets.exceptions import InvalidStatus
 
+from mapper.grid import GridGeometry
+from mapper.io.costmaps import RecordedCostmap, write_costmaps
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for, stream_at, until_closed
 
@@ -57,7 +61,11 @@ def ann(browser: Callable[..., httpx.Client]) -> httpx.Client:
 
 
 def uploaded(client: httpx.Client, n: int = 40) -> str:
-    log_id = str(client.put("/api/logs", params={"name": "run.log"}, content=carmen(n)).json()["id"])
+    return sent(client, "run.log", carmen(n))
+
+
+def sent(client: httpx.Client, name: str, content: bytes) -> str:
+    log_id = str(client.put("/api/logs", params={"name": name}, content=content).json()["id"])
     assert once_read(client, log_id)["state"] == "ready"
     return log_id
 
@@ -217,6 +225,63 @@ async def test_a_revoked_link_opens_nothing_and_its_sessions_end(
     assert refusal(await ask(guest, "get", f"/api{links[1]['address']}")) == (404, "link.gone")
     assert (await ask(guest, "get", f"/api/sessions/{other}")).status_code == 401
     assert (await ask(ann, "get", f"/api/sessions/{session}")).status_code == 200
+
+
+async def test_a_guest_sees_this_costmap_of_a_recording_until_the_link_is_revoked(
+    service: Service, browser: Callable[..., httpx.Client], ann: httpx.Client
+) -> None:
+    geometry = GridGeometry(0.1, 30, 40, (1.0, 2.0, 0.0))
+    values = [np.full((30, 40), 20 * k, np.uint8) for k in range(9)]
+    file = io.BytesIO()
+    write_costmaps(file, [RecordedCostmap(k * 10**9, k * 10**9, "odom", "", geometry, v) for k, v in enumerate(values)])
+    log_id = await asyncio.to_thread(sent, ann, "costs.mcap", file.getvalue())
+    session = await asyncio.to_thread(opened, ann, log_id)
+    async with stream(service, session, ann) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("pause")
+        await watcher.send("seek", index=6)
+        await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 6)
+    look = {"x": 1.5, "y": 2.25, "scale": 0.125, "width": 800.0, "height": 600.0}
+    link = await asyncio.to_thread(linked, ann, session, look=look)
+    assert (link["trajectory"], link["index"], link["count"]) == ("/costmap_raw", 6, 9)
+    assert link["changed"] == []
+
+    guest = browser(guest=True)
+    assert (await ask(guest, "get", f"/api{link['address']}")).json() == {"title": "costs.mcap", "look": look}
+    begun = (await ask(guest, "post", f"/api{link['address']}/sessions")).json()
+    assert (begun["kind"], begun["index"], begun["count"], begun["playing"]) == ("costmaps", 6, 9, False)
+    own = begun["id"]
+    costs = await ask(guest, "get", f"/api/sessions/{own}/costmap/costmap.pgm")
+    assert costs.content[-values[5].size :] == values[5].tobytes()
+    async with stream(service, own, guest) as socket:
+        watcher = Watcher(socket)
+        await watcher.send("seek", index=3)
+        await watcher.until(lambda: watcher.newest.get("frame", {}).get("index") == 3)
+        assert service.state.sessions.get(session).model.progress == (6, 9)
+        for method, path in (
+            ("GET", "/api/logs"),
+            ("GET", f"/api/logs/{log_id}"),
+            ("DELETE", f"/api/logs/{log_id}"),
+            ("GET", f"/api/sessions/{session}"),
+            ("GET", f"/api/sessions/{session}/costmap/costmap.pgm"),
+            ("GET", f"/api/sessions/{own}/links"),
+            ("DELETE", f"/api/links/{link['token']}"),
+        ):
+            assert refusal(await ask(guest, method, path)) == (401, "security.token"), (method, path)
+        with pytest.raises(InvalidStatus):
+            async with stream(service, session, guest):
+                pass
+        # A guest's session makes no further links, not even for who knows the token of the service.
+        again = await asyncio.to_thread(ann.post, "/api/links", json={"session": own})
+        assert refusal(again) == (403, "link.read_only")
+        listed = (await ask(ann, "get", f"/api/sessions/{session}/links")).json()["links"]
+        assert [(one["token"], one["watching"]) for one in listed] == [(link["token"], 1)]
+        assert (await ask(ann, "delete", f"/api/sessions/{session}/links/{link['token']}")).status_code == 204
+        await until_closed(socket)
+        assert socket.close_code == 4410
+    for method, path in (("GET", ""), ("POST", "/sessions")):
+        assert refusal(await ask(guest, method, f"/api{link['address']}{path}")) == (404, "link.gone")
+    assert (await ask(guest, "get", f"/api/sessions/{own}/costmap/costmap.pgm")).status_code == 401
 
 
 def test_guests_do_not_evict_sessions_of_visitors(

@@ -87,6 +87,7 @@ async def test_other_parameters_make_the_surface_again(lab: Lab) -> None:
     lab.look_around()
     first = drawn(lab)
     assert triangles(first) > 1000
+    assert first.label == "Surface"
     assert not any(isinstance(one, Voxels) for one in lab.model.drawings())
     message = next(one for one in lab.model.messages() if one["type"] == "surface")
     assert (message["triangles"], message["index"]) == (triangles(first), lab.message["taken"])

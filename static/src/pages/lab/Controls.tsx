@@ -54,7 +54,7 @@ export function Controls({ store }: { readonly store: Store | null }) {
           store?.send({ type: "restart" });
         }}
       >
-        Reset
+        <span class="lab-reset">Reset</span>
       </Button>
       <label class="lab-choice">
         <span>World</span>

@@ -1,12 +1,13 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { beginShared, type Shared, shared } from "./links";
+import { CostmapViewer } from "./costmaps/CostmapViewer";
+import { beginShared, type Shared, type SharedSession, shared } from "./links";
 import { Opening } from "./Opening";
 import { Viewer } from "./Viewer";
 
 interface Opened {
-  readonly session: string;
+  readonly session: SharedSession;
   readonly shared: Shared;
 }
 
@@ -53,10 +54,11 @@ export function Guest({ token }: { token: string }) {
   }
   if (!opened.value) return <Opening onCancel={() => ending.current?.abort()} />;
   const { session, shared: view } = opened.value;
+  const Kind = session.kind === "costmaps" ? CostmapViewer : Viewer;
   return (
-    <Viewer
-      key={session}
-      session={session}
+    <Kind
+      key={session.id}
+      session={session.id}
       onGone={() => void open()}
       guest={{ view: view.look, onEnded: () => void checkLink() }}
     />

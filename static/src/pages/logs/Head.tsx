@@ -17,10 +17,13 @@ export function Head({ store, onClose }: HeadProps) {
       {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
       <h1>{hello?.title ?? "…"}</h1>
       <RecomputeTime store={store} />
-      {!onClose && <span class="guest-note">Shared view: your changes are not seen by others.</span>}
+      {!onClose && <GuestNote />}
     </header>
   );
 }
+
+/** Tells visitors with a link that they have a session of their own. */
+export const GuestNote = () => <span class="guest-note">Shared view: your changes are not seen by others.</span>;
 
 /** Time that the server took to compute the whole map again. */
 function RecomputeTime({ store }: { readonly store: Store }) {

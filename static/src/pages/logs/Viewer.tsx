@@ -1,9 +1,6 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
-import type { RefObject } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
-import { framed, type SharedView } from "../../render/view";
-import type { Store } from "../../store/store";
 import { CompareReadout } from "../../tools/compare/Readout";
 import { useTool } from "../../tools/navigation/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
@@ -26,6 +23,7 @@ import { useLocalizing } from "./localize/localizing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
 import { useSensor } from "./sensor/useSensor";
+import { applySharedView, type GuestOfLink, sharedViewOf } from "./sharedView";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import type { TrajectoryErrors } from "./trajectories/errors";
@@ -40,8 +38,7 @@ interface ViewerProps {
   readonly reopens?: boolean;
   /** Called with the topic of another sensor that the session maps now. */
   readonly onSensor?: (topic: string) => void;
-  /** For a visitor with a shared link: the initial view, and a callback for the end of the session. */
-  readonly guest?: { readonly view: SharedView | null; readonly onEnded: () => void };
+  readonly guest?: GuestOfLink;
 }
 
 /** The view of one log: its map, playback, parameters, downloads. */
@@ -99,12 +96,6 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
       />
     );
   }
-  /** The visitor's view, if they moved it: otherwise the link shows everything on any screen. */
-  const sharedView = (): SharedView | null => {
-    const view = store.view.peek();
-    const size = picture.current?.size;
-    return store.viewHeld.peek() && view && size ? { ...view, width: size.width, height: size.height } : null;
-  };
   const isGuest = guest !== undefined;
   const log = hello?.log ?? null;
   return (
@@ -161,22 +152,10 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           notes,
           trajectoryErrors,
           openGroup,
-          sharedView,
+          sharedView: () => sharedViewOf(store, picture),
         })}
         open={openGroup}
       />
     </div>
   );
-}
-
-/** Show the shared part of the map as soon as the picture has a size. */
-function applySharedView(store: Store, picture: RefObject<Picture | null>, view: SharedView | null): () => void {
-  let waiting = 0;
-  const wait = (): void => {
-    const size = picture.current?.size;
-    if (view && size && size.width > 0) store.setView(framed(view, size));
-    else if (view) waiting = requestAnimationFrame(wait);
-  };
-  wait();
-  return () => cancelAnimationFrame(waiting);
 }

@@ -23,6 +23,9 @@ test("a link says which view it opens and who looks", () => {
   expect(described({ ...link, changed: ["clamp", "window"], watching: 3 })).toBe(
     "25 of 40 scans · odometry · 2 changed parameters · 3 viewers now",
   );
+  expect(described({ ...link, index: 40, trajectory: "/costmap_raw" }, "costmap")).toBe(
+    "costmap 40 of 40 · /costmap_raw",
+  );
 });
 
 test("a link's page is known by its address", () => {

@@ -49,14 +49,21 @@ export const linkOf = (path: string): string | null => /^\/shared\/([\w-]+)\/?$/
 
 export const shared = (token: string): Promise<Shared> => request(`/api/shared/${token}`);
 
-/** Open a separate session on the view of a link; resolves to its id. `ending` ends the request. */
-export async function beginShared(token: string, ending: AbortSignal): Promise<string> {
+/** A session that shows the view of a link. */
+export interface SharedSession {
+  readonly id: string;
+  /** "log", or "costmaps" for recorded costmaps. */
+  readonly kind: string;
+}
+
+/** Open a separate session on the view of a link. `ending` ends the request. */
+export async function beginShared(token: string, ending: AbortSignal): Promise<SharedSession> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
   });
   try {
-    return (await request<{ id: string }>(`/api/shared/${token}/sessions?name=${name}`, "POST", undefined, ending)).id;
+    return await request<SharedSession>(`/api/shared/${token}/sessions?name=${name}`, "POST", undefined, ending);
   } finally {
     stop();
   }
@@ -64,11 +71,14 @@ export async function beginShared(token: string, ending: AbortSignal): Promise<s
 
 const counted = (n: number, one: string, more: string): string => (n === 1 ? `1 ${one}` : `${n} ${more}`);
 
-/** The view of a link in one line. */
-export function described(link: Link): string {
+const scansOf = (index: number, count: number): string =>
+  index === count ? "the whole log" : `${index} of ${count} scans`;
+
+/** The view of a link in one line; `unit` is what its log shows one after the other. */
+export function described(link: Link, unit: "scan" | "costmap" = "scan"): string {
   const { index, count, changed, topic, trajectory, watching } = link;
   return [
-    index === count ? "the whole log" : `${index} of ${count} scans`,
+    unit === "costmap" ? `costmap ${index} of ${count}` : scansOf(index, count),
     trajectoryLabel(trajectory),
     ...(topic === null ? [] : [topic]),
     ...(changed.length === 0 ? [] : [counted(changed.length, "changed parameter", "changed parameters")]),

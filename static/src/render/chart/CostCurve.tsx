@@ -9,7 +9,7 @@ import { toPixel } from "./scale";
 import "./costCurve.css";
 
 const HEIGHT = 190;
-const [LEFT, RIGHT, TOP, BOTTOM] = [34, 12, 30, HEIGHT - 38];
+const [LEFT, RIGHT, TOP, BOTTOM] = [34, 12, 38, HEIGHT - 38];
 const COSTS = [0, 100, 200, 254];
 
 interface CostCurveProps {
@@ -75,7 +75,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
         <path class="area" d={`${line}L${x(reach)} ${y(0)}L${x(0)} ${y(0)}Z`} />
         <path class="line" d={line} />
         <circle class="lethal" cx={x(0)} cy={y(254)} r={4} />
-        <text class="mark inscribed" x={x(0) + 4} y={TOP - 16}>
+        <text class="mark inscribed" x={x(0) + 4} y={TOP - 23}>
           inscribed {written(inscribed, 2)} m
         </text>
         <text class="mark" x={x(circumscribed) + 4} y={TOP - 4}>
@@ -125,7 +125,7 @@ export function CostCurve({ inscribed, circumscribed, inflation, ranges, onChang
           onEnd={() => undefined}
           onKey={(pressed, shift) => key("inflation_radius", pressed, shift)}
         >
-          <line class="radius" x1={x(radius)} x2={x(radius)} y1={TOP + 40} y2={BOTTOM} />
+          <line class="radius" x1={x(radius)} x2={x(radius)} y1={TOP + 32} y2={BOTTOM} />
           <rect class="handle-mark" x={x(radius) - 5} y={BOTTOM - 15} width={10} height={30} rx={5} />
         </Handle>
       </svg>

@@ -17,6 +17,8 @@ interface SceneProps {
 
 /** Interval at which the layers are asked for until the scene has some. */
 const AGAIN_MS = 700;
+/** Interval at which they are asked for afterwards: they change with what the session draws. */
+const FOLLOW_MS = 1500;
 
 export function Scene({ session, hasColumns = true }: SceneProps) {
   const place = useRef<HTMLDivElement>(null);
@@ -58,18 +60,29 @@ function fullScreen(element: Element): void {
 
 function SceneControls({ session, hasColumns, onFullScreen }: SceneProps & { readonly onFullScreen: () => void }) {
   const now = useSignal<SceneSettings | null>(null);
+  /** Beginnings and ends of changes: an answer from before one of them is out of date. */
+  const changes = useRef(0);
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
+    let isOver = false;
     const look = async (): Promise<void> => {
-      const found = await askScene(session);
-      if (found) now.value = found;
-      if (!found || Object.keys(found.layers).length === 0) timer = setTimeout(() => void look(), AGAIN_MS);
+      const before = changes.current;
+      const found = document.hidden ? null : await askScene(session);
+      if (isOver) return;
+      if (found && before === changes.current) now.value = found;
+      const hasLayers = Object.keys(now.peek()?.layers ?? {}).length > 0;
+      timer = setTimeout(() => void look(), hasLayers ? FOLLOW_MS : AGAIN_MS);
     };
     void look();
-    return () => clearTimeout(timer);
+    return () => {
+      isOver = true;
+      clearTimeout(timer);
+    };
   }, [session]);
   const change = async (wanted: object): Promise<void> => {
+    changes.current += 1;
     const found = await askScene(session, wanted);
+    changes.current += 1;
     if (found) now.value = found;
     else toast("The server does not answer.", "error");
   };

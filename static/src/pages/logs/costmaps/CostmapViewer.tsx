@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
+import type { Picture } from "../../../render/picture/Picture";
 import type { Store } from "../../../store/store";
 import { CostFiles } from "../../../tools/navigation/CostFiles";
 import { BeliefView } from "../../../tools/picture/BeliefView";
@@ -7,6 +8,8 @@ import { Button } from "../../../ui/Button";
 import { Dock } from "../../../ui/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
+import { GuestNote } from "../Head";
+import { applySharedView, type GuestOfLink, sharedViewOf } from "../sharedView";
 import { Transport } from "../Transport";
 import { viewOf } from "./address";
 import { CostReadout } from "./CostReadout";
@@ -19,14 +22,17 @@ import { useConnected } from "../../useConnected";
 
 interface CostmapViewerProps {
   readonly session: string;
-  readonly onClose: () => void;
+  /** Back to the logs; not for a guest. */
+  readonly onClose?: () => void;
   /** The session has ended on the server: begin another on the same recording. */
   readonly onGone: () => void;
+  readonly guest?: GuestOfLink;
 }
 
 /** The costmaps of a recording, one after the other. */
-export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) {
-  const connection = useConnected(session);
+export function CostmapViewer({ session, onClose, onGone, guest }: CostmapViewerProps) {
+  const picture = useRef<Picture | null>(null);
+  const connection = useConnected(session, { picture });
   const { store, status, trouble } = connection;
   const openGroup = useSignal("costmap");
   const hello = store.hello.value;
@@ -34,7 +40,12 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
   useEffect(() => {
     if (isThere) showAddressed(store);
   }, [store, isThere]);
-  if (status.value === "gone") {
+  useEffect(() => applySharedView(store, picture, guest?.view ?? null), [connection]);
+  const ended = status.value === "gone";
+  useEffect(() => {
+    if (ended) guest?.onEnded();
+  }, [ended]);
+  if (ended) {
     return (
       <SessionEnded
         left="The recording is still there."
@@ -45,15 +56,28 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
       />
     );
   }
+  const share = {
+    id: "share",
+    title: "Share",
+    keeps: true,
+    badge: null,
+    content: () => <ShareCostmap store={store} session={session} sharedView={() => sharedViewOf(store, picture)} />,
+  };
   return (
     <div class="viewer">
       <header class="viewer-head">
-        <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />
+        {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
         <h1>{hello?.title ?? "…"}</h1>
+        {guest && <GuestNote />}
       </header>
       <div class="viewer-stage">
         <div class="viewer-map">
-          <BeliefView store={store} />
+          <BeliefView
+            store={store}
+            onPicture={(made) => {
+              picture.current = made;
+            }}
+          />
           {(!hello || trouble.value) && (
             <p class="viewer-over" role="status">
               {trouble.value ? <Icon name="warning" /> : null} {trouble.value ?? "Opening the costmaps …"}
@@ -69,7 +93,7 @@ export function CostmapViewer({ session, onClose, onGone }: CostmapViewerProps) 
         label="About these costmaps"
         groups={[
           { id: "costmap", title: "Costmap", keeps: true, badge: null, content: () => <Facts store={store} /> },
-          { id: "share", title: "Share", keeps: true, badge: null, content: () => <ShareCostmap store={store} /> },
+          ...(guest ? [] : [share]),
           {
             id: "download",
             title: "Download",
