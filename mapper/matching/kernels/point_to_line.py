@@ -24,7 +24,7 @@ from mapper.matching.kernels.types import (
     PairRule,
     ScanArrays,
 )
-from mapper.matching.kernels.views import pair_points
+from mapper.matching.kernels.views import _pair_points
 
 
 @jit
@@ -93,7 +93,7 @@ def accumulate_scan(
             beams[n] = k
             n += 1
     nearest = np.empty(n, dtype=np.int64)
-    pair_points(fixed, j, xy, n, gate, rule.max_beams, wanted, nearest)
+    _pair_points(fixed, j, xy, n, gate, rule.max_beams, wanted, nearest)
     found = np.empty((n, 6))  # of each pair: the point turned and placed, what it is paired with
     pairs, tried = 0, 0
     for p in range(n):

@@ -89,7 +89,7 @@ def _write_nearest(
 
 
 @jit
-def pair_points(
+def _pair_points(
     scans: ScanArrays, j: int, xy: Float64Array, n: int, gate: float, max_beams: int, least: int, nearest: Int64Array
 ) -> None:
     """Write the beam of scan j whose point is nearest to each of n points ``xy`` (., 2) of its base frame, metres.

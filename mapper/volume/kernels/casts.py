@@ -18,7 +18,7 @@ import numpy as np
 from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array, UInt64Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
-from mapper.volume.kernels.rays import CENTRE, crossing
+from mapper.volume.kernels.rays import CENTRE, _crossing
 from mapper.volume.kernels.types import Belief, CastRule, StopMasks
 
 HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
@@ -134,9 +134,9 @@ def cast_rays(
         dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
         length = np.float32(sqrt(float(dx * dx + dy * dy + dz * dz)))
         dx, dy, dz = dx / length, dy / length, dz / length
-        step_x, first_x, apart_x = crossing(x, ox, dx, resolution, 0.5 * resolution)
-        step_y, first_y, apart_y = crossing(y, oy, dy, resolution, 0.5 * resolution)
-        step_z, first_z, apart_z = crossing(z, oz, dz, resolution, 0.5 * resolution)
+        step_x, first_x, apart_x = _crossing(x, ox, dx, resolution, 0.5 * resolution)
+        step_y, first_y, apart_y = _crossing(y, oy, dy, resolution, 0.5 * resolution)
+        step_z, first_z, apart_z = _crossing(z, oz, dz, resolution, 0.5 * resolution)
         per_x, per_y, per_z = abs(float(dx)) * factor, abs(float(dy)) * factor, abs(float(dz)) * factor
         bx, by, bz = x >> 3, y >> 3, z >> 3
         # Distances to the block's borders. A ray that is parallel to an axis never meets those of that axis.

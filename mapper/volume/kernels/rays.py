@@ -26,7 +26,7 @@ def _norm(x: float, y: float, z: float) -> float:
 
 
 @jit
-def crossing(key: int, origin: float, along: float, resolution: float, half: float) -> tuple[int, float, float]:
+def _crossing(key: int, origin: float, along: float, resolution: float, half: float) -> tuple[int, float, float]:
     """Return the step, the distance to the first border and the distance between borders, of one axis, metres.
 
     ``key`` is that of the first voxel, ``origin`` the sensor's coordinate, ``along`` the component of the unit
@@ -151,9 +151,9 @@ def mark_rays(
                     continue
                 dx, dy, dz = ends[ray, 0] - origin[0], ends[ray, 1] - origin[1], ends[ray, 2] - origin[2]
                 length = np.float32(_norm(dx, dy, dz))
-                step_x, tx, apart_x = crossing(first[0], origin[0], dx / length, resolution, half)
-                step_y, ty, apart_y = crossing(first[1], origin[1], dy / length, resolution, half)
-                step_z, tz, apart_z = crossing(first[2], origin[2], dz / length, resolution, half)
+                step_x, tx, apart_x = _crossing(first[0], origin[0], dx / length, resolution, half)
+                step_y, ty, apart_y = _crossing(first[1], origin[1], dy / length, resolution, half)
+                step_z, tz, apart_z = _crossing(first[2], origin[2], dz / length, resolution, half)
                 if (
                     low_x < box.x or low_y < box.y or low_z < box.z
                     or high_x >= top_x or high_y >= top_y or high_z >= top_z

@@ -7,13 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from mapper.tools import precompile
 
 
-@pytest.mark.long  # `make test` runs the same command before the tests, and ends where it fails
-def test_every_kernel_is_compiled_by_it():
+def test_every_kernel_is_ready_where_all_are_kept_from_a_run_before():
+    # `make test` has run it before the tests. What only kernels call is then not compiled of itself.
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_DISABLE_JIT"}
     done = subprocess.run(
         [sys.executable, "-m", "mapper.tools.precompile"], env=environment, capture_output=True, text=True, check=False
