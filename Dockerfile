@@ -17,7 +17,7 @@ COPY mapper mapper
 COPY server server
 RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels .
 
-# What runs: the service and its dependencies in an environment of their own, no compiler, no Node.
+# What runs: the service and its dependencies in an environment of their own, no compiler, no Node, no packages' tests.
 FROM ${BASE} AS runtime
 RUN useradd --system --create-home --uid 10001 gridbloom \
     && install --directory --owner gridbloom --group gridbloom /data /blobs /var/cache/gridbloom
@@ -28,7 +28,8 @@ ENV VIRTUAL_ENV=/opt/gridbloom \
     GRIDBLOOM_PORT=8000 \
     GRIDBLOOM_LOG_FORMAT=json
 RUN --mount=type=bind,source=requirements/runtime.txt,target=/requirements.txt \
-    python -m venv "$VIRTUAL_ENV" && pip install --no-cache-dir --require-hashes --requirement /requirements.txt
+    python -m venv "$VIRTUAL_ENV" && pip install --no-cache-dir --require-hashes --requirement /requirements.txt \
+    && find "$VIRTUAL_ENV" -type d -name tests -prune -exec rm -r {} +
 RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
     pip install --no-cache-dir --no-deps /wheels/gridbloom-*.whl
 USER gridbloom
