@@ -13,10 +13,9 @@ from mapper.slam.config import SlamConfig
 from mapper.slam.loop_closure import MOST_ATTEMPTS
 from mapper.slam.odometry import matched_scans, odometry_name
 
-MS_PER_SCAN, MS_PER_BEAM = 1.0, 0.009  #: of processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
-SECONDS_OF_LOOPS = (
-    2.5e-10  #: times n² of the scans and the loops that are looked for: the graph is optimised again and again
-)
+MS_PER_SCAN, MS_PER_BEAM = 0.4, 0.004  #: of processor time: measured on 1 to 3 thousand scans of 180 to 682 beams
+#: times n² of the scans and the loops that are looked for: the graph is optimised again and again
+SECONDS_OF_LOOPS = 2.5e-10
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind
 BYTES_PER_SCAN = 12_000  #: poses, edges, pairs and their share of the factor
 FIXED_BYTES = 150_000_000  #: fields of submaps
