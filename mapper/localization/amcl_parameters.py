@@ -61,7 +61,7 @@ _OTHER = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """What an AMCL yaml says: the parameters, the layout, and what does not change where the robot is found.
+    """Contents of an AMCL yaml: the parameters, the layout, and keys that do not affect the estimate.
 
     ``others`` are the values of that by their names, which :func:`amcl_yaml` writes again.
     """

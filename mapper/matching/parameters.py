@@ -157,7 +157,7 @@ class MatchConfig:
 
     @property
     def parts(self) -> Method:
-        """What the method is made of."""
+        """Parts of the method."""
         return METHODS[self.method]
 
 

@@ -60,7 +60,7 @@ class PointCloud:
 
     @property
     def finite(self) -> NDArray[np.bool_]:
-        """Which points (n,) are places: the others are NaN, without a reading, or infinite."""
+        """Mask (n,) of the points with finite coordinates; NaN is a point without a reading."""
         return np.asarray(np.isfinite(self.points).all(axis=1))
 
 
@@ -76,7 +76,7 @@ class PosedCloud:
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Where the rays begin (3,), metres in the map's frame."""
+        """Origin of the rays (3,), metres in the map's frame."""
         return self.pose[:3, 3]
 
     def points_in_map(self) -> NDArray[np.float64]:

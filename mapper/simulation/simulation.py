@@ -23,7 +23,7 @@ ROBOT_RADIUS = 0.2  #: metres
 
 @dataclass(frozen=True, slots=True)
 class Teleport:
-    """Where a teleport ended: ``pose`` (x, y, yaw); whether it had to be ``moved``, and one sentence on it."""
+    """Result of a teleport: ``pose`` (x, y, yaw), whether it had to be ``moved``, and one sentence on it."""
 
     pose: PoseTuple
     moved: bool

@@ -1,4 +1,4 @@
-"""What SLAM of a log will take, before it starts."""
+"""Estimate of the time and memory of SLAM, before it starts."""
 
 from __future__ import annotations
 

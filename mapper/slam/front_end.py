@@ -48,7 +48,7 @@ LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignm
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What the front end found of one scan: ``relative`` (3,) to the one kept before, with ``information`` (3, 3).
+    """Result of the front end for one scan: ``relative`` (3,) to the one kept before, with ``information`` (3, 3).
 
     ``is_kept`` says that later scans are aligned with it; otherwise only its pose counts.
     Of its points that agree with the scans before or contradict them, ``inliers`` is the share that agree;

@@ -1,4 +1,4 @@
-"""How scans are aligned here: which points correspond, and the weights of the result."""
+"""Rules by which SLAM aligns scans: correspondences, and the weights of the result."""
 
 from __future__ import annotations
 

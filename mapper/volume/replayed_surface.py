@@ -68,7 +68,7 @@ class ReplayedSurface:
 
     @property
     def count(self) -> int:
-        """How many scans there are."""
+        """Number of scans."""
         return len(self.source)
 
     @property

@@ -33,7 +33,7 @@ _FOUND = 1 << 18  # blocks of beams that are looked up at a time, some of them s
 
 @dataclass(frozen=True, slots=True)
 class Fused:
-    """What a measurement did: ``slots`` (n,) of the blocks that changed, ascending; ``used`` pixels or points of it."""
+    """Result of a fusion: ``slots`` (n,) of the blocks that changed, ascending; ``used`` pixels or points of it."""
 
     slots: Int32Array
     used: int

@@ -39,7 +39,7 @@ PIECE = 1 << 20  #: bytes of the merged log that are stored at once
 
 
 class Uploads(Logs, Protocol):
-    """What the jobs need of the library."""
+    """Interface of the library that the jobs use."""
 
     async def put(self, owner: str, name: str, chunks: AsyncIterator[bytes]) -> Record:
         """Store a log."""

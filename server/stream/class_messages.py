@@ -33,7 +33,7 @@ class ClassLook(Struct):
 
 
 class ClassView(Struct):
-    """What the lecturer's page shows. Places are map metres."""
+    """State of the lecturer's page. Places are map metres."""
 
     page: Annotated[
         Literal["lecture", "lab", "logs", "other"],
@@ -80,7 +80,7 @@ class ClassQuestion(Struct):
 
 
 class ClassSolver(Struct):
-    """How far one follower is with the puzzle; followers are known by number only."""
+    """Progress of one follower with the puzzle; followers are known by number only."""
 
     number: Annotated[int, Meta(description="number of the follower")]
     is_named: Annotated[bool, Meta(description="whether the cause is named")]
@@ -120,7 +120,7 @@ class ClassWelcome(Struct, tag_field="type", tag="welcome"):
 
 
 class ClassViewMessage(Struct, tag_field="type", tag="view"):
-    """What the lecturer shows now, to the followers."""
+    """Present state of the lecturer's page, sent to the followers."""
 
     view: Annotated[ClassView, Meta(description="what the lecturer shows")]
     stage: Annotated[int, Meta(description="number of the session that is shown, from 1; 0: none")]

@@ -101,7 +101,7 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What a recording holds. ``notes`` say what could not be read."""
+    """Contents of a recording. ``notes`` state what could not be read."""
 
     topics: tuple[TopicContents, ...]
     edges: tuple[FrameEdge, ...] = ()

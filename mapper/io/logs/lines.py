@@ -44,7 +44,7 @@ class TextLines:
 
     @property
     def broken(self) -> str | None:
-        """What was found wrong with packed data, as "The gzip data ends early"; None where nothing was."""
+        """Damage found in packed data, as "The gzip data ends early"; None if there is none."""
         if self._unpacked is None or self._unpacked.broken is None:
             return None
         return f"The {self._unpacked.packing} data {self._unpacked.broken}"

@@ -35,7 +35,7 @@ _RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #:
 
 
 class RecordedLog:
-    """What was taken of the recording ``name``, of the format ``form``, as the log of a robot."""
+    """The messages taken from the recording ``name``, of the format ``form``, as the log of a robot."""
 
     def __init__(self, taken: Taken, name: str, form: str) -> None:
         self._taken, self._name, self._form = taken, name, form

@@ -26,7 +26,7 @@ router = APIRouter(tags=["links"])
 
 
 class Look(BaseModel):
-    """What part of the map a picture shows."""
+    """Part of the map that a picture shows."""
 
     model_config = ConfigDict(extra="forbid")
 

@@ -26,7 +26,7 @@ MIDDLE = CORRIDOR / 2
 
 
 def cupboards(x: float) -> list[Polygon]:
-    """What stands along the south corridor from x on, in a way that no other part of the ring has."""
+    """Furniture along the south corridor from x on, in an order that no other part of the ring has."""
     return [
         rect(x, 0.2, x + 0.6, 0.7), rect(x + 3.2, 2.0, x + 3.9, 2.5), rect(x + 5.0, 0.2, x + 6.3, 0.5),
         rect(x + 8.1, 1.7, x + 8.5, 2.5), rect(x + 11.0, 0.2, x + 11.4, 0.9),
@@ -57,7 +57,7 @@ def chained(first: np.ndarray, steps: np.ndarray) -> Trajectory:
 
 
 def return_errors(log: ScanLog, poses: np.ndarray) -> np.ndarray:
-    """How far the last 20 poses are off from that of the first round's scan nearest to each, metres."""
+    """Distances of the last 20 poses from those of the first round's nearest scans, metres."""
     true = log.trajectory("true").poses
     out = []
     for k in range(log.n_scans - 20, log.n_scans):
@@ -68,7 +68,7 @@ def return_errors(log: ScanLog, poses: np.ndarray) -> np.ndarray:
 
 
 def loop_errors(log: ScanLog, found: SlamResult) -> np.ndarray:
-    """How far each loop's relative pose is from the true one, metres."""
+    """Error of each loop's relative pose, metres."""
     graph = found.graph
     true = log.trajectory("true").poses[graph.nodes]
     loops = np.flatnonzero(graph.kind == LOOP)
