@@ -1,7 +1,7 @@
 """The decorator of the compiled functions.
 
 numba takes a third of a second of processor time to import. A process that computes no map, such as a service that
-nobody has visited yet or a command that prints a log's header, does without it.
+has had no visitor yet or a command that prints a log's header, does without it.
 """
 
 from __future__ import annotations

@@ -117,7 +117,7 @@ def judge(
 ) -> Verdict:
     """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
 
-    ``config`` gives a correction of the mount and of the clock; all else of it is left aside, for sharpness is judged
+    ``config`` gives a correction of the mount and of the clock; the rest of it is not used, because sharpness is judged
     in the map of the sensor's default parameters. Of a :class:`JointLog` each sensor is judged by itself, and the
     sharpness is that of their common map. What cannot be judged does not pass. ``progress`` is called with the
     share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks, for a correction of the mount

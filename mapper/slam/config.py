@@ -91,7 +91,7 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "place_corners", "Least corners", "loops", "number", 5,
-        "Corners of two submaps that must lie upon one another for their scans to be matched.",
+        "Corners of two submaps that must coincide for their scans to be matched.",
         low=3, high=40, step=1,
     ),
     Parameter(

@@ -1,4 +1,4 @@
-"""Surfaces out of files: depth folders image by image, and all else that holds clouds point by point."""
+"""Surfaces from files: depth folders image by image, other files with clouds point by point."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ class TsdfVolume:
 
         ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame. Each voxel takes the depth of the pixel in
         which its centre is seen, less its own depth. Raises :class:`ConfigError` for an image of another size than the
-        camera's and a pose that is none, and :class:`LimitError` for an image that needs more memory than the limits
+        camera's and for an invalid pose, and :class:`LimitError` for an image that needs more memory than the limits
         allow; the map is then as before.
         """
         image = np.ascontiguousarray(depth, dtype=np.float32)

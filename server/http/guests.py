@@ -20,7 +20,7 @@ Endpoint = TypeVar("Endpoint", bound=Callable[..., Any])
 class GuestRight(Enum):
     """Guests that may call a route."""
 
-    NEVER = "never"  #: nobody without the token
+    NEVER = "never"  #: no visitor without the token
     ALWAYS = "always"  #: anybody: the address holds no data, or its path holds the secret of a link
     LINKED_SESSION = "linked session"  #: anybody who knows the ``session_id`` of a session that was begun with a link
 

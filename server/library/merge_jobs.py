@@ -85,7 +85,7 @@ class MergeJobs:
 
         ``cuts`` say how the scans of each are cut out of clouds and depth images, None as by default. ``done`` is
         called when it has ended. Raises :class:`LimitError` for one job too many, :class:`ConfigError` for a log with
-        itself and for a cut that is none, :class:`StorageError`, and as the library for logs that the owner may not
+        itself and for an invalid cut, :class:`StorageError`, and as the library for logs that the owner may not
         open.
         """
         for cut in cuts:

@@ -47,7 +47,7 @@ class Footprint:
 
 
 class SessionModel(ABC):
-    """Model of a session. A kind has to implement :attr:`layers` and :meth:`advance`; all else has a default."""
+    """Model of a session. A kind has to implement :attr:`layers` and :meth:`advance`; the rest has a default."""
 
     kind: ClassVar[str]  #: name of the kind, as in :data:`server.sessions.kinds.KINDS`
     replacing: ClassVar[frozenset[str]] = frozenset()

@@ -103,7 +103,7 @@ class ClassState(Struct, tag_field="type", tag="class"):
 
     code: Annotated[str, Meta(description="the code of the class")]
     present: Annotated[int, Meta(description="followers that are connected")]
-    is_locked: Annotated[bool, Meta(description="whether nobody else can join")]
+    is_locked: Annotated[bool, Meta(description="whether no one else can join")]
     has_ended: Annotated[bool, Meta(description="whether the class is over")]
     hands: Annotated[list[int], Meta(description="numbers of the followers who ask for the robot; lecturer only")]
     driver: Annotated[int | None, Meta(description="number of the follower who drives the robot; null: the lecturer")]
@@ -175,7 +175,7 @@ class CloseCommand(Struct, tag_field="type", tag="close"):
 
 
 class LockCommand(Struct, tag_field="type", tag="lock"):
-    """Lecturer: let nobody else join, or let people join again."""
+    """Lecturer: close the class to new listeners, or open it again."""
 
     value: Annotated[bool, Meta(description="whether it is locked")]
 

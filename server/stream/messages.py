@@ -168,7 +168,7 @@ class Trajectories(Struct, tag_field="type", tag="trajectories"):
 
 
 class NotesMessage(Struct, tag_field="type", tag="notes"):
-    """Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again."""
+    """Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again."""
 
     changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
 

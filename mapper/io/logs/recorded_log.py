@@ -234,7 +234,7 @@ class RecordedLog:
         return self._timed[key]
 
     def _timed_poses(self, stamps: Int64Array, poses: NDArray[np.float64]) -> TimedPoses | None:
-        """Return poses with stamps; None where they are absurdly far away."""
+        """Return poses with stamps; None where they are beyond the limit of coordinates."""
         if np.abs(poses[:, :2]).max() > self._limits.max_pose:
             return None
         return TimedPoses(stamps, poses)

@@ -93,7 +93,7 @@ async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_
 
     The first request has it found out, which may take as long as reading the log did: until then the answer is 202
     with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds: of topics since the recording
-    began, of all else since the log's first scan.
+    began, of other series since the log's first scan.
     """
     recording, found = await _looked_into(sessions, library, visitor, session_id)
     if isinstance(found, float):

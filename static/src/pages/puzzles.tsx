@@ -15,7 +15,7 @@ import { PuzzleList } from "./puzzles/PuzzleList";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
 import { beginAttempt, preparing, rememberSolved } from "./puzzles/puzzles";
 
-/** The token of a puzzle that somebody made and shared; null on the other addresses. */
+/** The token of a shared puzzle; null on the other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
 const hasList = token === null && followedCode === null;
 

@@ -556,7 +556,7 @@ export interface Trajectories {
   readonly trajectories: readonly TrajectoryInfo[];
 }
 
-/** Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again. */
+/** Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again. */
 export interface NotesMessage {
   readonly type: "notes";
   /** when, seconds since 1970 */
@@ -1216,7 +1216,7 @@ export interface MapEditCommand {
 /** Maps: undo edits, or make them again. */
 export interface MapHistoryCommand {
   readonly type: "map_history";
-  /** negative: so many are undone; positive: made again */
+  /** negative: number of steps to undo; positive: to redo */
   readonly steps: number;
 }
 
@@ -1348,7 +1348,7 @@ export interface ClassState {
   readonly code: string;
   /** followers that are connected */
   readonly present: number;
-  /** whether nobody else can join */
+  /** whether no one else can join */
   readonly is_locked: boolean;
   /** whether the class is over */
   readonly has_ended: boolean;
@@ -1439,7 +1439,7 @@ export interface CloseCommand {
   readonly type: "close";
 }
 
-/** Lecturer: let nobody else join, or let people join again. */
+/** Lecturer: close the class to new listeners, or open it again. */
 export interface LockCommand {
   readonly type: "lock";
   /** whether it is locked */

@@ -59,7 +59,7 @@ export function Springs() {
   );
   const judged = useComputed(() => judge(poses.value, edges.value, kernel.value, scale.value));
 
-  // A graph that nobody holds goes to its rest in Gauss–Newton steps, a part of one in each frame.
+  // A graph that is not dragged goes to its minimum in Gauss–Newton steps, a part of one in each frame.
   useSignalEffect(() => {
     const { poses: target, weights } = rest.value;
     if (held.value || !seen.value) return;

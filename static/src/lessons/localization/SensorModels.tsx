@@ -92,7 +92,7 @@ function Verdict({ mix, z, prior }: { mix: BeamMixture; z: number; prior: number
     <>
       Half way to the reading, at it, and behind it, Bayes’ rule adds {per(found, before)}, {per(found, at)} and{" "}
       {per(found, behind)}. Read backwards, the forward model gives {per(read, before)}, {per(read, at)} and{" "}
-      {per(read, behind)}: cells that were seen to be free and cells that nobody saw look alike.
+      {per(read, behind)}: cells that were seen to be free and cells that were never seen look alike.
     </>
   );
 }

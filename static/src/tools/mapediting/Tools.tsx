@@ -158,7 +158,7 @@ export function WholeMap({ store }: { readonly store: Store }) {
       <div class="mapediting-row">
         <Slider
           label="Specks"
-          sentence="Groups of at most so many occupied cells become free."
+          sentence="Groups of at most this many occupied cells become free."
           unit="cells"
           value={cells.value}
           initial={3}
