@@ -28,6 +28,7 @@ READY = {
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
     "/puzzles.html": ".puzzles-card",
+    "/missing.html": "h1",
 }
 MODELS = ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting", "fixed_increments")
 

@@ -19,8 +19,8 @@ from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
 from server.http.guests import GuestRight, guests_may
+from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, CopyBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
