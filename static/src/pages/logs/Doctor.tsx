@@ -85,15 +85,21 @@ export function findingsBadge({ state }: DoctorState): string | null {
   return now.kind === "done" && now.examination.findings.length > 0 ? String(now.examination.findings.length) : null;
 }
 
+/** The check whose finding SLAM remedies. */
+const DRIFT = "walls.drift";
+
+/** Whether the examination states that the poses in use drift. */
+export function findsDrift({ state }: DoctorState): boolean {
+  const now = state.value;
+  return now.kind === "done" && now.examination.findings.some(({ check, possible }) => check === DRIFT && !possible);
+}
+
 interface DoctorProps {
   readonly store: Store;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
   readonly onHeal?: () => void;
 }
-
-/** The check whose finding SLAM remedies. */
-const DRIFT = "walls.drift";
 
 /**
  * The log doctor: problems of a log, where they are, how certain, and what to do about them.

@@ -46,6 +46,8 @@ export interface LogView {
   readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
+  /** Begin to heal the log's poses, and open the group that shows it. */
+  readonly onHeal: () => void;
   readonly notes: NotesState;
   /** The errors whose paths are on the map. */
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
@@ -80,19 +82,8 @@ const GROUPS: readonly Group[] = [
     title: "Doctor",
     section: "Check",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor, healing, openGroup, isGuest }) => (
-      <Doctor
-        store={store}
-        doctor={doctor}
-        {...(isGuest
-          ? {}
-          : {
-              onHeal: () => {
-                openGroup.value = "heal";
-                void healing.begin();
-              },
-            })}
-      />
+    content: ({ store, doctor, onHeal, isGuest }) => (
+      <Doctor store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
     ),
   },
   {
