@@ -16,7 +16,7 @@ export function PolishedSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <OnStage scene="polished" label="A polished wall and the map of it">
-          <div class="figure-controls">
+          <div class="stage-row">
             <ToggleOf label="polished wall" signal={polishedOn} />
           </div>
         </OnStage>
@@ -49,7 +49,7 @@ export function PeopleSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <OnStage scene="people" label="Someone walks behind the robot">
-          <div class="figure-controls">
+          <div class="stage-row">
             <ToggleOf label="someone walks" signal={peopleOn} />
             <Slider
               label="Scans of the drive"

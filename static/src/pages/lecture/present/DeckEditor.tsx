@@ -131,6 +131,7 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
       <label class="deck-name">
         <span>Name of the deck</span>
         <input
+          class="field-text"
           type="text"
           value={title}
           maxLength={LONGEST_TITLE}

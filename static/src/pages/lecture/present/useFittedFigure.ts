@@ -11,7 +11,7 @@ const LARGEST_CONTROLS = 1.6;
 const STEP = 0.05;
 /** Controls are enlarged by a quarter, and more only as long as they are laid out at this width, CSS pixels. */
 const ALWAYS = 1.25;
-const CONTROLS_WIDTH = 320;
+const CONTROLS_WIDTH = 380;
 
 const heightOf = (element: Element): number => element.getBoundingClientRect().height;
 
