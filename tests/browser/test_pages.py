@@ -32,7 +32,7 @@ def test_a_page_opens_without_errors(
         "/lab.html": ".picture canvas",
         "/logs.html": ".log-card",
         "/fleet.html": ".fleet-card.done img",
-        "/puzzles.html": ".puzzles-card",
+        "/puzzles.html": ".puzzles .card",
         "/missing.html": "h1",
     }[path]
     expect(page.locator(what).first).to_be_visible()

@@ -40,6 +40,7 @@ function Join() {
         <label>
           Code
           <input
+            class="field-text"
             autocomplete="off"
             autocapitalize="characters"
             spellcheck={false}

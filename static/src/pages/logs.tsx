@@ -1,5 +1,4 @@
 import "../style/index.css";
-import "./logs/logs.css";
 import "./logs/library.css";
 import "./logs/card.css";
 import "./logs/finder.css";

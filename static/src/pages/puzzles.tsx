@@ -8,6 +8,7 @@ import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { followPages, showOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
+import { ProgressBar } from "../ui/ProgressBar";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
@@ -99,9 +100,7 @@ function Page() {
             </span>
           )}
         </p>
-        <div class="progress waiting wide" aria-hidden="true">
-          <span />
-        </div>
+        <ProgressBar fraction={now?.fraction ?? null} isWide />
         {now && <Button onClick={() => ending?.abort()}>Cancel</Button>}
       </div>
     );

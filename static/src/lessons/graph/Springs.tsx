@@ -141,7 +141,7 @@ export function Springs() {
           </>
         )}
       </Stage>
-      <p class="springs-key quiet">
+      <p class="legend">
         <SpringKey tone="fits">fits</SpringKey>
         <SpringKey tone="strained">off by {STRAINED} σ and more</SpringKey>
         <SpringKey tone="torn">by {TORN} σ and more</SpringKey>
@@ -184,7 +184,7 @@ export function Springs() {
         <Button onClick={reset}>Reset</Button>
       </div>
       <KernelPlot kernel={kernel.value} scale={scale.value} loops={loops} />
-      <figcaption class="quiet number">
+      <figcaption class="number">
         <b class="springs-error">Poses off by {written(errorOf(poses.value), 2)} m</b> (root mean square); Σ eᵀ Ω e ={" "}
         {written(energy, energy < 100 ? 1 : 0)}.
         {loops.map(({ name, residual, weight }) => (

@@ -43,7 +43,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
               </li>
             ))}
           </ul>
-          <p class="quiet">
+          <p>
             Dark is what is known, <b class="noun-robot">green</b> what is matched to it, computed from scans of the
             room above.
           </p>

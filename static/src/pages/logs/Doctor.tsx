@@ -3,6 +3,7 @@ import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
 import type { Making } from "../making";
@@ -160,12 +161,9 @@ interface ProgressProps {
 
 /** It has its room also while there is no examination: one begins by itself, and nothing is to move then. */
 function ExaminationProgress({ isBusy, progress, cancel }: ProgressProps) {
-  const fraction = progress?.fraction ?? null;
   return (
     <div class={isBusy ? "doctor-progress" : "doctor-progress idle"} inert={!isBusy}>
-      <div class={fraction === null ? "progress waiting" : "progress"} aria-hidden="true">
-        <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
-      </div>
+      <ProgressBar fraction={progress?.fraction ?? null} />
       <span class="quiet number" aria-hidden="true">
         {progress && progressText(progress)}
       </span>

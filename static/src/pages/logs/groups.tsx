@@ -79,8 +79,8 @@ const GROUPS: readonly Group[] = [
   { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
   {
     id: "doctor",
-    title: "Doctor",
-    section: "Check",
+    title: "Findings",
+    section: "Doctor",
     badge: ({ doctor }) => findingsBadge(doctor),
     content: ({ store, doctor, onHeal, isGuest }) => (
       <Doctor store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
@@ -89,7 +89,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "heal",
     title: "Heal",
-    section: "Check",
+    section: "Doctor",
     isThere: ({ log }) => log !== null,
     badge: ({ healing }) => healing.badge.value,
     content: ({ store, session, healing, comparison, isGuest }) => (
@@ -99,7 +99,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "compare",
     title: "Compare",
-    section: "Check",
+    section: "Doctor",
     badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />

@@ -187,7 +187,7 @@ export function WholeMap({ store }: { readonly store: Store }) {
             turn.value = value === 0 ? null : value / DEGREES;
           }}
         />
-        <div class="mapediting-buttons">
+        <div class="actions">
           <Button icon="redo" disabled={degrees === 0} onClick={() => rotate(turn.peek() ?? 0)}>
             Turn
           </Button>
