@@ -19,10 +19,11 @@ from mapper.slam.scan_store import ScanStore
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
+#: metres, metres, radians: coarser than in the front end, for windows are wide; the alignment begins within 0.4 m
 RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025
-LEVELS = 4
+LEVELS = 4  #: of branch and bound: it begins with squares of 16 cells, 1.6 m
 SCANS = 6  #: of the place that a found pose is aligned with
-LEAST_PAIRS = 30  #: of points
+LEAST_PAIRS = 30  #: of points: fewer are one short wall, which leaves a direction open
 GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
 PRIOR = np.full(3, 1e-3)  #: weight of the correlation's pose in the alignment, in pairs of points
 FARTHEST_SHIFT = 0.4  #: metres, between the correlation's pose and the aligned one

@@ -230,8 +230,8 @@ class PlaceRecognizer:
 def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
     """Return why a graph refuses the loops at its end that it has more than ``before``, "" for no reason.
 
-    Both are optimised. Refused is a group that the robust kernel gives little weight, or that takes it from more than
-    half as many other loops.
+    ``after`` is optimised, ``before`` has the weights at the poses so far. Refused is a group that the robust kernel
+    gives little weight, or that takes it from more than half as many other loops.
     """
     n = len(before.weight)
     if (after.weight[n:] < LEAST_WEIGHT).any():

@@ -113,6 +113,16 @@ def test_the_parameters_say_what_is_enough(drifted: ScanLog) -> None:
         SlamConfig(place_group=1)
 
 
+def test_a_place_needs_as_many_loops_as_the_group_says(drifted: ScanLog) -> None:
+    """Shortly after the return some loops agree, but not yet 30."""
+    log = drifted.take(slice(0, drifted.n_scans - 16))
+    few, many = (slam_log(log, SlamConfig(place_group=least)) for least in (5, 30))
+    waiting = many.candidates.reason.count("place recognition: too few other loops agree with it")
+    assert few.graph.n_loops >= 5
+    assert many.graph.n_loops == 0
+    assert 5 <= waiting < 30
+
+
 @pytest.mark.parametrize("stretched", [1.0, 1.5])
 def test_two_places_that_look_alike_are_not_joined_after_a_long_drive(stretched: float) -> None:
     """The same cupboards stand 21 m farther on, and the robot comes back after 150 m: either could be the other."""
