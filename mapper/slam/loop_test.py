@@ -136,7 +136,7 @@ def share_contradicted_mutually(store: ScanStore, place: Place, loop: Loop) -> f
     placed[loop.j] = compose(place.poses[loop.i], loop.relative)
     counts = np.empty(3, dtype=np.int64)
     count_agreement(scans, loop.j, placed[loop.j], members, placed, GATE, 1, counts)
-    agreeing, contradicting = counts[1:].tolist()
+    agreeing, contradicting = int(counts[1]), int(counts[2])
     later = np.array([loop.j])
     for k in _with_most_in_common(store, place, loop.j, placed[loop.j]).tolist():
         count_agreement(scans, k, placed[k], later, placed, GATE, 1, counts)
