@@ -12,8 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
 from server.http.guests import GuestRight, guests_may
+from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
@@ -28,7 +28,7 @@ router = APIRouter(tags=["links"])
 
 
 class Look(BaseModel):
-    """What part of the map a picture shows."""
+    """Part of the map that a picture shows."""
 
     model_config = ConfigDict(extra="forbid")
 

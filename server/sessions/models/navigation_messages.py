@@ -1,4 +1,4 @@
-"""What a session says of its costmap."""
+"""Messages of a session about its costmap."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ class TerrainCosts(Protocol):
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the cells are."""
+        """Geometry of the map."""
 
     def costs(self) -> UInt8Array:
         """Return the costs (rows, cols): 254 where it is unsafe, 255 where it is unknown."""
@@ -53,7 +53,7 @@ class TerrainMap:
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the cells are."""
+        """Geometry of the map."""
         return self.given.geometry
 
     def costs(self) -> UInt8Array:

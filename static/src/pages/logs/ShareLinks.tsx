@@ -108,6 +108,7 @@ export function ShareLinks({ session, sharedView, unit = "scan", text, children 
                     <strong>{made(link)}</strong>
                     <span class="quiet">{described(link, unit)}</span>
                     <input
+                      class="field-text"
                       readOnly
                       aria-label={`Address of the link of ${made(link)}`}
                       value={absolute(link)}

@@ -44,7 +44,13 @@ export function TerrainChoice({ store, session }: TerrainChoiceProps) {
   return (
     <div class="field">
       <span class="field-label">Terrain</span>
-      <LogChoice onlyTerrains own="" chosen={chosen.value} disabled={isBusy.value} onChoose={(next) => void choose(next)} />
+      <LogChoice
+        onlyTerrains
+        own=""
+        chosen={chosen.value}
+        disabled={isBusy.value}
+        onChoose={(next) => void choose(next)}
+      />
       {chosen.value && (
         <Button kind="quiet" disabled={isBusy.value} onClick={() => void choose(null)}>
           Without terrain
