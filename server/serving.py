@@ -66,7 +66,7 @@ def listen(host: str, port: int) -> socket.socket:
     bound = socket.socket(family, kind, protocol)
     try:
         bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # Accepted sockets inherit it. A client that never reads would hold a session for ever, because closing waits
+        # Accepted sockets inherit it. A client that never reads would hold a session without end, because closing waits
         # until all sent data is acknowledged. (Linux only; elsewhere the session's idle time is the only limit.)
         if hasattr(socket, "TCP_USER_TIMEOUT"):
             bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNREAD_MS)

@@ -29,7 +29,7 @@ class Report(Protocol):
 
     @property
     def fraction(self) -> float:
-        """How much of the job is done, from 0 to 1."""
+        """Progress of the job, from 0 to 1."""
 
     @property
     def poses(self) -> NDArray[Any]:
@@ -94,7 +94,7 @@ def follow_localization(session: SessionHost, library: Library, log_id: str) -> 
 
 
 def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T], owner: str, log_id: str) -> None:
-    """When the job has ended, let the owner's sessions on the log have its trajectory, and show it if they follow."""
+    """Give the owner's sessions on the log the trajectory of the ended job; those that follow show it."""
 
     async def tell() -> None:
         found = jobs.state(owner, log_id)

@@ -191,7 +191,7 @@ class Catalogue:
     def save(self, record: Record) -> None:
         """Store a changed record. If it cannot be written, the change is lost at the next start."""
         self._records[record.id] = record
-        # Of the folder's logs only what was found out is worth keeping: all else is found out again.
+        # Of the folder's logs only results that take long are kept: the rest is read again.
         if record.source == "upload" or record.state == "ready":
             asyncio.ensure_future(self._store.put(record)).add_done_callback(_ignore_error)
 

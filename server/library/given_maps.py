@@ -29,7 +29,7 @@ LIMITS = JobLimits(timeout_s=300.0, cpu_s=600.0)
 
 
 class MapLogs(Logs, Protocol):
-    """What is needed of the library."""
+    """Interface of the library that is used here."""
 
     async def given_map(self, owner: str, log_id: str) -> GivenMap | None:
         """Return a map of the library, None for a log."""

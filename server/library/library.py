@@ -257,7 +257,7 @@ class Library:
         self.check_stores()
         await self._expire()
         record = await self._uploads.receive(sender, declared, chunks)
-        self.check_stores()  # no upload is confirmed whose record is in files that nobody finds
+        self.check_stores()  # no upload is confirmed whose record is in unlinked files
         return record
 
     def check_stores(self) -> None:

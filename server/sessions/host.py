@@ -86,7 +86,7 @@ class SessionHost:
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
         self._pace = TickPace()
-        self._is_draw_due = False  #: whether a layer is to be drawn that nobody watched before
+        self._is_draw_due = False  #: whether a layer is to be drawn that was not watched before
         self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
         self._deferred_due = 0.0
         self._requests = ReplacingRequests(clock)
@@ -162,7 +162,7 @@ class SessionHost:
 
     @property
     def is_seen(self) -> bool:
-        """Whether somebody sees what is computed: a listener, or a client that is not stalled."""
+        """Whether the session has a listener, or a client that is not stalled."""
         return bool(self.listeners) or any(not client.is_stalled for client in self.hub.clients)
 
     def acknowledge(self, client: Client, seq: int) -> None:
@@ -360,7 +360,7 @@ class SessionHost:
         return not (self.closed or self._requests.is_useless)
 
     def in_background(self) -> Callable[[], bool]:
-        """Return a function for a computation that nobody waits for, see :meth:`LongWork.in_background`."""
+        """Return a function for a computation in the background, see :meth:`LongWork.in_background`."""
         return self._long_work.in_background(lambda: not self.closed)
 
     def _stop(self) -> None:

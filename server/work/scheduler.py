@@ -49,7 +49,7 @@ def _uncancellable() -> Future[None]:
 
 @dataclass(slots=True, eq=False)
 class _Task:
-    """What a turn computes on a thread of ``pool``, and the future of ``loop`` that waits for it."""
+    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` that waits for it."""
 
     pool: Executor
     job: Callable[[], Any]
@@ -66,7 +66,7 @@ class _Task:
 
 @dataclass(frozen=True, slots=True)
 class _Finished:
-    """What a job returned, or the error that it raised, for the future that waits for it."""
+    """Result of a job, or the error that it raised, for the future that waits for it."""
 
     done: asyncio.Future[Any]
     result: Any

@@ -1,4 +1,4 @@
-"""What the browser tests read from a page: the map in the browser, and the state of its figures."""
+"""Reading of a page by the browser tests: the map in the browser, and the state of its figures."""
 
 from __future__ import annotations
 

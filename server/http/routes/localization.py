@@ -133,7 +133,7 @@ async def map_of_files(
             of_log.owner, of_log.log_id, name, request.stream(), address=client_address(request)
         )
     except ClientDisconnect:
-        return {"map": None}  # nobody is there to read it
+        return {"map": None}  # the client has gone
     return _show(of_log.session, made)
 
 
@@ -168,7 +168,7 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
 
 @router.get("/sessions/{session_id}/localization")
 async def state(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return how far the localization of the session's log is, and what came of it."""
+    """Return the progress and the result of the localization of the session's log."""
     of_log = writable_session(sessions, session_id)
     return library.localization.state(of_log.owner, of_log.log_id)
 

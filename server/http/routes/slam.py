@@ -84,7 +84,7 @@ async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str
 
 @router.get("/logs/{log_id}/slam")
 async def state(library: Logs, visitor: Visitor, log_id: str) -> dict[str, Any]:
-    """Return how far the visitor's newest SLAM of a log is, and what came of it."""
+    """Return the progress and the result of the visitor's newest SLAM of a log."""
     return library.slam.state(visitor, log_id)
 
 
@@ -114,7 +114,7 @@ async def heal(
 
 @router.get("/sessions/{session_id}/heal")
 async def healing(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return how far SLAM of the session's log is, and what came of it."""
+    """Return the progress and the result of SLAM of the session's log."""
     session, recording = _healed(sessions, session_id)
     return library.slam.state(session.owner, recording.log_id)
 

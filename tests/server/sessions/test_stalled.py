@@ -1,4 +1,4 @@
-"""What a session does not compute for its clients, and how many commands of theirs it takes."""
+"""Computations that a session leaves out for stalled clients, and the number of commands it takes of a client."""
 
 from __future__ import annotations
 

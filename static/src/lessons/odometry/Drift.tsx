@@ -120,7 +120,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
           Reset
         </Button>
       </div>
-      <figcaption class="quiet number">
+      <figcaption class="number">
         Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. Poses off by{" "}
         <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
         {isDone ? (

@@ -53,7 +53,7 @@ export function Fleet() {
           <Work all={all} />
           <search class="finder">
             <input
-              class="finder-words"
+              class="field-text finder-words"
               type="search"
               placeholder="Search name, finding, reason"
               aria-label="Search logs"
@@ -77,7 +77,7 @@ export function Fleet() {
               {words !== "" || shown !== "all" ? `${plural(found.length, "log")} found` : ""}
             </span>
           </search>
-          <ul class="fleet-wall">
+          <ul class="cards">
             {found.slice(0, limit).map((log) => (
               <FleetCard key={log.id} log={log} />
             ))}

@@ -16,7 +16,9 @@ export function PolishedSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <OnStage scene="polished" label="A polished wall and the map of it">
-          <ToggleOf label="polished wall" signal={polishedOn} />
+          <div class="stage-row">
+            <ToggleOf label="polished wall" signal={polishedOn} />
+          </div>
         </OnStage>
       }
       sources={[["probabilistic-robotics", "chapter 6: failures, of which specular reflection is a cause"]]}
@@ -47,19 +49,21 @@ export function PeopleSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <OnStage scene="people" label="Someone walks behind the robot">
-          <ToggleOf label="someone walks" signal={peopleOn} />
-          <Slider
-            label="Scans of the drive"
-            sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
-            value={peopleScans.value}
-            initial={32}
-            low={24}
-            high={77}
-            step={1}
-            onInput={(value) => {
-              peopleScans.value = value;
-            }}
-          />
+          <div class="stage-row">
+            <ToggleOf label="someone walks" signal={peopleOn} />
+            <Slider
+              label="Scans of the drive"
+              sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
+              value={peopleScans.value}
+              initial={32}
+              low={24}
+              high={77}
+              step={1}
+              onInput={(value) => {
+                peopleScans.value = value;
+              }}
+            />
+          </div>
         </OnStage>
       }
       sources={[["reflection-maps", "for maps of places with people"]]}

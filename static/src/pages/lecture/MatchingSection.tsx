@@ -20,7 +20,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The <b class="noun-beam">colour</b> beneath the scans is the score of every position at the present heading:
+            The <b class="noun-beam">colour</b> under the scans is the score of every position at the present heading:
             the nearer the end points lie to those of the other scan, the higher. The segments join each point to the
             nearest one. <b>Point to point</b> makes the segments short; <b>point to line</b> makes only their part
             across the wall short, and so lets a scan slide along a wall. Both need a start in the{" "}
@@ -43,7 +43,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
               </li>
             ))}
           </ul>
-          <p class="quiet">
+          <p>
             Dark is what is known, <b class="noun-robot">green</b> what is matched to it, computed from scans of the
             room above.
           </p>

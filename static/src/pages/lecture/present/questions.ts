@@ -107,13 +107,13 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "The odometry is wrong. How can two scans tell where the robot is?",
     answer:
       "Lay the scan over the last one: the pose where both agree best. It needs structure, and often a good start.",
-    notes: "Let somebody lay the scans over each other by hand first, then press ICP. Then the corridor: it slides.",
+    notes: "Let a student align the scans by hand first, then press ICP. Then the corridor: it slides.",
   },
   file: {
     question: "free_thresh is 0.25, an unknown cell is grey 205. What does a planner read?",
     options: ["Unknown", "Free", "Occupied"],
     right: 1,
-    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that nobody has seen.",
+    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that were never seen.",
     notes: "Move the reader’s free_thresh across 0.196: the image stays the same, its meaning does not.",
   },
   landmarks: {
