@@ -47,7 +47,7 @@ def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     offer.get_by_role("button", name="Heal its poses").click()
     expect(offer).to_have_count(0)
     panel = page.get_by_role("region", name="Heal its poses")
-    expect(panel.locator("progress")).to_be_visible()
+    expect(panel.get_by_role("progressbar")).to_be_visible()
     # The map fills in along the poses so far, while the job runs.
     until(
         "a part of the map along corrected poses",

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon } from "../../ui/Icon";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
 import { type Counts, chosen, ORDERS, type Order, SHOWN, type Shown } from "./fleetLogs";
@@ -115,16 +116,7 @@ function Work({ all }: { all: Counts }) {
           </>
         )}
       </p>
-      <div
-        class="progress wide"
-        role="progressbar"
-        aria-label="Logs done"
-        aria-valuenow={ended}
-        aria-valuemin={0}
-        aria-valuemax={total}
-      >
-        <span style={{ transform: `scaleX(${ended / Math.max(1, total)})` }} />
-      </div>
+      <ProgressBar fraction={ended / Math.max(1, total)} label="Logs done" />
       <div class="actions">
         {!busy && all.none > 0 && (
           <Button kind="primary" icon="play" onClick={() => quietly(mapAll(false))}>

@@ -1,4 +1,5 @@
 import { Icon } from "../../ui/Icon";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { LogPicture } from "../logs/LogPicture";
 import type { Facts, FleetLog } from "./fleetLogs";
 
@@ -21,13 +22,7 @@ function Picture({ log }: { log: FleetLog }) {
   return (
     <LogPicture id={log.id} hasPicture={log.facts?.picture ?? false} isAwaited={false} alt={`Map of ${log.name}`}>
       {log.state === "running" && (
-        <div
-          class={`progress${log.fraction > 0 ? "" : " waiting"}`}
-          role="progressbar"
-          aria-label={`Mapping ${log.name}`}
-        >
-          <span {...(log.fraction > 0 ? { style: { transform: `scaleX(${log.fraction})` } } : {})} />
-        </div>
+        <ProgressBar fraction={log.fraction > 0 ? log.fraction : null} label={`Mapping ${log.name}`} />
       )}
     </LogPicture>
   );

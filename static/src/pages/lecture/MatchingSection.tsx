@@ -29,7 +29,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             In the corridor the motion along the walls is not determined: any pose there fits. In the symmetric room two
-            poses fit equally, and no score can tell them apart. A moved table pulls the pose a little; leaving out the
+            poses fit equally, and no score can tell them apart. A moved table shifts the pose a little; leaving out the
             worst tenth of the pairs, as here, limits this. A robot therefore uses the odometry as well.
           </p>
           <h3>The methods</h3>

@@ -1,6 +1,7 @@
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import {
   file,
@@ -58,13 +59,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
         </div>
       )}
       {moving && isOwn && (
-        <div
-          class={`progress${log.progress > 0 ? "" : " waiting"}`}
-          role="progressbar"
-          aria-label={`Reading ${log.name}`}
-        >
-          <span {...(log.progress > 0 ? { style: { transform: `scaleX(${log.progress})` } } : {})} />
-        </div>
+        <ProgressBar fraction={log.progress > 0 ? log.progress : null} label={`Reading ${log.name}`} />
       )}
       {log.state === "ready" && <LogTags log={log} />}
       {opens && (

@@ -128,7 +128,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "A range has a noise of a few centimetres. How wide should a hit be?",
     options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
     right: 1,
-    answer: "Too narrow: the hits fall into different cells and the wall is torn. Too wide: the wall is fat.",
+    answer: "Too narrow: the hits fall into different cells and the wall is broken. Too wide: the wall is thick.",
     notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall tears.",
   },
   endpoint: {
@@ -183,7 +183,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
     right: 1,
     answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
-    notes: "Drag the error of the heading first, then that of the way. Compare the two maps.",
+    notes: "Drag the error of the heading first, then that of the distance. Compare the two maps.",
   },
   probable: {
     question: "Scan and odometry disagree about the pose. Which of them is right?",

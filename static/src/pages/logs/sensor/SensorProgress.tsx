@@ -21,7 +21,7 @@ export function SensorProgress({ sensor }: { readonly sensor: SensorState }) {
                 </span>
               )}
             </p>
-            <ProgressBar fraction={fraction} isWide />
+            <ProgressBar fraction={fraction} />
             <Button onClick={cancel}>Cancel</Button>
           </>
         )}
