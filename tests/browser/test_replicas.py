@@ -264,3 +264,26 @@ def test_who_has_signed_out_is_refused_by_the_other_service(
     guarded.kill(its_service)
     until("the other service to refuse the cookie", lambda: status_for(worlds, ends) == 401)
     assert status_for(worlds, stays) == 200
+
+
+def test_a_localization_is_finished_by_the_other_service(
+    context: BrowserContext, replicas: Replicas, tmp_path: Path
+) -> None:
+    (tmp_path / "drive.log").write_bytes(carmen(50))
+    page = context.new_page()
+    page.goto(f"{replicas.address}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "drive.log")
+    await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    panel = open_group(page, "Localize")
+    panel.get_by_role("button", name="Use this map").click()
+    panel.get_by_role("button", name="Find the robot").click()
+    panel.locator("progress").wait_for()
+    before = session_of(page)
+    replicas.kill(replicas.of_session(before))
+    # The other one begins with it when the lease ends that the killed service has, and knows the map that was chosen.
+    await_true(
+        page,
+        """() => gridbloom.connection.store.hello.peek()?.log?.trajectories.some(({ name }) => name === "localized")""",
+    )
+    assert session_of(page) != before
+    expect(open_group(page, "Localize").get_by_role("button", name="Find the robot again")).to_be_enabled()
