@@ -105,7 +105,7 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
 }
 
 function Begin({ store }: { readonly store: Store }) {
-  if (!store.map3d.isEnded.value) return <p class="map3d-note">The 3D map begins …</p>;
+  if (!store.map3d.isEnded.value) return <p class="map3d-note">Starting the 3D map …</p>;
   return (
     <Button
       kind="primary"

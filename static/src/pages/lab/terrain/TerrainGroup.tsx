@@ -76,7 +76,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
 }
 
 function Begin({ store }: { readonly store: Store }) {
-  if (!store.terrain.isEnded.value) return <p class="quiet">The 3D sensor measures the first points …</p>;
+  if (!store.terrain.isEnded.value) return <p class="quiet">Waiting for the first points of the 3D sensor …</p>;
   return (
     <Button
       kind="primary"
