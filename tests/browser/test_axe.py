@@ -27,7 +27,8 @@ READY = {
     "/lecture.html?present": ".on-slide .slide-question",  # the first step; test_slides.py looks at every slide
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
-    "/puzzles.html": ".puzzles-card",
+    "/puzzles.html": ".puzzles .card",
+    "/missing.html": "h1",
 }
 MODELS = ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting", "fixed_increments")
 
@@ -224,7 +225,7 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str) -> None:
     page.reload()
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
-    open_group(page, "Doctor")
+    open_group(page, "Findings")
     doctor = page.get_by_role("region", name="Log doctor")
     doctor.get_by_role("button", name="No problems found").click(timeout=4 * SECONDS * 1000)
     expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)

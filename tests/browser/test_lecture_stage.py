@@ -174,7 +174,7 @@ def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str)
     page.goto(f"{server}/lecture.html")
     caption = stage_of(page).locator(".world-stage-caption > p").first
     to_scene(page, "window")
-    for look in ("torn", "fat", "thin"):
+    for look in ("broken", "thick", "thin"):
         page.locator("#window").get_by_role("button", name=look).click()
         expect(caption).to_contain_text(f"The wall is {look}")
     to_scene(page, "polished")
@@ -207,8 +207,8 @@ def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str)
 def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: str) -> None:
     page.goto(f"{server}/lecture.html?present#window/3")
     expect(page.locator(".on-slide .world-stage canvas")).to_be_in_viewport()
-    page.locator(".on-slide").get_by_role("button", name="torn").click()
-    expect(page.locator(".on-slide .world-stage-caption")).to_contain_text("The wall is torn")
+    page.locator(".on-slide").get_by_role("button", name="broken").click()
+    expect(page.locator(".on-slide .world-stage-caption")).to_contain_text("The wall is broken")
     page.add_init_script("""addEventListener("afterprint", () => {
       const painted = canvas => canvas.getContext("2d")
         .getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data[3] === 255;

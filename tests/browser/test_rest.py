@@ -26,7 +26,7 @@ WATCHED_FRAMES = 15  #: a group that paints for a moment after it is opened is l
 
 
 def work(page: Page, devtools: CDPSession) -> tuple[float, ...]:
-    """How often the page has asked for a frame, and how often Chromium has computed its styles and its layout."""
+    """Numbers of the page's requests for a frame, and of Chromium's computations of styles and layout."""
     counts = {one["name"]: one["value"] for one in devtools.send("Performance.getMetrics")["metrics"]}
     return page.evaluate("() => window.framesAsked"), counts["RecalcStyleCount"], counts["LayoutCount"]
 

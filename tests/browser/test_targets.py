@@ -72,7 +72,7 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
             await_map(page)
         elif place == "puzzle":
             page.goto(f"{server}/puzzles.html")
-            page.locator(".puzzles-card").first.wait_for()
+            page.locator(".puzzles .card").first.wait_for()
             found["puzzles"] = small(page)
             page.get_by_role("button", name="Open The thick walls").click()
             await_map(page)

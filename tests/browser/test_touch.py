@@ -258,7 +258,7 @@ def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: st
 
 
 def on_world(page: Page, xy: list[float]) -> Place:
-    """Where a place of the world lies on the picture of the world."""
+    """Position of a point of the world on its picture."""
     box = page.locator(".picture").first.bounding_box()
     assert box is not None
     x, y = page.evaluate("(xy) => gridbloom.screen(xy)", xy)
