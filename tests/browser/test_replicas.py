@@ -195,6 +195,7 @@ def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_
     lecturer = context.new_page()
     lecturer.goto(f"{replicas.address}/lab.html")
     await_map(lecturer)
+    lecturer.get_by_role("button", name="Pause").click()  # five pages that draw a robot's drive take half of the time
     lecturer.get_by_role("button", name="Class", exact=True).click()
     code = lecturer.locator(".class-code-small").text_content() or ""
     lecturer.get_by_role("dialog").get_by_role("button", name="Close").click()
