@@ -6,10 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from mapper.core.array_types import Float32Array, Int32Array
+from mapper.core.array_types import Int32Array
 from mapper.core.parallel import cores, in_parallel, shares
 from mapper.volume.kernels.casts import stop_masks
-from mapper.volume.kernels.types import StopMasks
+from mapper.volume.kernels.types import Belief, StopMasks
 
 _SHARE = 1024  # blocks from which a second thread is worth its start
 
@@ -30,12 +30,9 @@ class StopMaskCache:
         """Note that the log-odds of blocks changed, by their slots."""
         self._stale[slots if isinstance(slots, slice) else slots[slots < len(self._stale)]] = True
 
-    def masks_of(self, values: Float32Array, capacity: int, occupied: float) -> StopMasks:
-        """Return the masks of all blocks; ``values`` (n, 8, 8, 8) are their log-odds, of at most ``capacity`` blocks.
-
-        A voxel is occupied from the log-odds ``occupied``.
-        """
-        n, before = len(values), len(self._stale)
+    def masks_of(self, belief: Belief, n: int, occupied: float) -> StopMasks:
+        """Return the masks of the first ``n`` blocks of a map, which are all; occupied is from those log-odds."""
+        capacity, before = len(belief.parts), len(self._stale)
         if n > before:
             masks, stale = _empty_masks(capacity), np.ones(capacity, dtype=np.bool_)
             masks.words[:before], masks.found[:before], stale[:before] = (
@@ -47,7 +44,15 @@ class StopMaskCache:
             parts = shares(n, min(cores(), 1 + n // _SHARE))
             in_parallel(
                 [
-                    partial(stop_masks, values[a:b], occupied, stale[a:b], masks.words[a:b], masks.found[a:b])
+                    partial(
+                        stop_masks,
+                        belief.parts[a:b],
+                        belief.values,
+                        occupied,
+                        stale[a:b],
+                        masks.words[a:b],
+                        masks.found[a:b],
+                    )
                     for a, b in parts
                 ]
             )

@@ -15,7 +15,7 @@ from math import sqrt
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array, UInt64Array
+from mapper.core.array_types import BoolArray, Float32Array, Int32Array, Int64Array, UInt8Array, UInt64Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.kernels.rays import CENTRE, _crossing
@@ -26,25 +26,32 @@ _LAST, _BLOCKS = 2 * CENTRE - 1, 8191  # the greatest key, and the greatest plac
 # A sum of n distances is wrong by at most n times half the last place of the greatest: 5e-7 voxels for 65,536 of them
 # along the longest ray in the lattice.
 _TIE = 1e-5
+_LAYER = np.uint64(0xFFFF)  # the bits of the lower layer of a part
 
 
 @jit
-def stop_masks(values: Float32Array, occupied: float, stale: BoolArray, words: UInt64Array, found: UInt8Array) -> None:
+def stop_masks(
+    parts: Int32Array, values: Float32Array, occupied: float, stale: BoolArray, words: UInt64Array, found: UInt8Array
+) -> None:
     """Write the arrays of :class:`StopMasks` for those of the blocks (n,) that are ``stale``.
 
-    ``values`` (n, 8, 8, 8) are log-odds, z y x; a voxel is occupied from ``occupied``.
+    ``parts`` (n, 16) are their parts in ``values``, as in :class:`Belief`; a voxel is occupied from ``occupied``.
     """
-    for i in range(values.shape[0]):
+    for i in range(parts.shape[0]):
         if not stale[i]:
             continue
         any_occupied, any_stop = np.uint64(0), np.uint64(0)
-        for z in range(8):
-            layer = values[i, z].reshape(64)
+        words[i] = 0
+        for p in range(16):
+            part, z, shift = values[parts[i, p]].reshape(32), p >> 2 << 1, np.uint64((p & 3) << 4)
             full, stop = np.uint64(0), np.uint64(0)
-            for k in range(64):
-                full |= np.uint64(layer[k] >= occupied) << np.uint64(k)
-                stop |= np.uint64(not layer[k] < occupied) << np.uint64(k)  # of NaN too
-            words[i, 0, z], words[i, 1, z] = full, stop
+            for k in range(32):
+                full |= np.uint64(part[k] >= occupied) << np.uint64(k)
+                stop |= np.uint64(not part[k] < occupied) << np.uint64(k)  # of NaN too
+            words[i, 0, z] |= (full & _LAYER) << shift
+            words[i, 1, z] |= (stop & _LAYER) << shift
+            words[i, 0, z + 1] |= full >> np.uint64(16) << shift
+            words[i, 1, z + 1] |= stop >> np.uint64(16) << shift
             any_occupied |= full
             any_stop |= stop
         found[i] = (1 if any_occupied else 0) + (2 if any_stop else 0)
@@ -93,7 +100,8 @@ def _cast_by_voxels(
         here = block_code(x, y, z)
         if here != code:
             code, slot = here, slot_of(belief.table, here)
-        value = belief.values[slot, z & 7, y & 7, x & 7] if slot >= 0 else np.float32(np.nan)
+        part = belief.parts[slot, (z >> 1 & 3) << 2 | y >> 1 & 3] if slot >= 0 else 0
+        value = belief.values[part, z & 1, y & 1, x & 7]
         if value >= rule.occupied:
             return x, y, z, HIT
         if np.isnan(value) and not rule.through_unknown:

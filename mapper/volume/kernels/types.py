@@ -31,9 +31,14 @@ class Box(NamedTuple):
 
 
 class Belief(NamedTuple):
-    """The log-odds of voxels (slots, 8, 8, 8), z y x, NaN where unknown; of each block their greatest and how many."""
+    """The log-odds of voxels, NaN where unknown; of each block (slots,) their greatest and how many are known.
+
+    ``values`` (parts, 2, 2, 8), z y x, are parts of blocks and ``parts`` (slots, 16) their numbers: the voxel (x, y, z)
+    of a block is ``values[parts[slot, z >> 1 << 2 | y >> 1], z & 1, y & 1, x]``. Part 0 is unknown everywhere.
+    """
 
     table: BlockTable
+    parts: Int32Array
     values: Float32Array
     maxima: Float32Array
     known: Int32Array
