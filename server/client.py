@@ -207,7 +207,7 @@ class Client:
         self._told("DELETE", f"/api/sessions/{session.id}")
 
     def address(self, session: Session) -> str:
-        """Return the address of the page of a log's session, for whoever may use the service."""
+        """Return the address of the page of a log's session, for those who may use the service."""
         return f"{self.base}/logs.html?session={session.id}"
 
     def link(self, session: Session) -> str:

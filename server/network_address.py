@@ -30,7 +30,7 @@ def own_address() -> str | None:
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect(("192.0.2.1", 9))  # of TEST-NET-1 (RFC 5737), which is nobody's
+            probe.connect(("192.0.2.1", 9))  # of TEST-NET-1 (RFC 5737), which is not assigned
         except OSError:
             return None
         found = str(probe.getsockname()[0])

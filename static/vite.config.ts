@@ -36,6 +36,7 @@ export default defineConfig({
         join: page("join.html"),
         puzzles: page("puzzles.html"),
         fleet: page("fleet.html"),
+        missing: page("missing.html"),
       },
       // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
       output: { codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] } },

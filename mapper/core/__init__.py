@@ -1,1 +1,1 @@
-"""What every part of the mapper uses: errors, limits, SE(2), parallel ranges, compiled kernels, atomic files."""
+"""Shared utilities of the mapper: errors, limits, SE(2), parallel ranges, compiled kernels, atomic files."""

@@ -1,7 +1,7 @@
 """The decorator of the compiled functions.
 
 numba takes a third of a second of processor time to import. A process that computes no map, such as a service that
-nobody has visited yet or a command that prints a log's header, does without it.
+has had no visitor yet or a command that prints a log's header, does without it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Kernel:
 
     @property
     def dispatcher(self) -> Any:  # noqa: ANN401 - numba has no types
-        """What numba makes of the function: its dispatcher, or the function itself where NUMBA_DISABLE_JIT is set."""
+        """Numba's dispatcher of the function, or the function itself if NUMBA_DISABLE_JIT is set."""
         with _making:
             if self._dispatcher is None:
                 from mapper.core.compile_cache import dispatcher  # noqa: PLC0415 - numba is imported with the first call

@@ -19,7 +19,7 @@ from mapper.grid.occupancy_grid import GridGeometry
 
 @dataclass(frozen=True, slots=True)
 class CellReason:
-    """What one layer says of a cell: its own cost there, the costmap's after it, and why."""
+    """Contribution of one layer to a cell: its own cost, the costmap's cost after it, and the reason."""
 
     layer: str
     cost: int

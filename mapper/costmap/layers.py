@@ -52,7 +52,7 @@ class Observation:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """Where the robot is, (x, y, yaw) in the map, and its padded outline."""
+    """Pose of the robot, (x, y, yaw) in the map, and its padded outline."""
 
     pose: tuple[float, float, float]
     footprint: Footprint

@@ -61,7 +61,7 @@ _WITHOUT_EFFECT = frozenset((
     "expected_update_rate", "data_type", "map_subscribe_transient_local", "subscribe_to_updates",
     "restore_cleared_footprint", "tf_filter_tolerance", "publish_voxel_map", "qos_overrides", "transport_type",
 ))  # fmt: skip
-#: What a file is put together by, which has an effect, and is written anew.
+#: Keys that name the parts of a file; they have an effect and are written again.
 _STRUCTURE = frozenset(("plugins", "filters", "plugin", "resolution"))
 MAX_LAYERS = 20
 

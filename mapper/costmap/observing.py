@@ -1,4 +1,4 @@
-"""What a planar scan says to the obstacle layers: where its beams end."""
+"""Observations of the obstacle layers from a planar scan: the end points of its beams."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ INFLATION_PARAMETERS: tuple[Parameter, ...] = (
 
 @dataclass(frozen=True, slots=True)
 class CostmapConfig:
-    """What concerns the whole costmap. Raises :class:`mapper.core.errors.ConfigError` for an impossible value."""
+    """Parameters of the whole costmap. Raises :class:`mapper.core.errors.ConfigError` for an impossible value."""
 
     track_unknown_space: bool = False
     robot_radius: float = 0.1

@@ -243,7 +243,7 @@ def clear_voxels(
 ) -> None:
     """Clear the voxels (rows, cols, levels) between the sensor and points, and set the costs of their columns.
 
-    ``thresholds`` are (mark_threshold, unknown_threshold): a column with at most so many marked voxels is free, or
+    ``thresholds`` are (mark_threshold, unknown_threshold): a column with at most that many marked voxels is free, or
     unknown where it has more unknown voxels than the second one. Source: VoxelLayer::raytraceFreespace,
     VoxelGrid::ClearVoxelInMap.
     """

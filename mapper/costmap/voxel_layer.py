@@ -33,7 +33,7 @@ class VoxelLayer:
         self.columns: NDArray[np.uint32] = np.full(geometry.shape, _UNKNOWN_COLUMN, dtype=np.uint32)
         self._bounds = no_bounds()
         n = int(config.z_voxels)
-        # The bits above the column are unknown for ever, and are not counted as such.
+        # The bits above the column stay unknown, and are not counted as such.
         unknown = int(config.unknown_threshold) + VOXEL_BITS - n
         self._heights = Heights(config.origin_z, config.z_resolution, n, int(config.mark_threshold), unknown)
 

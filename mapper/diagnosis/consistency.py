@@ -1,4 +1,4 @@
-"""How well the readings of a log agree with one another on where things are.
+"""Consistency of the readings of a log with each other.
 
 Every check that asks "would the map be better if …" asks this: of the cells in which beams ended, how often did a beam
 end there, of all that reached the cell? Where poses, mount and times are right, walls are hit again and again and

@@ -1,4 +1,4 @@
-"""How often readings end where readings of another part of the log passed: the evidence for walls that are double.
+"""Share of readings that end where readings of another part of the log passed: evidence for double walls.
 
 A beam that ends in a cell is evidence for an object; a beam that passes through it is evidence for free space. Where
 the poses are right, two parts of a log contradict each other only by what moved and by noise, and that share is the
@@ -61,7 +61,7 @@ class Contradiction:
 
     @property
     def excess(self) -> float:
-        """What is contradicted far apart in time of all that is not contradicted a moment apart; 0 without evidence."""
+        """Share contradicted far apart in time, of what is not contradicted a moment apart; 0 without evidence."""
         if self.evidence < LEAST_EVIDENCE:
             return 0.0
         return max(0.0, (self.far - self.near) / (1.0 - self.near)) if self.near < 1.0 else 0.0

@@ -1,4 +1,4 @@
-"""Whether the poses of one trajectory drift, as one finding: what a command reports together with its map."""
+"""Check one trajectory for drift; commands that make a map report this finding with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an examination says: one finding for each thing that is wrong, and where."""
+"""Findings of an examination: one for each defect, with its place in the log."""
 
 from __future__ import annotations
 

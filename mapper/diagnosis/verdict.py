@@ -1,4 +1,4 @@
-"""Whether a log keeps limits that somebody set: what a test of a robot asks of its recordings."""
+"""Check a log against given limits, for automatic tests of a robot's recordings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DRIFT = "walls.drift"
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a log has to keep; what is None or empty is not judged.
+    """Limits on a log; those that are None or empty are not checked.
 
     ``max_drift`` is in metres, of :meth:`mapper.diagnosis.contradiction.Contradiction.offset`; ``min_sharpness`` is
     0 … 1, of :func:`mapper.grid.compare.wall_contrast`; ``no_findings`` are names of findings that there may not be.
@@ -60,7 +60,7 @@ class Reason:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What came of judging a log: ``reasons`` why it fails, none where it passes.
+    """Result of the check of a log: ``reasons`` why it fails, empty if it passes.
 
     ``drift`` (metres, of several sensors the largest) and ``sharpness`` (0 … 1) are None where they were not asked for
     or could not be measured.
@@ -117,7 +117,7 @@ def judge(
 ) -> Verdict:
     """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
 
-    ``config`` gives a correction of the mount and of the clock; all else of it is left aside, for sharpness is judged
+    ``config`` gives a correction of the mount and of the clock; the rest of it is not used, because sharpness is judged
     in the map of the sensor's default parameters. Of a :class:`JointLog` each sensor is judged by itself, and the
     sharpness is that of their common map. What cannot be judged does not pass. ``progress`` is called with the
     share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks, for a correction of the mount

@@ -1,4 +1,4 @@
-"""Which cells of a map a stroke or a polygon covers, in bands of rows."""
+"""Cells of a map that a stroke or a polygon covers, in bands of rows."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class EditedMap:
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the cells are."""
+        """Geometry of the map."""
         return self._state.geometry
 
     @property
@@ -100,7 +100,7 @@ class EditedMap:
 
     @property
     def source(self) -> GridGeometry:
-        """Where the cells of the map were before the first edit."""
+        """Geometry of the map before the first edit."""
         return self._kept[0].geometry
 
     @property
@@ -115,7 +115,7 @@ class EditedMap:
 
     @property
     def n_undone(self) -> int:
-        """How many edits are undone."""
+        """Number of edits that are undone."""
         return len(self._operations) - self._n
 
     @property

@@ -56,8 +56,8 @@ def read_edits(path: str | os.PathLike[str]) -> tuple[dict[str, Any], list[Opera
 def parse_edits(data: bytes) -> tuple[dict[str, Any], list[Operation]]:
     """Return what a file of edits says of its source, and its operations.
 
-    Raises :class:`ReadError` for bytes that are none, :class:`ConfigError` for an impossible edit, with its number, and
-    :class:`LimitError` for more than 16 MiB or 2,000 edits.
+    Raises :class:`ReadError` for bytes that are no such file, :class:`ConfigError` for an impossible edit, with its
+    number, and :class:`LimitError` for more than 16 MiB or 2,000 edits.
     """
     if len(data) > MAX_BYTES:
         raise LimitError("edits.too_large", f"A file of edits may have {MAX_BYTES >> 20} MiB.")

@@ -57,7 +57,7 @@ class Paint:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return f"Painted {self.state}, {self.width:g} m wide"
 
     def __post_init__(self) -> None:
@@ -76,7 +76,7 @@ class Fill:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return f"Filled an area: {self.state}"
 
     def __post_init__(self) -> None:
@@ -94,7 +94,7 @@ class Keepout:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return "Marked a keepout zone" if self.value else "Erased a keepout zone"
 
     def __post_init__(self) -> None:
@@ -112,7 +112,7 @@ class Speed:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return f"Set a speed limit: {self.value:g}" if self.value else "Erased a speed limit"
 
     def __post_init__(self) -> None:
@@ -129,7 +129,7 @@ class Despeckle:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return f"Removed specks of up to {self.cells:g} cells"
 
     def __post_init__(self) -> None:
@@ -148,7 +148,7 @@ class Rotate:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return f"Turned by {math.degrees(self.angle):.1f}°"
 
     def __post_init__(self) -> None:
@@ -164,7 +164,7 @@ class Crop:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return "Cropped"
 
     def __post_init__(self) -> None:
@@ -184,7 +184,7 @@ class Origin:
 
     @property
     def phrase(self) -> str:
-        """What it did, for a list of edits."""
+        """Description of the edit, for a list of edits."""
         return f"Moved the origin to ({self.x:.2f}, {self.y:.2f})"
 
     def __post_init__(self) -> None:

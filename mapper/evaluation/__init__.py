@@ -1,4 +1,4 @@
-"""How good poses are: against another trajectory, or against known relations between places."""
+"""Errors of poses against another trajectory, or against known relations between places."""
 
 from mapper.evaluation.alignment import ALIGNMENTS, Alignment, align
 from mapper.evaluation.association import associate

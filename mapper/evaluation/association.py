@@ -1,4 +1,4 @@
-"""Which pose of one trajectory belongs to which of another: those with the nearest stamps.
+"""Association of the poses of two trajectories by their nearest stamps.
 
 Source: ``associate.py`` of the TUM RGB-D benchmark's tools (Sturm et al. 2012), and evo's ``sync.py``, whose rule this
 is: each pose of the trajectory with fewer poses gets the nearest one of the other, which may be taken more than once.

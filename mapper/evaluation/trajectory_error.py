@@ -17,7 +17,7 @@ from mapper.sensors.timed_poses import TimedPoses
 
 @dataclass(frozen=True, slots=True)
 class ComparisonOptions:
-    """How two trajectories are compared.
+    """Options of the comparison of two trajectories.
 
     ``max_difference_s`` and ``offset_s``: :func:`mapper.evaluation.associate`; ``align``:
     :data:`mapper.evaluation.ALIGNMENTS`; ``delta``, ``delta_unit``, ``all_pairs`` and ``tolerance``:
@@ -36,7 +36,7 @@ class ComparisonOptions:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What came of it. Translations are metres, rotations radians, all ≥ 0.
+    """Result of a comparison. Translations are metres, rotations radians, all ≥ 0.
 
     ``reference`` and ``estimate`` are the n poses that belong together, the estimate aligned by ``alignment``.
     ``absolute_translation`` and ``absolute_rotation`` are errors at each pose (n,), over the estimate's stamps;

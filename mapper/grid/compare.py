@@ -16,7 +16,7 @@ STATES = ("free", "occupied", "unknown")  #: in the order of :attr:`Comparison.s
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """How ``b`` differs from ``a``, over the cells of the smallest lattice that holds both.
+    """Differences of ``b`` from ``a``, over the cells of the smallest lattice that holds both.
 
     ``states`` (3, 3) int64 counts the cells by (state in a, state in b), in the order of :data:`STATES`; its sum is the
     number of cells, and those that neither map observed are (unknown, unknown). ``only`` counts the cells that were

@@ -1,4 +1,4 @@
-"""How well the walls of a map agree with those of another one, whatever their resolutions."""
+"""Agreement of the walls of two maps, which may differ in resolution."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ _OTHER = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
-    """What an AMCL yaml says: the parameters, the layout, and what does not change where the robot is found.
+    """Contents of an AMCL yaml: the parameters, the layout, and keys that do not affect the estimate.
 
     ``others`` are the values of that by their names, which :func:`amcl_yaml` writes again.
     """
@@ -86,7 +86,7 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
 
     Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Rows that AMCL lacks are read from the
     remarks in which :func:`amcl_yaml` writes them. Raises :class:`ReadError` for text
-    that is no such yaml, and for a value that is none, and :class:`ConfigError` for a name that AMCL does not have and
+    that is no such yaml, and for an invalid value, and :class:`ConfigError` for a name that AMCL does not have and
     a value that is impossible, as well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
     values, layout = _node(parse_ros_parameters(data))

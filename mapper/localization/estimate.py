@@ -24,7 +24,7 @@ LOST_SHARE, LOST_TIMES = 0.5, 2.0  #: a converged filter remains so down to this
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """Where the robot is, ``T_map_base``.
+    """Estimated pose of the robot, ``T_map_base``.
 
     ``pose`` (3,) and ``covariance`` (3, 3) are, once it ``is_converged``, those of the heaviest cluster of particles;
     before, the covariance is that of all particles around that pose. ``share`` is the cluster's weight of 1, ``fit``

@@ -25,7 +25,7 @@ LOCALIZED = "localized"  #: name of the trajectory
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Localized:
-    """Where the robot was at each scan, in the log's order.
+    """Estimated poses at each scan, in the log's order.
 
     ``poses`` (n, 3) are ``T_map_base``; ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
     filter ``is_converged`` (n,); ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) how well the last

@@ -1,4 +1,4 @@
-"""What localization needs of a map, computed once: the likelihood field, the occupied and the free cells."""
+"""Model of a map for localization, computed once: the likelihood field, the occupied and the free cells."""
 
 from __future__ import annotations
 

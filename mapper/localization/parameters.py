@@ -39,7 +39,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "independent_beams", "Independent beams", "sensor", "number", 10,
         "Beams beside one another see the same things, and people hide many at once: the product over the beams counts "
-        "as that of at most so many independent ones; 0: as that of all beams. likelihood_field does not use it.",
+        "as that of at most this many independent ones; 0: as that of all beams. likelihood_field does not use it.",
         "", 0, 2000, 1,
     ),
     Parameter(
@@ -113,7 +113,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     Parameter(
         "annealing_stages", "Stages of a scan", "filter", "number", 4,
         "Where likelihoods are scaled down (least_effective), a converged filter takes the rest of the likelihood in "
-        "further stages, at most so many in all, and spreads the particles a little between; 1: the rest is left out.",
+        "further stages, at most this many in all, and spreads the particles slightly between; 1: no further stages.",
         "", 1, 20, 1,
     ),
     Parameter(
@@ -128,7 +128,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "global_particles", "Particles without a hint", "global start", "number", 50_000,
-        "So many at a start without a hint, and at most so many until the filter has converged.",
+        "The number at a start without a hint, and the greatest number until the filter has converged.",
         "", 100, 1_000_000, 1000,
     ),
     Parameter(

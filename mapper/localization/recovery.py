@@ -1,4 +1,4 @@
-"""Whether the filter has lost the robot."""
+"""Detection that the filter has lost the robot."""
 
 from __future__ import annotations
 

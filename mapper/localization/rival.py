@@ -28,7 +28,7 @@ SHARE = 0.5  #: weight that a rival's particles get in the filter once the test 
 
 
 class Filter(Protocol):
-    """What a rival needs of a particle filter (:class:`mapper.localization.MonteCarloLocalizer`)."""
+    """Interface of a particle filter that a rival uses (:class:`mapper.localization.MonteCarloLocalizer`)."""
 
     estimate: Estimate
     log_evidence: float

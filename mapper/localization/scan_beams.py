@@ -1,4 +1,4 @@
-"""Which beams of a scan localization uses, and where they end."""
+"""Beams of a scan that localization uses, and their end points."""
 
 from __future__ import annotations
 

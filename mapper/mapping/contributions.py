@@ -1,4 +1,4 @@
-"""Which readings of a batch contribute to one cell, and with what evidence."""
+"""Readings of a batch that contribute to one cell, with their evidence."""
 
 from __future__ import annotations
 

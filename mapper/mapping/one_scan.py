@@ -58,6 +58,6 @@ def update_with_scan(
 
 @lru_cache(maxsize=32)
 def _even_directions(sign: float, angle_min: float, angle_increment: float, n_beams: int) -> NDArray[np.float64]:
-    """Return the cosine and sine (n_beams, 2) of the bearings. It is shared: nobody may write to it."""
+    """Return the cosine and sine (n_beams, 2) of the bearings. It is shared and must not be modified."""
     angles = angle_min + angle_increment * np.arange(n_beams)
     return directions((-angles if sign < 0.0 else angles).tobytes())

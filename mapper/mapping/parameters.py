@@ -30,7 +30,7 @@ Statistics = Literal["none", "counts", "certainties"]
 
 @dataclass(frozen=True, slots=True)
 class ModelStrategy:
-    """What differs between the values of ``model``; everything else is the same for all.
+    """The parts of the algorithm that differ between the values of ``model``.
 
     ``build`` makes the inverse sensor model. With ``cone`` a beam is a cone of ``opening`` radians, otherwise a thin
     line. With ``smooth`` the evidence changes continuously in a hit window that widens with the range. ``statistics``

@@ -27,7 +27,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class PlannedScans:
-    """What some scans will draw: the scans, and what was planned of them."""
+    """Planned updates of some scans, with the scans."""
 
     scans: Scans
     frame: Frame
@@ -38,7 +38,7 @@ class PlannedScans:
 
 @dataclass(frozen=True, slots=True)
 class PlannedFields:
-    """What scans will draw, one part after the other, and where in the grid.
+    """Planned updates of scans, part by part, with their places in the grid.
 
     ``rows`` and ``words`` (of 32 columns) [first, stop) hold all that they see in the grid; ``work`` (grid rows,) says
     what each row costs.

@@ -145,7 +145,7 @@ def _batch(
 
 @lru_cache(maxsize=32)
 def _even_fields(angle_min: float, angle_increment: float, n_beams: int, widest: float) -> NDArray[np.float64]:
-    """Return :func:`beam_fields`. It is shared by all scans of one kind: nobody may write to it."""
+    """Return :func:`beam_fields`. It is shared by all scans of one kind and must not be modified."""
     return beam_fields(angle_min, angle_increment, n_beams, widest)
 
 

@@ -74,7 +74,7 @@ class ScanBatch:
 
 @lru_cache(maxsize=32)  # the scans of a live robot, and of all of one kind, have the same bearings
 def directions(angles: bytes) -> NDArray[np.float64]:
-    """Return the cosine and sine (n, 2) of float64 angles, radians. It is shared: nobody may write to it."""
+    """Return the cosine and sine (n, 2) of float64 angles, radians. It is shared and must not be modified."""
     radians = np.frombuffer(angles)
     return np.column_stack([np.cos(radians), np.sin(radians)])
 

@@ -21,7 +21,7 @@ NoReturn = Literal["ignore", "free", "hit"]
 
 
 class BeamModel(Protocol):
-    """What every model has: free before the reading, occupied near it, nothing known beyond.
+    """Base of all models: free before the reading, occupied near it, unknown beyond.
 
     ``log_odds_miss`` and ``log_odds_hit`` are the strongest evidence that it gives for free and for occupied.
     """
@@ -350,12 +350,12 @@ class HitCounting:
 
     @property
     def log_odds_miss(self) -> float:
-        """What the first miss changes: ln w(1 − p) − ln (1 + w(1 − p)). Later ones change less."""
+        """Increment of the first miss: ln w(1 − p) − ln (1 + w(1 − p)). Later ones change less."""
         return float(self.log_odds(0, 1) - self.log_odds(0, 0))
 
     @property
     def log_odds_hit(self) -> float:
-        """What the first hit changes: ln (1 + wp) − ln wp. Later ones change less."""
+        """Increment of the first hit: ln (1 + wp) − ln wp. Later ones change less."""
         return float(self.log_odds(1, 0) - self.log_odds(0, 0))
 
     def half_window(self, z: float) -> float:  # noqa: ARG002, D102 - as the protocol says

@@ -27,7 +27,7 @@ _ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below 
 
 @dataclass(frozen=True, slots=True)
 class PlannedBeams:
-    """What beams will draw.
+    """Planned updates of beams.
 
     ``planned`` holds the lines (9, n) int32 or the rays (n, 8) float64, ``work`` (rows,) the number of cells in each
     row of the grid, ``box`` (4,) int64 (row0, row1, col0, col1), half-open, the cells of the grid that are reached.

@@ -1,4 +1,4 @@
-"""Which cells a line crosses, as in the two papers: one step after another, in plain Python.
+"""Cells that a line crosses, as in the two papers: one step after another, in plain Python.
 
 Bresenham, Algorithm for computer control of a digital plotter, IBM Systems Journal 4 (1965); Amanatides & Woo, A fast
 voxel traversal algorithm for ray tracing, Eurographics (1987). :mod:`mapper.mapping.kernels.bresenham` and

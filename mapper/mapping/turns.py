@@ -29,7 +29,7 @@ class Turns:
 
     @property
     def readings(self) -> int:
-        """How many readings there are."""
+        """Number of readings."""
         return sum(scans.ranges.size for scans, _ in self.sensors)
 
     @property

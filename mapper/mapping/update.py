@@ -26,7 +26,7 @@ _ONE_MISS, _ONE_HIT = (
     for miss in (1.0, 0.0)
 )
 
-#: Adds scans, on so many threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
+#: Adds scans, on a number of threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
 Update = Callable[[OccupancyGrid, Turns, int, NDArray[np.int64]], int]
 
 

@@ -1,4 +1,4 @@
-"""What an update needs to know of the parameters and the sensor, resolved once before any scan is read."""
+"""Plan of an update: parameters and sensor, resolved once before any scan is read."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ class Beams:
         return len(self.indices)
 
     def room_for(self, n_scans: int) -> ScanArrays:
-        """Return arrays for so many scans of this sensor, with points, normals and kinds still to be written."""
+        """Return arrays for a number of scans of this sensor, with points, normals and kinds still to be written."""
         n = len(self)
         return ScanArrays(
             np.empty((n_scans, n, 2), dtype=np.float32),

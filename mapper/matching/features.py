@@ -24,7 +24,7 @@ LEAST_ANGLE = np.deg2rad(25.0)  #: between the walls of a corner
 FARTHEST = 30.0  #: m from the sensor: corners beyond, of lines that are nearly parallel, are uncertain
 SAME_ANGLE = np.deg2rad(8.0)  #: corners whose angles differ more, and walls whose directions do, are others
 SAME_M = 0.2  #: walls that lie farther apart are others
-DRAWS = 400  #: at most so many pairs of corners are drawn
+DRAWS = 400  #: greatest number of pairs of corners that are drawn
 SEED = 14  #: of the draws
 APART_M, APART_RAD = 0.4, 0.25  #: hypotheses that are nearer than both are one
 

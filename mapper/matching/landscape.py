@@ -1,4 +1,4 @@
-"""What a matcher sees around a pair of scans: the hill of the score, and from where each method finds the pose."""
+"""Score around the relative pose of two scans, and the basin of attraction of each method."""
 
 from __future__ import annotations
 

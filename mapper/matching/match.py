@@ -17,7 +17,7 @@ from mapper.matching.search import SEARCHES
 from mapper.matching.target import Target
 from mapper.matching.task import MOST_BEAMS, Task
 
-FEW_POINTS = 20.0  #: so many points that agree with nothing are added, so that a few points alone score low
+FEW_POINTS = 20.0  #: number of points without agreement that are added, so that a few points alone score low
 SAME_SCORE = 0.01  #: scores that differ by less say nothing about which pose is right
 LEAST_VARIANCE = 1e-8  #: of a residual, where all of them are 0
 NOT_KNOWN = 1e6  #: the greatest variance, m² or rad²

@@ -71,7 +71,7 @@ PARAMETERS: tuple[Parameter, ...] = (
         "rad", 0.001, 0.5, 0.001, only_for=_FIELDS,
     ),
     Parameter(
-        "modes", "Modes", "search", "number", 4, "At most so many separate poses of the search are refined.",
+        "modes", "Modes", "search", "number", 4, "Greatest number of separate poses of the search that are refined.",
         "", 1, 32, 1, only_for=("global", "global_field", "features"),
     ),
     Parameter(
@@ -109,7 +109,7 @@ PARAMETERS: tuple[Parameter, ...] = (
         "m", 0.001, 1.0, 0.001, only_for=_PAIRING,
     ),
     Parameter(
-        "iterations", "Iterations", "minimiser", "number", 30, "At most so many Gauss-Newton steps.", "", 1, 500, 1,
+        "iterations", "Iterations", "minimiser", "number", 30, "Greatest number of Gauss-Newton steps.", "", 1, 500, 1,
     ),
     Parameter(
         "score_gate", "Gate of the score", "score", "number", 0.15,
@@ -157,7 +157,7 @@ class MatchConfig:
 
     @property
     def parts(self) -> Method:
-        """What the method is made of."""
+        """Parts of the method."""
         return METHODS[self.method]
 
 

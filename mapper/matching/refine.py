@@ -1,4 +1,4 @@
-"""How a pose is refined, and how certain it is then."""
+"""Refinement of a pose, and its covariance."""
 
 from __future__ import annotations
 

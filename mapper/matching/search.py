@@ -1,4 +1,4 @@
-"""Where a refinement begins: at the guess, or at the best poses of a window around it."""
+"""Initial poses of a refinement: the guess, or the best poses of a window around it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scan is matched to: another scan, several scans with their poses (a submap), or the walls of a map."""
+"""Targets of scan matching: another scan, several scans with their poses (a submap), or the walls of a map."""
 
 from __future__ import annotations
 

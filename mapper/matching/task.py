@@ -82,7 +82,7 @@ class Task:
 
     @property
     def rule(self) -> PairRule:
-        """How points are paired and weighted."""
+        """Rule by which points are paired and weighted."""
         config = self.config
         every = max(self.source.points.shape[1], self.target.scans.points.shape[1])
         return PairRule(

@@ -1,4 +1,4 @@
-"""What a step onto a cell costs, for each of the 256 values of a costmap."""
+"""Cost of a step onto a cell, for each of the 256 values of a costmap."""
 
 from __future__ import annotations
 

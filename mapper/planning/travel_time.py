@@ -1,4 +1,4 @@
-"""How long a robot takes along a path where speed limits hold."""
+"""Travel time along a path with speed limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may be wrong with a map: the causes that a puzzle asks for, with their explanations."""
+"""Causes of defects in a map, which puzzles ask for, with their explanations."""
 
 from __future__ import annotations
 

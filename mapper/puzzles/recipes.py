@@ -64,7 +64,7 @@ _ROWS = (
            "resolution", _spoiled("office", 1, 250, "resolution")),
     Recipe("thick", 1, "The thick walls", "A hall with pillars. The map has less free space than the hall.",
            "window", _spoiled("hall", 2, 250, "window")),
-    Recipe("arcs", 1, "Walls in the open", "A cheap laser in a hall. There are obstacles where nobody put any.",
+    Recipe("arcs", 1, "Walls in the open", "A cheap laser in a hall. There are obstacles where none were placed.",
            "max_range", _spoiled("hall", 3, 300, "max_range", short=True)),
     Recipe("mirror", 1, "A room that turns", "A robot was rebuilt last week. Since then its map is useless.",
            "beam_order", _spoiled("office", 4, 250, "beam_order")),

@@ -1,4 +1,4 @@
-"""What a map of a puzzle is worth: agreement with the reference, sharpness, entropy, and points."""
+"""Score of a map of a puzzle: agreement with the reference, sharpness, entropy, and points."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ REPAIRED = 0.9  #: share of the repair from which it is done
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """What is measured of one map.
+    """Measures of one map.
 
     ``agreement`` is the F-score of its walls with the reference's, 0 … 1 (:func:`wall_agreement`), ``sharpness`` the
     contrast of its walls, 0 … 1 (:func:`wall_contrast`), ``entropy`` the mean entropy of its observed cells, bits.

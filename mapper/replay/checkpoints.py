@@ -37,7 +37,7 @@ class Checkpoints:
 
     def __init__(self, config: MappingConfig) -> None:
         self.config = config
-        self.spacing = SPACING  #: cell updates between two moments; grows where there is no room for so many
+        self.spacing = SPACING  #: cell updates between two moments; grows where there is no room for all
         self.reached = 0  #: the last number of scans that any map was brought to
         self._moments: list[int] = []
         self._versions: dict[
@@ -76,7 +76,7 @@ class Checkpoints:
             return min(self._moments[place], last) if place < len(self._moments) else last
 
     def is_due(self, updates: int, touched: NDArray[np.bool_]) -> bool:
-        """Whether so many cell updates since the last moment, in so many tiles, are worth another one."""
+        """Whether the cell updates since the last moment, and their tiles, are enough for another one."""
         return updates >= max(self.spacing, WORTH_KEEPING * TILE * TILE * int(np.count_nonzero(touched)))
 
     def keep(self, grid: OccupancyGrid, touched: NDArray[np.bool_], index: int) -> bool:

@@ -1,4 +1,4 @@
-"""Where a robot was between the poses of one of its trajectories."""
+"""Interpolation between the poses of a trajectory."""
 
 from __future__ import annotations
 

@@ -19,12 +19,13 @@ class PointCloud:
     """Points (n, 3) float32 or float64, metres in the frame ``frame_id``, at ``stamp_ns``.
 
     ``shape`` (height, width) is that of an organised cloud, whose points are those of an image row after row, and
-    (1, n) of any other. Points of it without a reading are NaN. ``fields`` has all else that was stated of the points,
+    (1, n) of any other. Points of it without a reading are NaN. ``fields`` has the other fields of the points,
     by name: (n,), or (n, k) where a point has k numbers. Readers of files give these their names, whatever the format
     calls them: ``intensity`` (n,), ``normals`` (n, 3), ``rgb`` (n, 3) uint8, ``class`` (n,) and ``ring`` (n,) integers.
     ``times`` (n,) float64 is when each point was measured, seconds after the stamp; None where that is not stated.
     ``sensor_pose`` (4, 4) is ``T_frame_sensor``, where the sensor was, None where that is not stated. ``notes`` are
-    sentences on what the reader found. Raises :class:`ConfigError` for arrays of other lengths and a pose that is none.
+    sentences on what the reader found. Raises :class:`ConfigError` for arrays of different lengths and for
+    an invalid pose.
     """
 
     points: NDArray[np.floating[Any]]
@@ -60,7 +61,7 @@ class PointCloud:
 
     @property
     def finite(self) -> NDArray[np.bool_]:
-        """Which points (n,) are places: the others are NaN, without a reading, or infinite."""
+        """Mask (n,) of the points with finite coordinates; NaN is a point without a reading."""
         return np.asarray(np.isfinite(self.points).all(axis=1))
 
 
@@ -76,7 +77,7 @@ class PosedCloud:
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Where the rays begin (3,), metres in the map's frame."""
+        """Origin of the rays (3,), metres in the map's frame."""
         return self.pose[:3, 3]
 
     def points_in_map(self) -> NDArray[np.float64]:

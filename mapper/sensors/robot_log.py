@@ -1,4 +1,4 @@
-"""What a recording holds of one robot: its planar sensors, its trajectories, the tree of its frames."""
+"""Recording of one robot: its planar sensors, its trajectories, the tree of its frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mapper.sensors.timed_poses import TimedPoses
 
 @dataclass(frozen=True, slots=True)
 class TransformEdge:
-    """What a log states of where the frame ``child`` is in ``parent``, over time.
+    """Transform of the frame ``child`` in ``parent`` over time, as a log states it.
 
     ``is_static`` says that it was stated as never changing (tf_static), ``moves`` that it was stated differently at
     different times. ``first_stamp_ns`` and ``last_stamp_ns`` are the earliest and the latest time that it was stated

@@ -1,4 +1,4 @@
-"""What a range sensor reports: one scan, and a whole log of scans packed into arrays.
+"""Readings of a range sensor: one scan, and a whole log of scans packed into arrays.
 
 Readings follow REP 117: +Inf is "no return", −Inf "too close to measure", NaN an invalid reading; a reading r is a
 measured range when ``range_min <= r <= range_max``. Source: sensor_msgs/LaserScan, REP 117.
@@ -148,7 +148,7 @@ def _check_width(width: float) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Where the robot's base was at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
+    """Pose of the robot's base at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
 
     ``description`` is one sentence on where the poses come from. ``frame_id`` is the fixed frame that the poses are
     stated in, as ``map`` or ``odom`` (None: the log does not state it), and ``child_frame_id`` the frame of the base

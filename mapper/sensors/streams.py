@@ -1,4 +1,4 @@
-"""What a recording holds of sensors that are not planar: point clouds and IMUs, read when they are asked for."""
+"""Point clouds and IMUs of a recording, read on request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person changes in a world: walls and boxes drawn, solids erased. A world itself is never altered."""
+"""Edits of a world: walls and boxes drawn, solids erased. The world itself is not changed."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True)
 class Edits:
-    """What was ``added`` to a world, and the indices into its ``solids`` of what was ``erased``."""
+    """Solids ``added`` to a world, and indices into its ``solids`` of those ``erased``."""
 
     added: tuple[Drawn, ...] = ()
     erased: frozenset[int] = frozenset()

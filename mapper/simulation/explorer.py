@@ -37,7 +37,7 @@ def _centres_of(lattice: GridGeometry) -> Float64Array:
 
 @dataclass(frozen=True, slots=True)
 class _Passable:
-    """Where a robot can drive in a world, which all robots of one radius share.
+    """Cells of a world where a robot can drive; shared by all robots of one radius.
 
     ``cells`` (n, 2) are the cells that a path may pass, ``centres`` (n, 2) their centres, metres; ``cost`` (rows, cols)
     is that of a metre, +inf where nothing passes; ``goals`` (rows, cols) says where a goal may be.

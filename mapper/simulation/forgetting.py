@@ -1,4 +1,4 @@
-"""How long a map keeps what is no longer there: the number of scans until the cells of a removed object are free."""
+"""Number of scans until the cells of a removed object are free."""
 
 from __future__ import annotations
 

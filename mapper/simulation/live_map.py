@@ -1,4 +1,4 @@
-"""What a world session computes: a simulation, the recording of what its sensor saw, and the maps made of it."""
+"""Computation of a session of the lab: a simulation, the recording of its sensor, and the maps made of it."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class LiveMap:
         return OccupancyGrid(geometry, config.log_odds_prior)
 
     def logs(self, faults: Faults | None = None) -> list[ScanLog]:
-        """What the sensors reported so far, one log for each kind of sensor; None for the faults of the moment."""
+        """Readings of the sensors so far, one log for each kind of sensor; None for the present faults."""
         faults = faults or self.faults
         return [
             recording.as_log(specular=faults.specular, corrected=self.healing.poses_of(recording))

@@ -60,7 +60,7 @@ class Recording:
 
     @property
     def numbers(self) -> NDArray[np.int64]:
-        """Which of all scans that were ever appended these are (n,), from 0, ascending."""
+        """Numbers of these scans among all that were appended (n,), from 0, ascending."""
         return self._numbers[: self._n]
 
     def fits(self, sensor: SensorConfig) -> bool:

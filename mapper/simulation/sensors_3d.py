@@ -163,7 +163,7 @@ _DIRECTIONS: Mapping[str, Callable[[Sensor3D], Float64Array]] = MappingProxyType
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan3D:
-    """What a 3D sensor reported: ``ranges`` (n,) metres along its beams, +inf for no return, and when.
+    """Readings of a 3D sensor: ``ranges`` (n,) metres along its beams, +inf for no return, and when.
 
     ``pose`` (x, y, yaw) is the base's ``T_map_base`` at it, as the map takes it to be.
     """

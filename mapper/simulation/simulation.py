@@ -23,7 +23,7 @@ ROBOT_RADIUS = 0.2  #: metres
 
 @dataclass(frozen=True, slots=True)
 class Teleport:
-    """Where a teleport ended: ``pose`` (x, y, yaw); whether it had to be ``moved``, and one sentence on it."""
+    """Result of a teleport: ``pose`` (x, y, yaw), whether it had to be ``moved``, and one sentence on it."""
 
     pose: PoseTuple
     moved: bool
@@ -124,7 +124,7 @@ class Simulation:
         return taken
 
     def _drive_on(self, most: int) -> int:
-        """Take some physics steps, at least one and at most so many; return how many."""
+        """Take some physics steps, at least one and at most ``most``; return their number."""
         now = self._steps * STEP
         if not self._auto:
             self._control = self._drive if now < self._drive_until else (0.0, 0.0)

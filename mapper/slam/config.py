@@ -65,9 +65,9 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
         low=0.2, high=1.0, step=0.01,
     ),
     Parameter(
-        "loop_contradicted", "Most contradicted", "loops", "number", 0.15,
-        "Share of the points of a loop's scan, and of the scans on the way to one from far away in the graph, that may "
-        "lie where the earlier scans saw free space.",
+        "loop_contradicted", "Most contradicted", "loops", "number", 0.12,
+        "Share of the points of a loop's scan, and of the scans on the way to one from far away in the graph or to a "
+        "recognized place, that may lie where the other scans saw free space.",
         low=0.0, high=1.0, step=0.01,
     ),
     Parameter(
@@ -91,7 +91,7 @@ SLAM_PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "place_corners", "Least corners", "loops", "number", 5,
-        "Corners of two submaps that must lie upon one another for their scans to be matched.",
+        "Corners of two submaps that must coincide for their scans to be matched.",
         low=3, high=40, step=1,
     ),
     Parameter(
@@ -142,7 +142,7 @@ class SlamConfig:
     loop_distance: float = 0.7
     loop_window: float = 4.0
     loop_score: float = 0.55
-    loop_contradicted: float = 0.15
+    loop_contradicted: float = 0.12
     loop_inliers: float = 0.55
     place_recognition: bool = True
     place_drift: float = 0.15

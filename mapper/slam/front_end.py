@@ -29,9 +29,10 @@ from mapper.slam.scan_store import ScanStore
 
 Float64Array = NDArray[np.float64]
 
+#: metres, metres, radians: of the field and the steps of the search; a turn by 1° moves a wall 5 m away by one sigma
 RESOLUTION, SIGMA, TURN = 0.05, 0.08, np.radians(1.0)
 GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
-LEAST_INLIERS = 0.5
+LEAST_INLIERS = 0.5  #: of the points that tell: where most contradict, the pose is wrong
 RELIABLE, FAIR = 0.85, 0.5  #: agreement from which nothing is searched, and from which no wider window is
 BETTER = 0.03  #: by how much the agreement of a searched pose must exceed that of the predicted one
 WIDER = 3.0  #: the second window beside the first
@@ -48,7 +49,7 @@ LEAST_SCORE = 0.5  #: of the correlation, for its pose to count where the alignm
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What the front end found of one scan: ``relative`` (3,) to the one kept before, with ``information`` (3, 3).
+    """Result of the front end for one scan: ``relative`` (3,) to the one kept before, with ``information`` (3, 3).
 
     ``is_kept`` says that later scans are aligned with it; otherwise only its pose counts.
     Of its points that agree with the scans before or contradict them, ``inliers`` is the share that agree;

@@ -12,7 +12,7 @@ from mapper.core.se2 import compose, inverse
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
 from mapper.slam.kernels.graph_distance import least_of_ranges
-from mapper.slam.loop_test import Loop, Place, try_loop
+from mapper.slam.loop_test import Loop, Place, share_contradicted_mutually, try_loop
 from mapper.slam.matching_rules import pair_rule
 from mapper.slam.scan_store import ScanStore
 from mapper.slam.way_test import BEFORE, graph_ways, share_contradicted
@@ -52,7 +52,7 @@ class LoopCloser:
         for submap, anchor, drift in self._near(j, poses, way, loops):
             loop = self._search(submap, anchor, j, poses, drift)
             if loop.accepted and drift > FAR:
-                loop = self._checked(loop, poses, way, loops)
+                loop = self._checked(loop, submap, poses, way, loops)
             tried.append(loop)
             if loop.accepted:
                 break
@@ -84,19 +84,24 @@ class LoopCloser:
         place = self._place(submap)
         return try_loop(self._store, self._config, self._rule, place, anchor, j, guess, window, turn_window)
 
-    def _checked(self, loop: Loop, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> Loop:
-        """Return an accepted loop, refused where the scans on the way to it contradict those around its place.
+    def _checked(self, loop: Loop, submap: int, poses: Float64Array, way: Float64Array, loops: list[Loop]) -> Loop:
+        """Return an accepted loop, refused where the scans on the way, or it and its place, contradict one another.
 
         One scan may fit a place that looks like another; what was seen before it hardly does. Only scans that are
         placed surely beside the loop's first scan tell: others are off by their own drift.
         """
+        most = self._config.loop_contradicted
         is_earlier = graph_ways(loop.i, way, loops) <= SURE
         is_earlier &= way < way[loop.j] - BEFORE - LEAST_WAY
         share = share_contradicted(self._store, [loop], poses, way, is_earlier)
-        if share <= self._config.loop_contradicted:
-            return loop
-        told = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
-        return replace(loop, reason=told)
+        if share > most:
+            told = f"on the way there {100 * share:.0f} % of the points are where the earlier scans saw free space"
+            return replace(loop, reason=told)
+        share = share_contradicted_mutually(self._store, self._place(submap), loop)
+        if share > most:
+            told = f"{100 * share:.0f} % of the points of the scan and the earlier ones are in free space of the other"
+            return replace(loop, reason=told)
+        return loop
 
     def _place(self, submap: int) -> Place:
         if submap in self._places:

@@ -19,10 +19,11 @@ from mapper.slam.scan_store import ScanStore
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 
+#: metres, metres, radians: coarser than in the front end, for windows are wide; the alignment begins within 0.4 m
 RESOLUTION, SIGMA, TURN = 0.1, 0.12, 0.025
-LEVELS = 4
+LEVELS = 4  #: of branch and bound: it begins with squares of 16 cells, 1.6 m
 SCANS = 6  #: of the place that a found pose is aligned with
-LEAST_PAIRS = 30  #: of points
+LEAST_PAIRS = 30  #: of points: fewer are one short wall, which leaves a direction open
 GATE = 0.15  #: metres: points nearer than this to one another are on the same wall
 PRIOR = np.full(3, 1e-3)  #: weight of the correlation's pose in the alignment, in pairs of points
 FARTHEST_SHIFT = 0.4  #: metres, between the correlation's pose and the aligned one
@@ -101,9 +102,7 @@ def try_loop(
 
     if score <= 0.0:
         return refused(f"no pose in the window scores {least:.2f}")
-    common = np.empty(len(members), dtype=np.int64)
-    count_common(scans, j, found, members, local, 2.0 * GATE, 4, common)
-    others = members[np.argsort(-common, kind="stable")[:SCANS]]
+    others = _with_most_in_common(store, place, j, found)
     pose, hessian = found.copy(), np.empty((3, 3))
     pairs = refine_pose(scans, j, scans, others, local, found, PRIOR, rule, LOOP_ITERATIONS, pose, hessian)[0]
     counts = np.empty(3, dtype=np.int64)
@@ -122,3 +121,32 @@ def try_loop(
     first = int(others[0])
     information = information_of(hessian, float(pose[2]), PRIOR)
     return Loop(first, j, score, inliers, "", compose(inverse(local[first]), pose), information)
+
+
+def share_contradicted_mutually(store: ScanStore, place: Place, loop: Loop) -> float:
+    """Return the share of points in view, of a loop's later scan and of the place, that lie in the other's free space.
+
+    A scan far from the end of a corridor may fit a place near that end: few of its points contradict the place, but the
+    place's end lies where the scan saw free space. The place's scans are those with most in common with it.
+    """
+    scans, members = store.arrays, place.members
+    # The later scan may be newer than the poses of the place.
+    placed = np.zeros((loop.j + 1, 3))
+    placed[: len(place.poses)] = place.poses[: loop.j + 1]
+    placed[loop.j] = compose(place.poses[loop.i], loop.relative)
+    counts = np.empty(3, dtype=np.int64)
+    count_agreement(scans, loop.j, placed[loop.j], members, placed, GATE, 1, counts)
+    agreeing, contradicting = int(counts[1]), int(counts[2])
+    later = np.array([loop.j])
+    for k in _with_most_in_common(store, place, loop.j, placed[loop.j]).tolist():
+        count_agreement(scans, k, placed[k], later, placed, GATE, 1, counts)
+        agreeing += int(counts[1])
+        contradicting += int(counts[2])
+    return contradicting / max(agreeing + contradicting, 1)
+
+
+def _with_most_in_common(store: ScanStore, place: Place, j: int, pose: Float64Array) -> Int64Array:
+    """Return the scans of a place that have most points in common with scan j at ``pose``, the first with most."""
+    common = np.empty(len(place.members), dtype=np.int64)
+    count_common(store.arrays, j, pose, place.members, place.poses, 2.0 * GATE, 4, common)
+    return place.members[np.argsort(-common, kind="stable")[:SCANS]]

@@ -1,4 +1,4 @@
-"""How scans are aligned here: which points correspond, and the weights of the result."""
+"""Rules by which SLAM aligns scans: correspondences, and the weights of the result."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ Float64Array = NDArray[np.float64]
 
 NOISE = 0.03  #: metres: of a point beside the wall of another scan
 CORRELATION = 0.05  #: share of the points of a scan that are independent evidence: neighbours have errors in common
-MIN_COSINE = 0.75
+MIN_COSINE = 0.75  #: of two normals, 41° apart: other sides of a corner do not pair
 WIDEST_SEARCH = math.radians(12.0)  #: either way, for a corresponding beam
-FALSE_SHARE = 0.03  #: (10°)²
+FALSE_SHARE = 0.03  #: sin² 10°: normals that are off by 10° make a wall resist motion along itself so much
 FLOOR = np.array([0.01, 0.01, 0.005])  #: metres, metres, radians: no alignment is better than this
 FRONT_ITERATIONS = Iterations(6, 0.35, 0.12, 0.5, 1e-3, 5e-4)
 LOOP_ITERATIONS = Iterations(8, 0.4, 0.12, 0.6, 1e-3, 5e-4)

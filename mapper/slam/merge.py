@@ -46,7 +46,7 @@ SHARES = (0.35, 0.35, 0.1, 0.1, 0.1)  #: of the work: SLAM of each log, maps, lo
 
 @dataclass(frozen=True, slots=True)
 class MergeProgress:
-    """How far a merge is: ``fraction`` 0 … 1, and the ``stage``.
+    """Progress of a merge: ``fraction`` 0 … 1, and the ``stage``.
 
     Stages are "first log", "second log", "maps", "loops" and "refinement".
     """

@@ -1,4 +1,4 @@
-"""Which poses of a log are its odometry, and which scans are matched."""
+"""Choice of the poses of a log that are its odometry, and of the scans that are matched."""
 
 from __future__ import annotations
 

@@ -100,3 +100,25 @@ def optimise(
     weigh(robust_scale)
     poses[:, 2] = wrap_angle(poses[:, 2])
     return replace(graph, poses=poses, residual=np.sqrt(chi2), weight=weights.copy())
+
+
+def optimise_newest(
+    graph: PoseGraph, first: int, robust: str, robust_scale: float, max_iterations: int
+) -> Float64Array:
+    """Return the poses (n − first, 3) of the nodes from row ``first`` on that fit their edges best; earlier ones stay.
+
+    ``first`` is at least 1; the other parameters are those of :func:`optimise`. The time depends on the number of
+    nodes that move and of loops they have, not on that of all nodes.
+    """
+    kept = (graph.i >= first) | (graph.j >= first)
+    ends = np.column_stack([graph.i[kept], graph.j[kept]])
+    used = np.unique(ends)
+    rows = np.searchsorted(used, ends)
+    part = replace(
+        graph, nodes=graph.nodes[used], poses=graph.poses[used], i=rows[:, 0], j=rows[:, 1],
+        relative=graph.relative[kept], information=graph.information[kept], kind=graph.kind[kept],
+        locked=graph.locked[kept], residual=graph.residual[kept], weight=graph.weight[kept],
+    )  # fmt: skip
+    system = SparseSystem(len(used), rows, np.flatnonzero(used < first))
+    found = optimise(part, robust=robust, robust_scale=robust_scale, max_iterations=max_iterations, system=system)
+    return found.poses[used >= first]

@@ -1,4 +1,4 @@
-"""A system over so many poses that it is solved part by part, in bounded memory.
+"""Solution of a large system of poses part by part, in bounded memory.
 
 Source: Saad 2003, Iterative Methods for Sparse Linear Systems, section 4.1.1, block Gauss–Seidel: the poses of a part
 are solved for exactly while the others keep their steps so far.

@@ -47,7 +47,6 @@ OFF, OFF_SHARE = 0.3, 0.03  #: metres, and metres for each metre driven, that tw
 TURN_OFF, TURN_OFF_SHARE = 0.06, 0.003  #: radians, and radians for each metre driven
 MOST_UNCERTAIN = 0.1  #: metres: standard deviation of a group in its least certain direction
 RIVAL = 0.4  #: of the group's loops, from which other loops that contradict it and agree with one another refuse it
-MOST_CONTRADICTED = 0.12  #: share of the points seen on the way to the group
 LEAST_WEIGHT = 0.5  #: that the robust kernel leaves to a loop with which the graph is consistent
 
 
@@ -223,7 +222,7 @@ class PlaceRecognizer:
             return f"the scans leave one direction uncertain, by {uncertain:.1f} m"
         first = float(way[[loop.j for loop in group]].min()) - BEFORE
         contradicted = share_contradicted(self._store, group, poses, way, way < max(first, 0.0) - LEAST_WAY)
-        if contradicted > MOST_CONTRADICTED:
+        if contradicted > self._config.loop_contradicted:
             return f"on the way there {100 * contradicted:.0f} % of the points are where earlier scans saw free space"
         return ""
 
@@ -231,8 +230,8 @@ class PlaceRecognizer:
 def reason_against_group(before: PoseGraph, after: PoseGraph) -> str:
     """Return why a graph refuses the loops at its end that it has more than ``before``, "" for no reason.
 
-    Both are optimised. Refused is a group that the robust kernel gives little weight, or that takes it from more than
-    half as many other loops.
+    ``after`` is optimised, ``before`` has the weights at the poses so far. Refused is a group that the robust kernel
+    gives little weight, or that takes it from more than half as many other loops.
     """
     n = len(before.weight)
     if (after.weight[n:] < LEAST_WEIGHT).any():

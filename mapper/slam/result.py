@@ -1,4 +1,4 @@
-"""What SLAM reports while it runs and returns in the end."""
+"""Progress and result of SLAM."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class SlamCancelled(WorkCancelledError):  # noqa: N818 - a cancelled job is no f
 
 @dataclass(frozen=True, slots=True)
 class SlamProgress:
-    """How far SLAM is: ``fraction`` 0 … 1 of its work.
+    """Progress of SLAM: ``fraction`` 0 … 1 of its work.
 
     ``stage`` is "front end", "loop closure", just after a loop moved the poses, or "refinement". ``scans_done`` is the
     number k of the scans so far, ``find_poses`` returns their poses; see :attr:`poses`.

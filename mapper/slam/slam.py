@@ -30,7 +30,7 @@ from mapper.slam.odometry import (
     sweep_velocities,
     velocities_along,
 )
-from mapper.slam.optimise import optimise
+from mapper.slam.optimise import MAX_ITERATIONS, optimise, optimise_newest
 from mapper.slam.place_recognition import PlaceRecognizer, reason_against_group
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
@@ -41,8 +41,9 @@ Float64Array = NDArray[np.float64]
 MOVED, TURNED = 0.15, 0.03  #: metres, radians: a loop off by more than this makes the graph be optimised at once
 MOST_WAITING = 20  #: loops that fit, until it is optimised all the same
 LARGE = 4_000  #: nodes: a graph with more of them is optimised more rarely, so that the time for it grows with n log n:
-RARELY = 50  #: after a share of one in so many of those above, but for
-FAR_OFF, FAR_TURNED = 0.5, 0.1  #: metres, radians: a loop that is off by more than this
+RARELY = 50  #: after a share of one in so many of those above
+FAR_OFF, FAR_TURNED = 0.5, 0.1  #: metres, radians: a loop off by more has at once the newest poses optimised
+NEWEST = 500  #: nodes before the last time that move then: the loop's error is distributed over them and those since
 SETTLING = 6  #: iterations after a loop
 UNSEEN = 0.03  #: of the information of a step's position
 LEAST_UNSEEN = 5.0  #: m of the way; shorter ones are not reported
@@ -147,9 +148,14 @@ class Slam:
         length, turn = float(np.hypot(off[0], off[1])), abs(float(off[2]))
         if length < MOVED and turn < TURNED and self._waiting < MOST_WAITING:
             return False
-        is_soon = RARELY * (len(self) - self._settled) < len(self) - LARGE
-        if is_soon and length < FAR_OFF and turn < FAR_TURNED:
-            return False
+        if RARELY * (len(self) - self._settled) < len(self) - LARGE:
+            if length < FAR_OFF and turn < FAR_TURNED:
+                return False
+            first = max(self._settled - NEWEST, 1)
+            self._poses[first : len(self)] = optimise_newest(
+                self.graph(), first, self.config.robust, self.config.robust_scale, SETTLING
+            )
+            return True
         self._waiting, self._settled = 0, len(self)
         self._poses[: len(self)] = self.optimised(SETTLING).poses
         return True
@@ -161,7 +167,8 @@ class Slam:
         group = self._recognizer.try_at(n, self._poses[: n + 1], self._way[: n + 1], self._loops, self.tried)
         if not group:
             return False
-        before, n_before = self.optimised(), len(self._loops)
+        # The weights of the loops at the poses so far: optimising a large graph takes seconds.
+        before, n_before = self.optimised(0), len(self._loops)
         self._loops += self._recognizer.candidates(group)
         after = self.optimised()
         reason = reason_against_group(before, after)
@@ -191,7 +198,7 @@ class Slam:
             np.ones(e),
         )
 
-    def optimised(self, max_iterations: int = 60) -> PoseGraph:
+    def optimised(self, max_iterations: int = MAX_ITERATIONS) -> PoseGraph:
         """Return the graph so far, optimised."""
         return optimise(
             self.graph(),

@@ -1,4 +1,4 @@
-"""Which points of a cloud are ground: SMRF, the simple morphological filter.
+"""Ground points of a cloud by SMRF, the simple morphological filter.
 
 Source: Pingel, Clarke & McBride, An improved simple morphological filter for the terrain classification of airborne
 LIDAR data, ISPRS Journal of Photogrammetry and Remote Sensing 77, 2013.

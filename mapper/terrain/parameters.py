@@ -154,7 +154,7 @@ PATCH_PARAMETERS = (
 
 @dataclass(frozen=True, slots=True)
 class GroundConfig:
-    """How ground points are found; a value per row of ``GROUND_PARAMETERS``.
+    """Parameters of ground filtering; a value per row of ``GROUND_PARAMETERS``.
 
     The first values are the one set of parameters that Pingel, Clarke & McBride (2013) give for all samples. Raises
     :class:`mapper.core.errors.ConfigError` for an invalid value.

@@ -97,7 +97,7 @@ class Patches:
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the patches are, as a grid in the map's frame."""
+        """Geometry of the grid of patches in the map's frame."""
         rows, cols, _ = self.moments.shape
         return GridGeometry(self.size, rows, cols, (float(self.corner[0]), float(self.corner[1]), 0.0))
 
@@ -118,7 +118,7 @@ class Terrain:
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the patches are, as a grid in the map's frame."""
+        """Geometry of the grid of patches in the map's frame."""
         return self.patches.geometry
 
     def costs(self) -> UInt8Array:

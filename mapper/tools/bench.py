@@ -1,4 +1,4 @@
-"""How long it takes to make a log's map, in this process: reading, start-up and compilation excluded."""
+"""Time to make a log's map in this process, without reading, start-up and compilation."""
 
 from __future__ import annotations
 

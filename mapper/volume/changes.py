@@ -1,4 +1,4 @@
-"""What differs between two maps of one place."""
+"""Differences between two maps of one place."""
 
 from __future__ import annotations
 

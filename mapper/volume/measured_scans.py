@@ -1,4 +1,4 @@
-"""What a surface is made of: scans as depth images, or as points with the place of their sensor."""
+"""Measurements of a surface: depth images, or points with the position of their sensor."""
 
 from __future__ import annotations
 

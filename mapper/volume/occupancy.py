@@ -27,7 +27,7 @@ _TILE_VOXELS = 1 << 27  # marks that are laid out at a time, bytes
 
 @dataclass(frozen=True, slots=True)
 class Inserted:
-    """What a scan did: ``beams`` were drawn, and ``left_out`` points were not finite or outside the volume.
+    """Result of an insertion: ``beams`` were drawn, and ``left_out`` points were not finite or outside the volume.
 
     ``slots`` (n,) are those of the blocks that it touched.
     """
@@ -67,7 +67,7 @@ class OccupancyVolume:
 
     @property
     def n_known(self) -> int:
-        """How many voxels are known."""
+        """Number of known voxels."""
         return int(self._known[: self.blocks.count].sum())
 
     def count_states(self) -> tuple[int, int]:
@@ -83,7 +83,7 @@ class OccupancyVolume:
 
     @property
     def reach(self) -> float:
-        """How far the lattice goes from 0 along each axis, metres."""
+        """Extent of the lattice from 0 along each axis, metres."""
         return CENTRE * self.config.resolution
 
     def insert_scan(self, points: ArrayLike, origin: ArrayLike | None) -> Inserted:

@@ -93,12 +93,12 @@ class Octree:
 
     @property
     def n_nodes(self) -> int:
-        """How many nodes the tree has, inner ones too."""
+        """Number of nodes of the tree, inner ones included."""
         return len(self.masks)
 
     @property
     def n_leaves(self) -> int:
-        """How many leaves the tree has."""
+        """Number of leaves of the tree."""
         return int((self.masks == 0).sum())
 
     def leaves(self) -> tuple[Int64Array, UInt8Array, Float32Array]:

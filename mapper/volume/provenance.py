@@ -1,4 +1,4 @@
-"""Why a voxel is as it is: what each scan did to it, beam by beam."""
+"""Updates of one voxel by each scan, beam by beam."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ MOST_BEAMS = 64  #: of a scan whose ends are given
 
 @dataclass(frozen=True, slots=True)
 class VoxelUpdate:
-    """What scan number ``scan``, from 0, did to a voxel.
+    """Update of a voxel by scan number ``scan``, from 0.
 
-    ``is_hit`` says whether a beam ended in it; otherwise ``beams`` of them passed it, or at least so many where there
+    ``is_hit`` says whether a beam ended in it; otherwise ``beams`` of them passed it, or at least that many where there
     are more than :data:`MOST_BEAMS`. The log-odds were ``before``, after the decay until then, NaN where unknown, and
     are ``after``. ``origin`` (3,) is the place of the sensor, None where it is not known, and ``ends`` (beams, 3) are
     the ends of the beams, metres.

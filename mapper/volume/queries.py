@@ -1,4 +1,4 @@
-"""What is asked of a map: rays, the nearest obstacle, the voxels of a box, and pictures from above."""
+"""Queries of a map: rays, the nearest obstacle, the voxels of a box, and pictures from above."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SHARE = 1024  # rays or points from which a second thread is worth its start
 
 @dataclass(frozen=True, slots=True)
 class Casts:
-    """Where rays ended: the ``keys`` (n, 3) of their last voxels, its centres ``points`` (n, 3) in metres, and why.
+    """Ends of rays: the ``keys`` (n, 3) of their last voxels, its centres ``points`` (n, 3) in metres, and why.
 
     ``ends`` (n,) are :data:`HIT` (an occupied voxel), :data:`UNKNOWN`, :data:`TOO_FAR` or :data:`OUTSIDE` (the
     lattice).

@@ -40,7 +40,7 @@ class ReplayedVolume:
 
     @property
     def count(self) -> int:
-        """How many scans there are."""
+        """Number of scans."""
         return len(self.source) if isinstance(self.source, ScanSequence) else 1
 
     def placed_scans(self) -> Iterator[PlacedScan]:

@@ -37,8 +37,8 @@ class Snapshot:
 class ReplayedSurface:
     """A surface of the first ``index`` scans of ``source``, which must say where its sensor was.
 
-    Depth images are fused as such, all else as points. ``counts`` has the number of blocks after each of these scans.
-    Raises :class:`ConfigError` for a source that does not say where its sensor was.
+    Depth images are fused as such, other scans as points. ``counts`` has the number of blocks after each of these
+    scans. Raises :class:`ConfigError` for a source that does not say where its sensor was.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class ReplayedSurface:
 
     @property
     def count(self) -> int:
-        """How many scans there are."""
+        """Number of scans."""
         return len(self.source)
 
     @property

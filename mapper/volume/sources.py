@@ -1,4 +1,4 @@
-"""Where the scans of a map come from: clouds, scan graphs, depth folders and recordings."""
+"""Sources of the scans of a map: clouds, scan graphs, depth folders and recordings."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def _with_poses(clouds: PosedClouds, notes: list[str]) -> Iterator[PlacedScan]:
 
 @dataclass(slots=True)
 class Insertion:
-    """What inserting the scans of sources did: numbers of scans, points, and points that were left out."""
+    """Result of the insertion of all scans: numbers of scans, points, and points that were left out."""
 
     scans: int = 0
     points: int = 0

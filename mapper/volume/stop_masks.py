@@ -1,4 +1,4 @@
-"""Which voxels of a map end a cast ray, as bits that are made again where the map changed."""
+"""Voxels of a map that end a cast ray, as bits that are computed again where the map changed."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class SurfaceChunks:
 
     @property
     def pending(self) -> int:
-        """How many chunks are to be made again."""
+        """Number of chunks to be computed again."""
         return len(self._pending)
 
     @property

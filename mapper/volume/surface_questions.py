@@ -1,4 +1,4 @@
-"""Why a voxel of a surface has its distance, and which surface a line of sight meets."""
+"""Updates of one voxel of a surface by each scan, and the surface that a line of sight meets."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SAMPLES = 1 << 16  # along a line of sight
 
 @dataclass(frozen=True, slots=True)
 class SurfaceUpdate:
-    """What scan number ``scan``, from 0, did to a voxel of a surface.
+    """Update of a voxel of a surface by scan number ``scan``, from 0.
 
     It ``measured`` this signed distance, metres, cut at the truncation, with ``added`` weight. The voxel had the mean
     ``before``, None where it was unknown, and has ``after`` with the weight ``weight``. ``origin`` (3,) is the place of

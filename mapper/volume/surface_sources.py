@@ -1,4 +1,4 @@
-"""Surfaces out of files: depth folders image by image, and all else that holds clouds point by point."""
+"""Surfaces from files: depth folders image by image, other files with clouds point by point."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mapper.volume.tsdf import Fused, TsdfVolume
 
 @dataclass(slots=True)
 class Fusions:
-    """What files did: numbers of ``scans`` (depth images or clouds) and of pixels or points that were ``used``.
+    """Result of a fusion: numbers of ``scans`` (depth images or clouds) and of pixels or points that were ``used``.
 
     ``given_poses`` is how many of the poses that were given, one for each cloud's file, they took. ``notes`` are
     sentences on what was found.

@@ -33,7 +33,7 @@ _FOUND = 1 << 18  # blocks of beams that are looked up at a time, some of them s
 
 @dataclass(frozen=True, slots=True)
 class Fused:
-    """What a measurement did: ``slots`` (n,) of the blocks that changed, ascending; ``used`` pixels or points of it."""
+    """Result of a fusion: ``slots`` (n,) of the blocks that changed, ascending; ``used`` pixels or points of it."""
 
     slots: Int32Array
     used: int
@@ -87,7 +87,7 @@ class TsdfVolume:
 
         ``pose`` (4, 4) is ``T_map_camera`` of the camera's optical frame. Each voxel takes the depth of the pixel in
         which its centre is seen, less its own depth. Raises :class:`ConfigError` for an image of another size than the
-        camera's and a pose that is none, and :class:`LimitError` for an image that needs more memory than the limits
+        camera's and for an invalid pose, and :class:`LimitError` for an image that needs more memory than the limits
         allow; the map is then as before.
         """
         image = np.ascontiguousarray(depth, dtype=np.float32)

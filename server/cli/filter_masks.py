@@ -33,7 +33,7 @@ SpeedAbsolute = Annotated[
 
 
 class SpeedScale(NamedTuple):
-    """How the values of a speed filter's mask are limits: in m/s if ``is_absolute``, else in percent."""
+    """Scale of a speed filter's mask: limits in m/s if ``is_absolute``, else in percent."""
 
     base: float
     multiplier: float

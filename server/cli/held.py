@@ -1,4 +1,4 @@
-"""What a recording holds besides scans, as ``info`` prints it: topics, clouds, IMUs."""
+"""Contents of a recording besides scans, as ``info`` prints them: topics, clouds, IMUs."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class BusyError(LimitError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Requester:
-    """Who requests a download. The limit holds for each of ``keys`` (a visitor, an address, a link)."""
+    """Requester of a download. The limit holds for each of ``keys`` (a visitor, an address, a link)."""
 
     keys: tuple[str, ...]
     is_guest: bool

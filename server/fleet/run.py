@@ -29,7 +29,7 @@ AHEAD = 1  #: logs that wait at the cluster beside those that its threads do, so
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What came of one log: ``facts`` as :func:`server.library.fleet_job.do_fleet_job` returns them, or an error."""
+    """Result of one log: ``facts`` as :func:`server.library.fleet_job.do_fleet_job` returns them, or an error."""
 
     key: str
     log: str

@@ -1,4 +1,7 @@
-"""The JSON form of every error, ``{code, message, detail}``: a stable code, a sentence, and an optional detail."""
+"""The JSON form of every error, ``{code, message, detail}``: a stable code, a sentence, and an optional detail.
+
+A browser that opens an address without a page is shown a page instead.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from typing import Any
 import structlog
 from fastapi import FastAPI, Request, WebSocket
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketState
@@ -17,6 +20,7 @@ from starlette.websockets import WebSocketState
 from mapper.core.errors import ConfigError, LimitError, MapperError, ReadError
 from server.classes import ClassBudgetError, ClassNotFoundError, ClassRightError
 from server.downloads import MapSnapshotGoneError
+from server.http.page_files import missing_page
 from server.library import (
     LinkGoneError,
     LogNotFoundError,
@@ -114,8 +118,10 @@ async def _mapper_error(connection: Request | WebSocket, error: Exception) -> JS
     return error_response(status, error.code, error.message, headers=headers)
 
 
-async def _http_error(_: Request, error: Exception) -> JSONResponse:
+async def _http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)  # noqa: S101 - for the type checker: it is registered for this class
+    if error.status_code == 404 and (page := missing_page(request)) is not None:
+        return page
     status = HTTPStatus(error.status_code)
     messages = {404: "There is nothing at this address.", 405: "This address does not take this method."}
     code = f"http.{status.phrase.lower().replace(' ', '_')}"

@@ -1,4 +1,4 @@
-"""What a guest may request: a visitor without the service's token who was given a link.
+"""Rights of guests: visitors without the service's token who were given a link.
 
 Each route declares its right with :func:`guests_may`; a route without a declaration is refused to guests.
 """
@@ -18,9 +18,9 @@ Endpoint = TypeVar("Endpoint", bound=Callable[..., Any])
 
 
 class GuestRight(Enum):
-    """Which guests may call a route."""
+    """Guests that may call a route."""
 
-    NEVER = "never"  #: nobody without the token
+    NEVER = "never"  #: no visitor without the token
     ALWAYS = "always"  #: anybody: the address holds no data, or its path holds the secret of a link
     LINKED_SESSION = "linked session"  #: anybody who knows the ``session_id`` of a session that was begun with a link
 

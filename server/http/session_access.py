@@ -1,4 +1,4 @@
-"""Which log a session gives access to: whoever has the address of a log's session acts for the visitor who began it.
+"""Access to logs by session: whoever has the address of a log's session acts for the visitor who opened it.
 
 A session that was begun with a shared link is read-only, also for its own address.
 """

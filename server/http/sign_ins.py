@@ -77,7 +77,7 @@ class SignIns:
 
     @property
     def ended(self) -> Mapping[str, int]:
-        """What has ended early: cookies by name with the time at which each was given; ``*``: all up to its time."""
+        """Sign-ins that ended early: cookies by name with the time each was given; ``*``: all up to its time."""
         return {**self._ended, ALL: self._ended_until}
 
     def take_over(self, ended: Mapping[str, int]) -> None:

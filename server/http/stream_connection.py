@@ -26,7 +26,7 @@ MAX_MALFORMED = 20  #: frames that break the protocol before the socket is close
 COMMANDS_PER_S, COMMAND_BURST = 120.0, 240.0
 LEAVING_S = 1.0  #: for pages to leave a session that their class does not show any more
 _ACKNOWLEDGEMENT = re.compile(rb'\{"type": ?"ack", ?"seq": ?([0-9]{1,10})\}')
-MAX_THROTTLED = 1200  #: commands in a row that came too fast, before the socket is closed
+MAX_THROTTLED = 1200  #: commands that came too fast, before the socket is closed; forgotten after a rest
 
 _log = structlog.get_logger(__name__)
 
@@ -46,6 +46,11 @@ class Allowance:
             return False
         self._left, self._at = left - 1.0, now
         return True
+
+    @property
+    def has_rested(self) -> bool:
+        """Whether at least half of the burst was left after the last command."""
+        return self._left >= COMMAND_BURST / 2.0
 
     def spend(self) -> float:
         """Count one command; return the seconds to wait before the next one is read."""
@@ -268,7 +273,8 @@ async def _receive(
                 await _close(websocket, POLICY, "too many malformed frames")
                 return
         wait = allowance.spend()
-        throttled = throttled + 1 if wait > 0.0 else 0
+        # A busy service reads more slowly: a command without a wait does not mean that the flood is over.
+        throttled = 0 if allowance.has_rested else throttled + (wait > 0.0)
         if throttled > MAX_THROTTLED:
             await _close(websocket, POLICY, "too many commands")
             return

@@ -191,7 +191,7 @@ class Catalogue:
     def save(self, record: Record) -> None:
         """Store a changed record. If it cannot be written, the change is lost at the next start."""
         self._records[record.id] = record
-        # Of the folder's logs only what was found out is worth keeping: all else is found out again.
+        # Of the folder's logs only results that take long are kept: the rest is read again.
         if record.source == "upload" or record.state == "ready":
             asyncio.ensure_future(self._store.put(record)).add_done_callback(_ignore_error)
 
@@ -244,7 +244,7 @@ class Catalogue:
                 self._remove_derived(log_id)
                 await self._store.delete(log_id)
             self._records.pop(log_id, None)
-            await self._common.delete(self.pack(log_id), self.picture(log_id))
+            await self._common.delete(self.pack(log_id).name, self.picture(log_id).name)
             if sha256 is not None:
                 await self._delete_unused_blob(sha256)
         await self._forget(log_id)

@@ -1,4 +1,4 @@
-"""What other services change in a shared database, so that what this one keeps in memory follows (LISTEN)."""
+"""Changes by other services in a shared database, applied to what this one keeps in memory (LISTEN)."""
 
 from __future__ import annotations
 

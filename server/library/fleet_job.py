@@ -1,4 +1,4 @@
-"""What a worker does with one log of a fleet, in a process with limits."""
+"""The job of a worker for one log of a fleet, in a process with limits."""
 
 from __future__ import annotations
 

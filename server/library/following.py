@@ -1,4 +1,4 @@
-"""Waiting for a long job in its process, while somebody looks how far it is."""
+"""Waiting for a long job in its process, while its progress is requested."""
 
 from __future__ import annotations
 
@@ -44,6 +44,6 @@ async def followed(worker: Worker, job: WorkerJob[T], look: Callable[[], Awaitab
 
 
 def _read_error(done: asyncio.Future[T]) -> None:
-    """Read a job's error, which nobody waits for after a cancellation; asyncio would report it as not retrieved."""
+    """Read the error of a cancelled job, for which no caller waits; asyncio would report it as not retrieved."""
     if not done.cancelled():
         done.exception()

@@ -44,7 +44,7 @@ class GivenMapJob:
 
 
 def do_given_map_job(job: GivenMapJob) -> GivenMap:
-    """Do the job. Raises :class:`mapper.core.errors.MapperError` for what is no map, and limits."""
+    """Do the job. Raises :class:`mapper.core.errors.MapperError` for a file that is no map, and for limits."""
     return jobs.bounded(job.timeout_s, job.cpu_s, lambda: _made(job), DOING, "map")
 
 

@@ -20,7 +20,7 @@ from server.library.records import Record
 from server.library.workers import PoolWorker
 from server.work.fair_lock import FairLock
 
-IDLE_S = 20.0  #: an inspection about which nobody has asked for so long ends
+IDLE_S = 20.0  #: an inspection without a request for this time ends
 MOST_KEPT = 4  #: contents that are kept in memory
 
 
@@ -72,7 +72,7 @@ class Inspections:
     async def contents(self, record: Record, visitor: str) -> Contents | float:
         """Return what a log's recording holds; where that is not known yet begin to find out, and return how far it is.
 
-        The inspection ends when nobody asks any more. Raises what it raised, once.
+        The inspection ends when no request waits for it. Raises what it raised, once.
         """
         running = self._running.get(record.id)
         if running is None:
@@ -97,7 +97,7 @@ class Inspections:
     def cancel(self, log_id: str, visitor: str) -> None:
         """End the inspection of a log that ``visitor`` began, if it is under way; the next request begins it again.
 
-        Another visitor's goes on: it ends when nobody asks any more.
+        Another visitor's goes on: it ends when no request waits for it.
         """
         running = self._running.get(log_id)
         if running is not None and running.visitor == visitor:

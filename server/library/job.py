@@ -33,7 +33,7 @@ READING = "Reading this log"  #: what most jobs do, in their errors
 
 
 class WorkerJob(Protocol[R_co]):
-    """What a worker does in its process, within limits of elapsed and of processor time and of address space."""
+    """A job of a worker process, within limits of elapsed and processor time and of address space."""
 
     @property
     def timeout_s(self) -> float:

@@ -37,7 +37,7 @@ Key = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class QueueKind(Generic[R]):
-    """What kind of jobs a queue has: ``name`` is in the codes of errors, ``title`` in their sentences.
+    """Kind of the jobs of a queue: ``name`` is in the codes of errors, ``title`` in their sentences.
 
     ``table`` has the records, which are of the type ``record``; ``places`` is how many are done at once.
     """

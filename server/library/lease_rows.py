@@ -76,7 +76,7 @@ class LeaseRows:
         await self._database.run(guarded)
 
     async def fraction(self, name: str) -> float | None:
-        """Return how much of a job the holder of its lease has done, None where nobody holds it."""
+        """Return how much of a job the holder of its lease has done, None where there is no holder."""
 
         def work(connection: Connection) -> float | None:
             row = connection.execute(select(leases).where(leases.c.name == name)).first()

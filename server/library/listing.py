@@ -1,4 +1,4 @@
-"""Which of many logs are listed, and in what order."""
+"""Selection and order of the logs in a list."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class LocalizeJob:
 
 @dataclass(frozen=True, slots=True)
 class LocalizeOutcome:
-    """What localization found; ``first_converged`` is None where the filter never converged."""
+    """Result of localization; ``first_converged`` is None where the filter never converged."""
 
     map_title: str
     odometry: str

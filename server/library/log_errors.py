@@ -1,4 +1,4 @@
-"""Why a visitor may not open or change a log."""
+"""Errors where a visitor may not open or change a log."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from server.library.job import Job, time_error
 from server.library.workers import PoolWorker, Worker
 from server.work.fair_lock import FairLock
 
-LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, so many bytes for each second
+LEAST_BYTES_PER_S = 20_000_000  #: of a file that is read: a large one gets more time, a second for this number of bytes
 LEAST_BYTES_PER_CPU_S = 50_000_000  #: the same of processor time
 
 T = TypeVar("T")

@@ -106,7 +106,7 @@ def _masks_in(yamls: list[str]) -> dict[str, str]:
 
 
 def _origin_of(path: Path) -> str | None:
-    """Return a sentence on the edits that made a map, None for a file that is none of edits."""
+    """Return a sentence on the edits that made a map, None for a file without edits."""
     try:
         found = json.loads(path.read_bytes())
         n, name = len(found["edits"]), str(found["source"]["map"])

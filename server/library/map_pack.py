@@ -1,4 +1,4 @@
-"""What the library says and shows of a map."""
+"""Summary and picture of a map for the library."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class MergeJob:
 
 @dataclass(frozen=True, slots=True)
 class MergeOutcome:
-    """How two logs were merged: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match.
+    """Result of the merge of two logs: ``loops`` between them of ``tried``, and ``score``, 0 … 1, of their maps' match.
 
     ``topic`` names the sensors of the log of both, None where they are one. ``note`` says whether the clock of one log
     was set there; it is empty where it was not.

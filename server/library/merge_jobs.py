@@ -39,7 +39,7 @@ PIECE = 1 << 20  #: bytes of the merged log that are stored at once
 
 
 class Uploads(Logs, Protocol):
-    """What the jobs need of the library."""
+    """Interface of the library that the jobs use."""
 
     async def put(self, owner: str, name: str, chunks: AsyncIterator[bytes]) -> Record:
         """Store a log."""
@@ -85,7 +85,7 @@ class MergeJobs:
 
         ``cuts`` say how the scans of each are cut out of clouds and depth images, None as by default. ``done`` is
         called when it has ended. Raises :class:`LimitError` for one job too many, :class:`ConfigError` for a log with
-        itself and for a cut that is none, :class:`StorageError`, and as the library for logs that the owner may not
+        itself and for an invalid cut, :class:`StorageError`, and as the library for logs that the owner may not
         open.
         """
         for cut in cuts:

@@ -16,7 +16,7 @@ from server.library.workers import PoolWorker
 from server.work.fair_lock import FairLock
 
 TIMEOUT_S = 60.0  #: of one picture, and of processor time
-BYTES_PER_S = 20e6  #: and a second more for so many bytes: a recording without an index is read up to the moment
+BYTES_PER_S = 20e6  #: and a second more for this number of bytes: a recording without an index is read up to the moment
 MEMORY_BYTES = 3 << 30  #: address space of the process
 
 

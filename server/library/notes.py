@@ -30,7 +30,7 @@ class NoteReadOnlyError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """Where a note is: ``at_s`` seconds after the log's first scan and the number of scans in the map then, a place
+    """Place of a note: ``at_s`` seconds after the log's first scan and the number of scans in the map then, a place
     ``x``, ``y`` on the map, metres, or both. Raises :class:`MapperError` for neither.
     """
 

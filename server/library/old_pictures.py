@@ -48,7 +48,7 @@ class OldPictures:
     async def _draw(self, records: list[Record]) -> None:
         for record in records:
             await self._catalogue.fetch(record.id)
-            # Between two of them whoever waits has a turn, as all logs are read one after the other.
+            # Between two of them other waiting jobs have a turn, as all logs are read one after the other.
             async with self._reader.turn(record.owner):
                 now = self._catalogue.get(record.id)
                 if now is None or not self._lacks(now):

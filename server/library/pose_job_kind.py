@@ -1,4 +1,4 @@
-"""What a kind of jobs is that give logs another trajectory: SLAM, or localization in a map."""
+"""Kinds of jobs that add a trajectory to a log: SLAM, and localization in a map."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from server.library.trajectories import NewTrajectory, Trajectories
 
 
 class Logs(Protocol):
-    """What the jobs need of the library."""
+    """Interface of the library that the jobs use."""
 
     def get(self, owner: str, log_id: str) -> Record:
         """Return the record of a log."""
@@ -41,11 +41,11 @@ class JobLimits:
 
 
 class Progress(Protocol):
-    """What a running job reports."""
+    """Progress of a running job."""
 
     @property
     def fraction(self) -> float:
-        """How much of it is done, from 0 to 1."""
+        """Share that is done, from 0 to 1."""
 
 
 P = TypeVar("P", bound=Progress)

@@ -93,7 +93,7 @@ class PoseJobs(Generic[P, T]):
         ``cut`` says how its scans are cut out of clouds and depth images, None as by default.
 
         Raises :class:`LimitError` for one job too many, :class:`mapper.core.errors.ConfigError` for a parameter that
-        is refused and for a cut that is none, and as the library for a log that the owner may not open.
+        is refused and for an invalid cut, and as the library for a log that the owner may not open.
         """
         kind = self._kind
         checked = await asyncio.to_thread(kind.checked, parameters or {})

@@ -15,7 +15,7 @@ State = Literal["queued", "reading", "ready", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """Why a log could not be read: a stable code and one sentence."""
+    """Error of a log that could not be read: a stable code and one sentence."""
 
     code: str
     message: str

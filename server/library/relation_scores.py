@@ -97,7 +97,7 @@ class RelationScores:
         """Return the mean errors of a trajectory over the relations in ``text``, a file called ``name``.
 
         ``benchmark`` is the log of the benchmark that the name tells, and ``published`` the results on it. Raises
-        :class:`MapperError` for a file that is none of relations, or belongs to another log.
+        :class:`MapperError` for a file without relations, or belongs to another log.
         """
         from mapper.evaluation import PUBLISHED, benchmark_named  # noqa: PLC0415 - few visitors have relations
 

@@ -69,7 +69,7 @@ class Sample:
 
 
 def _note_failure(job: asyncio.Task[ScanLog]) -> None:
-    """Log why the sample was not made; nobody may wait for the job. The next look at the logs begins it again."""
+    """Log why the sample was not made. The next request for the logs begins it again."""
     if job.cancelled() or (error := job.exception()) is None:
         return
     if isinstance(error, MemoryError | OSError):  # no memory, or no room on the disk

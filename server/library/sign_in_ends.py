@@ -17,7 +17,7 @@ KEPT_S = 31 * 24 * 3600.0  #: no cookie is valid for so long
 
 
 class SignInEnds:
-    """What was ended, by name, with the time at which it was given. ``take_over`` is told what any service has ended.
+    """Ended sign-ins by name, with the time at which each was given. ``take_over`` gets those of all services.
 
     Used from the event loop. All methods raise :class:`StorageError`.
     """

@@ -64,7 +64,7 @@ class SlamJob:
 
 @dataclass(frozen=True, slots=True)
 class SlamOutcome:
-    """What SLAM made of a log. ``sharpness`` is that of the walls, 0 … 1, before and after."""
+    """Result of SLAM of a log. ``sharpness`` is that of the walls, 0 … 1, before and after."""
 
     odometry: str | None
     loops: int

@@ -1,7 +1,7 @@
 """Whether the folder and the database that the library opened are still there, and can be written.
 
 Open files outlast their names: without this check a service whose data folder was moved or unmounted would go on to
-accept uploads into files that nobody finds after its end.
+accept uploads into files that are lost at its end.
 """
 
 from __future__ import annotations

@@ -120,7 +120,7 @@ def _job_table(name: str) -> Table:
 slam_jobs = _job_table("slam_jobs")
 localization_jobs = _job_table("localization_jobs")
 
-#: One row for the newest merge of each visitor of a log with another one, and what came of it. It goes with its log.
+#: One row for the newest merge of each visitor of a log with another one, and its result. It goes with its log.
 merge_jobs = Table(
     "merge_jobs",
     metadata,
@@ -139,7 +139,7 @@ merge_jobs = Table(
     Column("other_cut", Text),  # JSON
 )
 
-#: One row for each log that is to be mapped with many others, and what came of it. It goes with its log; ``owner`` is
+#: One row for each log that is to be mapped with many others, and its result. It goes with its log; ``owner`` is
 #: that of the log, empty for those of the folder.
 fleet_jobs = Table(
     "fleet_jobs",

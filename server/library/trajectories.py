@@ -116,7 +116,7 @@ class Trajectories:
     def check(self, owner: str, log_id: str, name: str, own_names: Sequence[str]) -> None:
         """Check that ``owner`` may add a trajectory of this name to a log that has ``own_names`` of its own.
 
-        Raises :class:`ConfigError` for a name that is none or is the log's own, :class:`LimitError` for one too many.
+        Raises :class:`ConfigError` for an invalid name or one of the log's own, :class:`LimitError` for one too many.
         """
         is_clean = name == name.strip() and all(unicodedata.category(c)[0] != "C" for c in name)
         if not 0 < len(name) <= MAX_NAME or not is_clean or "/" in name:

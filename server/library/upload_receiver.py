@@ -29,7 +29,7 @@ class UploadOffsetError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Which part of an upload comes: ``key`` names the upload, the part begins at byte ``start`` of ``total``."""
+    """Part of an upload: ``key`` names the upload, the part begins at byte ``start`` of ``total``."""
 
     key: str
     start: int

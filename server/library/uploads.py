@@ -19,7 +19,7 @@ from server.library.upload_slots import UploadSlots
 
 @dataclass(frozen=True, slots=True)
 class Sender:
-    """Who sends an upload: a visitor, from a network address, which has its share of the places."""
+    """Sender of an upload: a visitor, and a network address; each has a share of the places."""
 
     owner: str
     address: str = ""
@@ -27,7 +27,7 @@ class Sender:
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """What a sender says of an upload: the log's name, and if stated the bytes of the whole and their digest.
+    """Description of an upload by its sender: the log's name, and if stated the total of bytes and their digest.
 
     ``part`` says which part of the whole is sent, None: all of it.
     """
@@ -40,7 +40,7 @@ class Declared:
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """How much may come in: ``max_bytes`` of one upload, ``room`` returns how many bytes of all uploads."""
+    """Limits of uploads: ``max_bytes`` of one, ``room`` returns the bytes left for all."""
 
     limits: LibraryLimits
     max_bytes: int

@@ -1,4 +1,4 @@
-"""Which logs a visitor may open, and what is shown of each. Used from the event loop."""
+"""Logs that a visitor may open, and their entries in lists. Used from the event loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a 3D map is made of as one .npz file: the scans of clouds, or an octree. No pickle on either side."""
+"""Data of a 3D map as one .npz file: the scans of clouds, or an octree. No pickle on either side."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Worker(Protocol):
 
     @property
     def progress(self) -> float:
-        """How far the present job is, from 0 to 1."""
+        """Progress of the present job, from 0 to 1."""
 
     @property
     def pid(self) -> int:
@@ -68,7 +68,7 @@ class PoolWorker:
 
     @property
     def progress(self) -> float:
-        """How far the log that is being read is."""
+        """Progress of the log that is being read."""
         return 0.0 if self._progress is None else float(self._progress.value)
 
     @property
@@ -139,7 +139,7 @@ class ExecutorWorker:
 
     @property
     def progress(self) -> float:
-        """How far the log that is being read is."""
+        """Progress of the log that is being read."""
         try:
             return float(self._lease.read_bytes() or 0.0) if self._lease is not None else 0.0
         except (OSError, ValueError):

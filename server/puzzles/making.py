@@ -1,4 +1,4 @@
-"""How the spoiled log of a puzzle comes about: from a recipe, a story of the lab, or a log."""
+"""Making of the spoiled log of a puzzle: from a recipe, a story of the lab, or a log."""
 
 from __future__ import annotations
 

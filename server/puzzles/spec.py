@@ -1,4 +1,4 @@
-"""What a puzzle of a visitor is made of, as it is stored: a story of the lab or a log, and the fault."""
+"""Definition of a visitor's puzzle, as it is stored: a story of the lab or a log, and the fault."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is put before the scripts of viser's client page."""
+"""Script inserted before those of viser's client page."""
 
 #: It reports each message that was worked off (:mod:`server.scenes.pacing`): viser's worker sends what is posted to it
 #: as ``send`` once it has told of the connection, and a message is worked off in the frame after its arrival. The

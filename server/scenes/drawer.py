@@ -20,7 +20,7 @@ GizmoMoved = Callable[[str, Point, Quaternion], None]  #: name of the drawing, p
 
 @dataclass(frozen=True, slots=True)
 class DrawerContext:
-    """What a drawer needs: viser's scene, and the function to call when a gizmo was moved (any thread)."""
+    """Context of a drawer: viser's scene, and the function to call when a gizmo was moved (any thread)."""
 
     scene: viser.SceneApi
     gizmo_moved: GizmoMoved

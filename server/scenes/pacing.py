@@ -18,7 +18,7 @@ DRAWN = b"\x81\xa4type\xaeGridbloomDrawn"
 
 
 class Pace:
-    """What one browser was sent and has drawn. Used from the event loop.
+    """Messages that one browser was sent and has drawn. Used from the event loop.
 
     A browser that has never reported, such as a program without the script, is not waited for.
     """

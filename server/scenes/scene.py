@@ -169,7 +169,7 @@ class Scene:
 
     @property
     def height(self) -> float:
-        """How many times as high as by default the map's columns are drawn."""
+        """Height of the map's columns as a multiple of the default."""
         return self._contents.height
 
     async def set_height(self, height: float) -> None:

@@ -96,7 +96,7 @@ class ViserServer(viser.ViserServer):
 
     @property
     def queued(self) -> int:
-        """How many messages for all browsers have been queued since the start."""
+        """Number of messages for all browsers that were queued since the start."""
         return self._websock_server.get_message_buffer().message_counter
 
     def request_share_url(self, verbose: bool = True) -> None:

@@ -1,4 +1,4 @@
-"""What a model shows in 3D, as plain data. How each is drawn is in ``server.scenes.drawers``.
+"""Drawings of a model in 3D, as plain data. Code that draws them is in ``server.scenes.drawers``.
 
 Positions are in metres in the map frame, x forward, y left, z up; rotations are unit quaternions (w, x, y, z). A
 drawing is identified by its ``name``: the next drawing of the same name replaces it, and parts that did not change are

@@ -28,6 +28,7 @@ from server.sessions.model import SessionModel
 from server.sessions.model_messages import hello_message
 from server.sessions.requests import ReplacingRequests
 from server.sessions.tick import QueuedCommand, TickResult, error_message
+from server.sessions.tick_pace import MAX_TICK_S, TICK_S, TickPace
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
@@ -37,8 +38,6 @@ from server.work.waiting import set_within
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
 
-TICK_S = 1.0 / 30.0
-MAX_TICK_S = 0.1  #: longest wall time that one tick simulates: a slow machine plays slower
 PAUSE_S = 0.05  #: shortest pause between two computations of deferred work, which takes at most a quarter of the time
 MAX_DEFERRAL_S = 0.2  #: deferred work waits at most this long for an empty queue of commands
 
@@ -86,8 +85,8 @@ class SessionHost:
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._tick_failed = False  #: whether a tick ended before the layers were updated from the model
-        self._is_full = False  #: whether no client could be sent a frame when the time of the next tick was chosen
-        self._is_draw_due = False  #: whether a layer is to be drawn that nobody watched before
+        self._pace = TickPace()
+        self._is_draw_due = False  #: whether a layer is to be drawn that was not watched before
         self._hello_is_old = True  #: whether something was computed since the ``hello`` message was made
         self._deferred_due = 0.0
         self._requests = ReplacingRequests(clock)
@@ -163,14 +162,14 @@ class SessionHost:
 
     @property
     def is_seen(self) -> bool:
-        """Whether somebody sees what is computed: a listener, or a client that is not stalled."""
+        """Whether the session has a listener, or a client that is not stalled."""
         return bool(self.listeners) or any(not client.is_stalled for client in self.hub.clients)
 
     def acknowledge(self, client: Client, seq: int) -> None:
         """Note that a client has painted the frames up to ``seq``. Raises :class:`ProtocolError`."""
         was_stalled = client.is_stalled
         client.acknowledge(seq)
-        if was_stalled or self._is_full:
+        if was_stalled or self._pace.is_full:
             self._wake.set()
 
     @property
@@ -278,7 +277,7 @@ class SessionHost:
             async with self._lock:
                 self._requests.begin_tick()
                 job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
-                result = await self._computed_tick(job)
+                result = await self._computed_tick(self._pace.measured(job))
             self._requests.end_tick(was_cancelled=result.cancelled)
             rest = result.rest
             self._tick_failed = False
@@ -315,9 +314,7 @@ class SessionHost:
             self._showing = None
 
     def _tick_s(self) -> float:
-        """Return the time from one tick to the next: a frame that no client may be sent yet is not computed."""
-        self._is_full = not self.listeners and not self.hub.has_room
-        return MAX_TICK_S if self._is_full else TICK_S
+        return self._pace.tick_s(self.hub, has_listeners=bool(self.listeners))
 
     def _is_deferred_work_due(self) -> bool:
         """Whether deferred work is due and no command is queued, or it has been due for :data:`MAX_DEFERRAL_S`."""
@@ -363,7 +360,7 @@ class SessionHost:
         return not (self.closed or self._requests.is_useless)
 
     def in_background(self) -> Callable[[], bool]:
-        """Return a function for a computation that nobody waits for, see :meth:`LongWork.in_background`."""
+        """Return a function for a computation in the background, see :meth:`LongWork.in_background`."""
         return self._long_work.in_background(lambda: not self.closed)
 
     def _stop(self) -> None:

@@ -33,7 +33,7 @@ class SessionRequest(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """How the model of one session is made, within the budgets of the registry."""
+    """Plan by which the model of one session is made, within the budgets of the registry."""
 
     make: Callable[[ModelHost, Making], SessionModel]
     """Makes the model (worker thread). It checks :meth:`Making.may_continue` and raises
@@ -46,7 +46,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """What a plan may use.
+    """Resources that a plan may use.
 
     The visitor's logs, the longest computing time for replaying a story, seconds, and where progress is reported.
     """

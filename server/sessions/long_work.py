@@ -1,4 +1,4 @@
-"""What a session computes for long: its progress is shown, and computations in the background wait for it."""
+"""Long computations of a session: progress is shown, and computations in the background wait."""
 
 from __future__ import annotations
 

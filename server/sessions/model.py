@@ -47,7 +47,7 @@ class Footprint:
 
 
 class SessionModel(ABC):
-    """What a session computes. A kind has to implement :attr:`layers` and :meth:`advance`; all else has a default."""
+    """Model of a session. A kind has to implement :attr:`layers` and :meth:`advance`; the rest has a default."""
 
     kind: ClassVar[str]  #: name of the kind, as in :data:`server.sessions.kinds.KINDS`
     replacing: ClassVar[frozenset[str]] = frozenset()
@@ -72,7 +72,7 @@ class SessionModel(ABC):
     @property
     @abstractmethod
     def layers(self) -> Sequence[Layer]:
-        """What is shown, the map first."""
+        """Layers that are shown, the map first."""
 
     @abstractmethod
     def advance(self, dt: float, result: TickResult) -> None:
@@ -116,7 +116,7 @@ class SessionModel(ABC):
 
     @property
     def viewed(self) -> Viewed | None:
-        """What a link opens in another session; None where no link can."""
+        """View that a link opens in another session; None if there is no link."""
         return self.recording
 
     def particulars(self) -> dict[str, Any]:
@@ -214,7 +214,7 @@ class SessionModel(ABC):
 
     @property
     def working_on(self) -> str:
-        """What the present computation is of, as the message ``working`` has it (any thread)."""
+        """Subject of the present computation, as in the message ``working`` (any thread)."""
         return "map"
 
     @property

@@ -55,7 +55,7 @@ class Recording(Protocol):
 
 
 class Viewed(Protocol):
-    """What a session shows of an upload, for a link that opens the same."""
+    """View of an upload in a session, for a link that opens the same."""
 
     log_id: str
 

@@ -52,7 +52,7 @@ class SessionNotFoundError(MapperError):
 
 
 class RegistrySettings(Protocol):
-    """What the registry reads of :class:`server.settings.Settings`."""
+    """The part of :class:`server.settings.Settings` that the registry reads."""
 
     max_sessions: int
     max_sessions_per_visitor: int

@@ -1,4 +1,4 @@
-"""Which commands replace the map of a session, and whether one of them makes the present computation useless."""
+"""Commands that replace the map of a session and so make the present computation useless."""
 
 from __future__ import annotations
 

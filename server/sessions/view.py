@@ -29,7 +29,7 @@ class LogView:
 
     @property
     def planar_cut(self) -> PlanarCut:
-        """How scans are cut out of clouds and depth images. Raises :class:`mapper.core.errors.ConfigError`."""
+        """Options of the scans cut out of clouds and depth images. Raises :class:`mapper.core.errors.ConfigError`."""
         return PlanarCut.of(self.cut or {})
 
 

@@ -33,7 +33,7 @@ class ClassLook(Struct):
 
 
 class ClassView(Struct):
-    """What the lecturer's page shows. Places are map metres."""
+    """State of the lecturer's page. Places are map metres."""
 
     page: Annotated[
         Literal["lecture", "lab", "logs", "other"],
@@ -80,7 +80,7 @@ class ClassQuestion(Struct):
 
 
 class ClassSolver(Struct):
-    """How far one follower is with the puzzle; followers are known by number only."""
+    """Progress of one follower with the puzzle; followers are known by number only."""
 
     number: Annotated[int, Meta(description="number of the follower")]
     is_named: Annotated[bool, Meta(description="whether the cause is named")]
@@ -103,7 +103,7 @@ class ClassState(Struct, tag_field="type", tag="class"):
 
     code: Annotated[str, Meta(description="the code of the class")]
     present: Annotated[int, Meta(description="followers that are connected")]
-    is_locked: Annotated[bool, Meta(description="whether nobody else can join")]
+    is_locked: Annotated[bool, Meta(description="whether no one else can join")]
     has_ended: Annotated[bool, Meta(description="whether the class is over")]
     hands: Annotated[list[int], Meta(description="numbers of the followers who ask for the robot; lecturer only")]
     driver: Annotated[int | None, Meta(description="number of the follower who drives the robot; null: the lecturer")]
@@ -120,7 +120,7 @@ class ClassWelcome(Struct, tag_field="type", tag="welcome"):
 
 
 class ClassViewMessage(Struct, tag_field="type", tag="view"):
-    """What the lecturer shows now, to the followers."""
+    """Present state of the lecturer's page, sent to the followers."""
 
     view: Annotated[ClassView, Meta(description="what the lecturer shows")]
     stage: Annotated[int, Meta(description="number of the session that is shown, from 1; 0: none")]
@@ -175,7 +175,7 @@ class CloseCommand(Struct, tag_field="type", tag="close"):
 
 
 class LockCommand(Struct, tag_field="type", tag="lock"):
-    """Lecturer: let nobody else join, or let people join again."""
+    """Lecturer: close the class to new listeners, or open it again."""
 
     value: Annotated[bool, Meta(description="whether it is locked")]
 

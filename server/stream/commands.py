@@ -183,7 +183,7 @@ class MapEditCommand(Struct, tag_field="type", tag="map_edit"):
 class MapHistoryCommand(Struct, tag_field="type", tag="map_history"):
     """Maps: undo edits, or make them again."""
 
-    steps: Annotated[Whole, Meta(description="negative: so many are undone; positive: made again")]
+    steps: Annotated[Whole, Meta(description="negative: number of steps to undo; positive: to redo")]
 
 
 class DriveCommand(Struct, tag_field="type", tag="drive"):

@@ -88,6 +88,11 @@ class Hub:
         """Whether some client may be sent a frame."""
         return any(client.has_room for client in self.clients)
 
+    @property
+    def has_acknowledged(self) -> bool:
+        """Whether some client has acknowledged all that it was sent."""
+        return any(not client.unacknowledged for client in self.clients)
+
     def note_watched(self) -> None:
         """Tell each layer whether a client is sent it."""
         for number, layer in enumerate(self.layers):

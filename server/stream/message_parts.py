@@ -113,7 +113,7 @@ class Block(Part):
 
 
 class TerrainCounts(Part):
-    """How many patches of each class there were before parameters changed."""
+    """Numbers of patches of each class before parameters changed."""
 
     changed: Annotated[list[str], Meta(description="names of the parameters")]
     safe: Annotated[int, Meta(description="patches that were safe")]
@@ -175,7 +175,7 @@ class BrushStroke(Part):
 
 
 class LayerCost(Part):
-    """What one layer of a costmap says of a cell."""
+    """Contribution of one layer of a costmap to a cell."""
 
     layer: Annotated[str, Meta(description="name of the layer")]
     cost: Annotated[int, Meta(description="its own cost there, 255: none")]
@@ -231,7 +231,7 @@ class LayerInfo(Part):
 
 
 class VolumeChanges(Part):
-    """What differs between the map of a session in 3D, B, and another one, A."""
+    """Differences between the map of a session in 3D, B, and another one, A."""
 
     title: Annotated[str, Meta(description="of A")]
     appeared: Annotated[int, Meta(description="voxels that are free in A and occupied in B")]
@@ -242,7 +242,7 @@ class VolumeChanges(Part):
 
 
 class VoxelUpdate(Part):
-    """What one scan did to a voxel."""
+    """Update of a voxel by one scan."""
 
     scan: Annotated[int, Meta(description="number of the scan, from 1")]
     hit: Annotated[bool, Meta(description="whether a beam ended in it; else beams passed it")]
@@ -252,7 +252,7 @@ class VoxelUpdate(Part):
 
 
 class SurfaceUpdate(Part):
-    """What one scan did to a voxel of a surface."""
+    """Update of a voxel of a surface by one scan."""
 
     scan: Annotated[int, Meta(description="number of the scan, from 1")]
     measured: Annotated[float, Meta(description="signed distance that it measured, m, cut at the truncation")]

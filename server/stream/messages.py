@@ -168,7 +168,7 @@ class Trajectories(Struct, tag_field="type", tag="trajectories"):
 
 
 class NotesMessage(Struct, tag_field="type", tag="notes"):
-    """Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again."""
+    """Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again."""
 
     changed_s: Annotated[float, Meta(description="when, seconds since 1970")]
 
@@ -206,7 +206,7 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
 
 
 class LocalizationMessage(Struct, tag_field="type", tag="localization"):
-    """Where the particle filter takes the robot to be; in a simulation, how far off that is."""
+    """Estimate of the particle filter; in a simulation, with its error."""
 
     is_on: Annotated[bool, Meta(description="whether the robot is localized")]
     map: Annotated[str, Meta(description="of a simulation: plan, moved or other, as the command localize has it")]

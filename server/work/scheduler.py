@@ -1,9 +1,10 @@
 """Fair scheduling of computations in time slices of :data:`SLICE_S`, by address and by visitor.
 
 A job holds a turn while it computes. At its checkpoints it yields the turn if the turn has lasted a slice and other
-jobs wait. The next turn goes to the waiting address that holds the fewest turns, on a tie to the one served least
-recently; within an address the same rule holds for its visitors. A visitor's jobs therefore share the visitor's part,
-and the visitors behind one address share the part of the address.
+jobs wait, and at once if its address holds at least two turns more than that of an urgent job that waits. The next turn
+goes to the waiting address that holds the fewest turns, on a tie to the one served least recently; within an address
+the same rules hold for its visitors. A visitor's jobs therefore share the visitor's part, and the visitors behind one
+address share the part of the address.
 
 A job is urgent while it is interactive (a user waits for it) and has computed for at most :data:`URGENT_S`. Other jobs
 are deferred while an urgent one computes or waits: the threads of this process share the interpreter and the cores.
@@ -48,7 +49,7 @@ def _uncancellable() -> Future[None]:
 
 @dataclass(slots=True, eq=False)
 class _Task:
-    """What a turn computes on a thread of ``pool``, and the future of ``loop`` that waits for it."""
+    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` that waits for it."""
 
     pool: Executor
     job: Callable[[], Any]
@@ -65,7 +66,7 @@ class _Task:
 
 @dataclass(frozen=True, slots=True)
 class _Finished:
-    """What a job returned, or the error that it raised, for the future that waits for it."""
+    """Result of a job, or the error that it raised, for the future that waits for it."""
 
     done: asyncio.Future[Any]
     result: Any
@@ -218,7 +219,25 @@ class Scheduler:
         lasted = self._clock() - turn.began
         if lasted >= self._slice_s:
             return bool(self._urgent or self._deferrable)
-        return not turn.was_deferred and not self._is_urgent(turn) and self._has_urgent_besides(turn)
+        if not self._is_urgent(turn):
+            return not turn.was_deferred and self._has_urgent_besides(turn)
+        return bool(self._urgent) and len(self._running) > 1 and self._is_one_too_many(turn)
+
+    def _is_one_too_many(self, turn: Turn) -> bool:
+        """Whether an urgent turn waits of an address, or of a visitor at this address, that holds fewer turns by two.
+
+        To wait for the end of a slice takes longer than many a map that a user waits for.
+        """
+        with self._lock:
+            addresses = Counter(one.owner.address for one in self._running)
+            visitors = Counter(one.owner for one in self._running)
+            own, here = turn.owner, turn.owner.address
+            return any(
+                visitors[owner] + 2 <= visitors[own]
+                if owner.address == here
+                else addresses[owner.address] + 2 <= addresses[here]
+                for owner in self._urgent.owners()
+            )
 
     def yield_turn(self, turn: Turn) -> None:
         """Yield a held turn to the next job, and request another one, which may be granted at once."""

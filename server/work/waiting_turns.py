@@ -32,6 +32,10 @@ class WaitingTurns:
         if not queue:
             del self._queues[turn.owner]
 
+    def owners(self) -> list[JobOwner]:
+        """Return the owners of the turns."""
+        return list(self._queues)
+
     def firsts(self) -> list[Turn]:
         """Return the turn of each owner that has waited longest."""
         return [queue[0] for queue in self._queues.values()]

@@ -1,4 +1,4 @@
-"""What is computed from whole grids (pictures, merged maps, states, bits), by the mapper and by the textbook."""
+"""Functions of whole grids (pictures, merged maps, states, bits), by the mapper and by the textbook."""
 
 from __future__ import annotations
 

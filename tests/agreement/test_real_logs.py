@@ -103,7 +103,7 @@ def test_provenance(log: ScanLog, update: str) -> None:
 
 
 def hits_minus_misses(log: ScanLog, geometry: GridGeometry, range_max: float) -> np.ndarray:
-    """How often a beam ended in each cell less how often one passed it, by Bresenham's rule in closed form."""
+    """Hits minus misses of each cell, by Bresenham's rule in closed form."""
     rows, cols = geometry.shape
     balance = np.zeros(rows * cols, dtype=np.int64)
     for ranges, (x, y, theta) in zip(log.ranges.astype(float), log.sensor_poses(), strict=True):

@@ -1,4 +1,4 @@
-"""What the 3D view is sent: the bytes of voxels, and the processor time of a depth image's surface up to its files."""
+"""Files of the 3D view: bytes of voxels, and processor time of a depth image's surface up to its files."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """What the doctor said: ``sure`` is None where it found no drift."""
+    """Verdict of the doctor: ``sure`` is None where it found no drift."""
 
     case: Case
     sure: float | None

@@ -1,4 +1,4 @@
-"""What ``python -m tests.bench tsdf`` asks a Python with Open3D to do; the arguments are files in one folder.
+"""The part of ``python -m tests.bench tsdf`` that runs in a Python with Open3D; arguments are files in one folder.
 
 ``fuse FRAMES RESOLUTION VOXELS MESH``: fuse the frames, mesh, write the mesh, print the processor times as JSON.
 ``errors POINTS MESH...``: print the mean and the 95th percentile of the distances from points to each mesh, mm.

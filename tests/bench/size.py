@@ -38,7 +38,7 @@ PATIENCE_S = 3600.0
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """What a process took, and what it printed."""
+    """Time and memory of a process, and its output."""
 
     peak_mb: float
     cpu_s: float

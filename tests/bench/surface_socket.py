@@ -1,4 +1,4 @@
-"""How long a depth image takes from the command of a page to its triangles at the socket of the 3D view."""
+"""Time from a page's command to the triangles of a depth image at the socket of the 3D view."""
 
 from __future__ import annotations
 

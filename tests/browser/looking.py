@@ -1,4 +1,4 @@
-"""What the browser tests read from a page: the map in the browser, and the state of its figures."""
+"""Reading of a page by the browser tests: the map in the browser, and the state of its figures."""
 
 from __future__ import annotations
 
@@ -89,17 +89,21 @@ def await_true(page: Page, condition: str, arg: Any = None) -> None:
     page.wait_for_function(condition, arg=arg, polling=POLLING_MS)
 
 
+_BAR_VALUE = "bars => bars[0]?.getAttribute('aria-valuenow') ?? null"
+"""The value of the first progress bar, in percent; null if there is none."""
+
+
 def await_end(progress: Locator) -> None:
     """Wait until a progress bar is gone, for as long as its value goes on changing."""
-    value = progress.evaluate_all("bars => bars[0]?.value ?? null")
+    value = progress.evaluate_all(_BAR_VALUE)
     while value is not None:
         before = value
 
-        def changed(before: float = before) -> bool:
-            return progress.evaluate_all("bars => bars[0]?.value ?? null") != before  # type: ignore[no-any-return]
+        def changed(before: str = before) -> bool:
+            return progress.evaluate_all(_BAR_VALUE) != before  # type: ignore[no-any-return]
 
         until(f"the progress bar leaves {before}", changed)
-        value = progress.evaluate_all("bars => bars[0]?.value ?? null")
+        value = progress.evaluate_all(_BAR_VALUE)
 
 
 def map_digest(page: Page) -> str:

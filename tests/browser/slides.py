@@ -1,4 +1,4 @@
-"""What the tests measure of a slide: the size of its text on the screen, and what is cut off."""
+"""Measurements of a slide: the size of its text on the screen, and elements that are cut off."""
 
 from __future__ import annotations
 

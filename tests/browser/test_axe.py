@@ -1,7 +1,7 @@
 """axe-core finds no violation on any page in any state, and every slider has a name and a value text.
 
-``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages in one of the two, and
-``make test-long`` at all pairs.
+``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages and the lab in one of
+the two, and ``make test-long`` at all pairs.
 
 axe-core is read from node_modules: nothing is downloaded.
 """
@@ -27,7 +27,8 @@ READY = {
     "/lecture.html?present": ".on-slide .slide-question",  # the first step; test_slides.py looks at every slide
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
-    "/puzzles.html": ".puzzles-card",
+    "/puzzles.html": ".puzzles .card",
+    "/missing.html": "h1",
 }
 MODELS = ("step_window", "smooth_ramp", "sonar_cone", "moravec_elfes", "hit_counting", "fixed_increments")
 
@@ -90,11 +91,14 @@ def dressed(page: Page, request: pytest.FixtureRequest) -> Page:
 
 
 LOOKS = (("desktop", "light"), ("phone", "dark"), ("desktop", "dark"), ("phone", "light"))
-each_look = pytest.mark.parametrize(
-    ("context", "dressed"),
-    [pytest.param(*look, marks=pytest.mark.long if i > 1 else ()) for i, look in enumerate(LOOKS)],
-    indirect=True,
-)
+
+
+def each_look(in_make_test: int) -> pytest.MarkDecorator:
+    """Run a test in each look; ``make test`` does so in the first ones only."""
+    looks = [pytest.param(*look, marks=pytest.mark.long if i >= in_make_test else ()) for i, look in enumerate(LOOKS)]
+    return pytest.mark.parametrize(("context", "dressed"), looks, indirect=True)
+
+
 each_page = pytest.mark.parametrize(
     ("path", "context", "dressed"),
     [
@@ -119,7 +123,7 @@ def test_axe_finds_nothing(dressed: Page, server: str, path: str) -> None:
     nothing_wrong(page)
 
 
-@each_look
+@each_look(in_make_test=2)
 @pytest.mark.usefixtures("mapped_logs")
 def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
     dressed.goto(f"{server}/fleet.html")
@@ -129,7 +133,7 @@ def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
     nothing_wrong(dressed)
 
 
-@each_look
+@each_look(in_make_test=1)
 def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) -> None:
     page = dressed
     open_lab(scans=15)
@@ -221,7 +225,7 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str) -> None:
     page.reload()
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
-    open_group(page, "Doctor")
+    open_group(page, "Findings")
     doctor = page.get_by_role("region", name="Log doctor")
     doctor.get_by_role("button", name="No problems found").click(timeout=4 * SECONDS * 1000)
     expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)

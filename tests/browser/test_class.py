@@ -294,3 +294,25 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
 def one_answer(predict: Locator) -> bool:
     """Whether one answer is drawn on the axis of a prediction."""
     return sum(int(title.split()[0]) for title in predict.locator("title").all_text_contents()) == 1
+
+
+def test_a_question_leaves_the_pictures_of_the_lab_their_room(page: Page, server: str) -> None:
+    page.set_viewport_size({"width": 1280, "height": 720})
+    opened(page, server, "/lab.html")
+    await_map(page)
+    page.get_by_role("button", name="Ask", exact=True).click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Question").fill("Which belief has a cell that no beam has touched?")
+    dialog.get_by_label("Option A").fill("0")
+    dialog.get_by_label("Option B").fill("0.5")
+    dialog.get_by_role("button", name="Ask").click()
+    expect(page.get_by_role("button", name="Reveal")).to_be_in_viewport(ratio=1)
+    curve = page.locator(".lab-curve").bounding_box()
+    assert curve is not None
+    for picture in page.locator(".lab-stage .plate-picture").all():
+        box = picture.bounding_box()
+        assert box is not None
+        assert box["height"] > 150
+        assert box["y"] + box["height"] <= curve["y"]
+        expect(picture).to_be_in_viewport(ratio=1)
+    ended(page)

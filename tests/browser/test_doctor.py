@@ -13,7 +13,7 @@ def opened_sample(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")  # the log stands at its end: the processor is the doctor's
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
-    open_group(page, "Doctor")
+    open_group(page, "Findings")
     expect(page.get_by_role("region", name="Log doctor")).to_be_visible()
 
 
@@ -31,8 +31,8 @@ def test_a_clean_run_is_well_and_a_drifting_one_is_not(page: Page, server: str) 
     open_group(page, "Trajectories")
     page.get_by_label("Poses from").get_by_text("wheel odometry").click()
     # It goes on while another group is open, and its tab tells how much it found.
-    expect(page.get_by_role("tab", name="Check").locator(".dock-badge")).to_have_text(re.compile("[1-9]"))
-    open_group(page, "Doctor")
+    expect(page.get_by_role("tab", name="Doctor").locator(".dock-badge")).to_have_text(re.compile("[1-9]"))
+    open_group(page, "Findings")
     doctor.get_by_role("button", name=re.compile("Show .* findings?")).click()
     finding = doctor.locator('[data-check="walls.drift"]')
     expect(finding).to_contain_text(re.compile("The poses (may )?drift"))
@@ -52,7 +52,7 @@ def is_cancelled_and_offered_again(page: Page, doctor: Locator) -> None:
     page.route("**/doctor?*", lambda _: None)  # the answer never comes
     open_group(page, "Trajectories")
     page.get_by_label("Poses from").get_by_text("ground truth").click()
-    open_group(page, "Doctor")
+    open_group(page, "Findings")
     doctor.get_by_role("button", name="Cancel the examination").click()
     expect(doctor).to_contain_text("Cancelled.")
     page.unroute("**/doctor?*")

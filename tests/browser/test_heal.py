@@ -18,7 +18,7 @@ def opened(page: Page, server: str, name: str, data: bytes) -> None:
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
-    expect(page.get_by_role("tab", name="Check")).to_be_visible()
+    expect(page.get_by_role("tab", name="Doctor")).to_be_visible()
     # While it plays, the doctor waits.
     count = frame(page)["count"]
     page.evaluate("count => gridbloom.connection.store.send({ type: 'step', scans: count })", count)
@@ -32,14 +32,22 @@ def facts(panel: Locator) -> tuple[float, float]:
 
 def drift_is_healed(page: Page, server: str, name: str, data: bytes) -> None:
     opened(page, server, name, data)
-    # The doctor finds the drift, and its finding offers the remedy.
-    doctor = open_group(page, "Doctor")
+    # The examination begins by itself; the remedy is offered beside the log's name, and nothing moves for it.
+    stage = page.locator(".viewer-map")
+    before_offer = stage.bounding_box()
+    offer = page.locator(".heal-offer")
+    expect(offer).to_contain_text("The poses drift")
+    assert stage.bounding_box() == before_offer
+    # The doctor's finding offers it too.
+    doctor = open_group(page, "Findings")
     doctor.get_by_role("button", name=re.compile("Show .* findings?|Examine")).click()
     finding = doctor.locator('[data-check="walls.drift"]')
     expect(finding).to_contain_text("gridbloom slam")
-    finding.get_by_role("button", name="Heal its poses").click()
+    expect(finding.get_by_role("button", name="Heal its poses")).to_be_visible()
+    offer.get_by_role("button", name="Heal its poses").click()
+    expect(offer).to_have_count(0)
     panel = page.get_by_role("region", name="Heal its poses")
-    expect(panel.locator("progress")).to_be_visible()
+    expect(panel.get_by_role("progressbar")).to_be_visible()
     # The map fills in along the poses so far, while the job runs.
     until(
         "a part of the map along corrected poses",

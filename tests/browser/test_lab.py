@@ -34,7 +34,7 @@ def still_lab(page: Page, open_lab: Callable[..., Page]) -> Page:
 
 
 def profile(page: Page) -> str:
-    """What the profile figure shows."""
+    """Contents of the profile figure."""
     return str(page.locator("figure.profile").inner_html())
 
 

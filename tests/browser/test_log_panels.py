@@ -1,4 +1,4 @@
-"""What a recording holds, on the log page: topics, plots, frames, trajectories, notes, one after the other."""
+"""Panels of the log page on the contents of a recording: topics, plots, frames, trajectories, notes."""
 
 from __future__ import annotations
 

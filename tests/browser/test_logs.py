@@ -150,7 +150,7 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     await_true(page, "() => window.gridbloom && gridbloom.cells().occupied > 100")
     page.get_by_role("button", name="All logs").click()
     card = page.locator(".log-card", has_text="aces-corrected.log.gz")
-    picture = card.locator(".log-picture img")
+    picture = card.locator(".card-picture img")
     expect(picture).to_be_visible()
     until("its picture", lambda: picture.evaluate("(img) => img.naturalWidth") > 100)
     card.get_by_role("button", name="Add a tag to aces-corrected.log.gz").click()
@@ -208,7 +208,7 @@ def test_a_file_that_is_no_log_is_refused_with_one_sentence(page: Page, server: 
         {"name": "holiday.jpg", "mimeType": "image/jpeg", "buffer": bytes(range(256)) * 40}
     )
     card = page.locator(".log-card.failed", has_text="holiday.jpg")
-    error = card.locator(".log-error", has_text=".")
+    error = card.locator(".card-error", has_text=".")
     expect(error).to_be_visible()
     assert "Traceback" not in error.inner_text()
     expect(card).to_contain_text("CARMEN logs, ROS bags, MCAP")

@@ -16,7 +16,9 @@ FITS = "() => document.documentElement.scrollWidth <= document.documentElement.c
 
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
-@pytest.mark.parametrize("path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/fleet.html", "/puzzles.html"])
+@pytest.mark.parametrize(
+    "path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/fleet.html", "/puzzles.html", "/missing.html"]
+)
 def test_a_page_opens_without_errors(
     page: Page, server: str, path: str, scheme, request: pytest.FixtureRequest
 ) -> None:
@@ -30,7 +32,8 @@ def test_a_page_opens_without_errors(
         "/lab.html": ".picture canvas",
         "/logs.html": ".log-card",
         "/fleet.html": ".fleet-card.done img",
-        "/puzzles.html": ".puzzles-card",
+        "/puzzles.html": ".puzzles .card",
+        "/missing.html": "h1",
     }[path]
     expect(page.locator(what).first).to_be_visible()
     if path == "/lab.html":

@@ -52,7 +52,7 @@ def no_defects() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def nothing_left(request: pytest.FixtureRequest) -> Iterator[None]:
-    """What one test began or sent is not beside the next."""
+    """End all that one test began or sent before the next one."""
     yield
     if "service" in request.fixturenames:
         http = request.getfixturevalue("service").http

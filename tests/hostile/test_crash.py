@@ -79,12 +79,12 @@ def opens(client: httpx.Client, name: str) -> bool:
 
 
 def files(folder: Path) -> dict[str, int]:
-    """How many files there are of each kind."""
+    """Number of files of each kind."""
     return {kind: len(list((folder / "library" / kind).iterdir())) for kind in ("blobs", "packs", "incoming")}
 
 
 def fill_the_disk(process: subprocess.Popen[str], client: httpx.Client, folder: Path) -> None:
-    """What the service says and keeps while no file of its may grow beyond some bytes."""
+    """Limit the size of the service's files; return what it answers and keeps."""
     before, there = files(folder), set(uploads(client))
     unlimited = resource.prlimit(process.pid, resource.RLIMIT_FSIZE)
     for most in (0, 10_000, 300_000, 1 << 20, 2 << 20):

@@ -37,7 +37,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def damages(log: ScanLog) -> list[str]:
-    """What the log's notes say but which of its sensors is mapped."""
+    """The log's notes without the one on the sensor that is mapped."""
     return [note for note in log.notes if not note.startswith(("Only /scan is mapped", "Only /points is mapped"))]
 
 

@@ -33,7 +33,7 @@ pytestmark = pytest.mark.skipif(not hasattr(resource, "prlimit"), reason="limits
 
 @dataclass
 class Ledger:
-    """What the service acknowledged: the SHA-256 of each upload that it has, by its id, and what may be there."""
+    """Acknowledgements of the service: the SHA-256 of each upload by its id, and uploads that may be there."""
 
     kept: dict[str, str] = field(default_factory=dict)
     unsure: dict[str, str] = field(default_factory=dict)  #: by name, sent without an answer: there or not

@@ -162,7 +162,7 @@ def test_a_name_that_no_file_can_have_is_not_there(
 ) -> None:
     (tmp_path / "index.html").write_text("<!doctype html>")
     (tmp_path / "round.html").symlink_to("round.html")
-    monkeypatch.setattr("server.http.routes.pages.PLACES", (tmp_path,))
+    monkeypatch.setattr("server.http.page_files.PLACES", (tmp_path,))
     assert service.http.get("/index.html").status_code == 200
     for name in ("a" * 5000 + ".html", "assets/" + "a/" * 3000 + "a.js", "round.html"):
         answer = service.http.get("/" + name)

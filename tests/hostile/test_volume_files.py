@@ -1,4 +1,4 @@
-"""What 3D maps are made of, damaged: archives of depth images, meshes, claims of 10⁹ points, absurd coordinates."""
+"""Damaged files for 3D maps: archives of depth images, meshes, claims of 10⁹ points, absurd coordinates."""
 
 from __future__ import annotations
 

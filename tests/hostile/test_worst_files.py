@@ -97,7 +97,7 @@ def process(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[httpx.Cl
 
 @pytest.fixture(autouse=True)
 def nothing_before(process: tuple[httpx.Client, Path, Path]) -> None:
-    """What a case that failed has left is not beside the next."""
+    """Remove what a failed case has left before the next one."""
     client, _, _ = process
     for log in client.get("/api/logs").json()["logs"]:
         client.delete(f"/api/logs/{log['id']}")

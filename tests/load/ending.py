@@ -1,4 +1,4 @@
-"""How long the service takes to end on SIGTERM while sessions compute and viewers watch."""
+"""Time of the service to end on SIGTERM while sessions compute and viewers watch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an idle session of the lab holds in memory, what is given back, and what silent connections do."""
+"""Memory of an idle session of the lab and after its end, and the effect of silent connections."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Process:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """What viewers saw of a server, and what it cost: frames a second of the slowest and of the middle viewer, ages of
+    """Figures of a server and its viewers: frames a second of the slowest and of the middle viewer, ages of
     the newest frame at a look beyond the viewer's own period, milliseconds, cores, cores of the viewers themselves,
     which share the machine, and µs of the server's processor time per frame.
     """

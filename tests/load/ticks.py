@@ -1,4 +1,4 @@
-"""Where the processor time of a lab session goes: per frame of the session, by part.
+"""Processor time of a lab session per frame, by part.
 
 The sessions run in this process as the service runs them (registry, host, scheduler, threads, hub), each with a client
 that takes and acknowledges what the hub has for it ten times a second. The time of a part is the processor time of the

@@ -24,7 +24,7 @@ _UPGRADE = (
 
 @dataclass(slots=True)
 class Seen:
-    """What one viewer saw: the ages of the newest frame at each look, seconds, and the bytes that came."""
+    """Figures of one viewer: the ages of the newest frame at each look, seconds, and the bytes that came."""
 
     ages: list[float] = field(default_factory=list)
     looks: int = 0

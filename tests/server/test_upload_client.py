@@ -40,7 +40,7 @@ def log(tmp_path: Path) -> Path:
 
 
 def upload(file: Path, url: str, visitors: Path, progress: Any = None, pause_s: float = 1.0) -> tuple[Any, str]:
-    """What ``gridbloom upload`` does."""
+    """Run the upload of ``gridbloom upload``."""
     with Client(url, visitors=visitors, pause_s=pause_s) as client:
         log = client.wait(client.upload(file, progress))
         return log.record, client.address(client.open(log, playing=True))

@@ -1,4 +1,4 @@
-"""What a session shows at one moment, read from its model, for tests."""
+"""View of a session at one moment, read from its model, for tests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from server.sessions.view import Pose
 
 @dataclass(frozen=True, slots=True)
 class SessionView:
-    """What a session shows now. The arrays are the session's own: read them at once, write nothing.
+    """View of a session. The arrays are the session's own: read them at once, write nothing.
 
     ``pose`` is where the base is now; ``sensor_pose`` is where the sensor was when it took ``ranges``,
     at the bearings ``angles``, radians.

@@ -22,7 +22,7 @@ Values = NDArray[Any]  #: costs uint8, or times of marking float64
 
 
 class Marking(NamedTuple):
-    """Which points mark: bounds of the distance from the sensor and of the height, metres."""
+    """Bounds of the points that mark: distance from the sensor and height, metres."""
 
     obstacle_min_range: float
     obstacle_max_range: float

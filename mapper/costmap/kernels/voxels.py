@@ -26,7 +26,7 @@ _END = 1e-5  #: by which a beam that is cut at the border ends before it, as a s
 
 
 class Heights(NamedTuple):
-    """Where the voxels of a column are, and how many of them decide its cost."""
+    """Heights of the voxels of a column, and the numbers of voxels that decide its cost."""
 
     origin_z: float  #: m, of the lowest voxel's lower face
     z_resolution: float  #: m

@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Frame(NamedTuple):
-    """Where a lattice lies in the map: its corner, the direction of its columns' axis, and the side of a cell."""
+    """Placement of a lattice in the map: its corner, the direction of its columns' axis, and the side of a cell."""
 
     origin_x: float  #: m
     origin_y: float  #: m

@@ -44,7 +44,7 @@ def read_depth_folder(path: str | os.PathLike[str], *, limits: Limits = DEFAULT_
 
     Intrinsics are those of one of :data:`INTRINSICS`, a matrix 3 × 3 or the four numbers fx fy cx cy; without that file
     those that the data set's page states, which a note says. Raises :class:`ReadError` for a folder without depth
-    images, for intrinsics that are none and for poses that are no rotations, and :class:`LimitError`.
+    images, for invalid intrinsics and for poses that are no rotations, and :class:`LimitError`.
     """
     folder = Path(path)
     if not folder.is_dir():

@@ -1,4 +1,4 @@
-"""What is in a cloud, in numbers: its box, its fields, and how far its points are apart."""
+"""Description of a cloud: its box, its fields, and the spacing of its points."""
 
 from __future__ import annotations
 

@@ -22,8 +22,8 @@ def table(
     """Return the numbers of ``text`` (rows, columns): ``nan`` and ``inf`` count, empty lines and ``#`` remarks do not.
 
     ``separator`` is a character, or None for blanks. ``n`` and ``columns`` are how many there must be, None where
-    that is open; ``first_line`` is the number of the text's first line in its file. Raises :class:`ReadError` for what
-    is no number, another number of values, and fewer rows; :class:`LimitError` for too many.
+    that is open; ``first_line`` is the number of the text's first line in its file. Raises :class:`ReadError` for a
+    token that is no number, another number of values, and fewer rows; :class:`LimitError` for too many.
     """
     most = limits.max_points
     if n is None and text.count(b"\n") > most:

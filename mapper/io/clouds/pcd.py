@@ -34,7 +34,7 @@ COMPRESSED = ("binary_compressed", "binaryscompressed")
 def read_pcd(data: bytes, limits: Limits) -> PointCloud:
     """Return the cloud in the bytes of a PCD file, ``sensor_pose`` from its VIEWPOINT.
 
-    Raises :class:`ReadError` for a header that is none or claims what is not there, and :class:`LimitError`.
+    Raises :class:`ReadError` for an invalid header or one that claims missing data, and :class:`LimitError`.
     """
     lines, start = _header_lines(data)
     meta = _header(lines)

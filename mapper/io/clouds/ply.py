@@ -1,7 +1,7 @@
 """Point clouds in PLY files: ascii, and binary of either byte order.
 
-Source: Greg Turk's description of the format (1994). Vertices are read where they come first; faces and all else behind
-them are passed over.
+Source: Greg Turk's description of the format (1994). Vertices are read where they come first; elements after them,
+such as faces, are skipped.
 """
 
 from __future__ import annotations

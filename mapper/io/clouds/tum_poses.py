@@ -22,7 +22,7 @@ def tum_frames(folder: Path, limits: Limits) -> tuple[list[tuple[Path, int, NDAr
     """Return each image of ``depth.txt`` with its stamp, ns, and ``T_map_camera`` (4, 4), and notes.
 
     Poses are interpolated between those before and after an image, linear in position and along the shortest turn.
-    Raises :class:`ReadError` for lines that are none, and for a folder without images or without poses for them.
+    Raises :class:`ReadError` for invalid lines, and for a folder without images or without poses for them.
     """
     images = _images(folder, limits)
     poses = next((folder / name for name in POSES if (folder / name).is_file()), None)

@@ -1,1 +1,1 @@
-"""What a recording holds besides the scans of its map: every topic, transforms over time, and series for plots."""
+"""Contents of a recording besides the scans of its map: topics, transforms over time, and series for plots."""

@@ -34,7 +34,7 @@ from mapper.sensors.streams import CloudStream, ImuStream
 MAX_NAME = 200  #: characters of a topic's, a type's or a frame's name that are kept
 MAX_EDGES = 5000  #: pairs of frames
 MAX_VALUES = 1 << 26  #: numbers of all series together, while the recording is read
-KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of so many buckets
+KEPT_ROWS = 1 << 18  #: rows of one series that are kept; of a longer one the extremes of that many buckets
 LAST_NS = 1 << 62  #: a time beyond this is a defect
 
 

@@ -42,7 +42,7 @@ class TopicContents:
 class FrameEdge:
     """The transforms from ``child`` to ``parent``: the times that they state, ascending, (n,) int64 nanoseconds.
 
-    ``is_static`` where they were published on a topic of static transforms: such a one holds for ever.
+    ``is_static`` where they were published on a topic of static transforms: such a transform is valid at all times.
     """
 
     parent: str
@@ -101,7 +101,7 @@ class Series:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What a recording holds. ``notes`` say what could not be read."""
+    """Contents of a recording. ``notes`` state what could not be read."""
 
     topics: tuple[TopicContents, ...]
     edges: tuple[FrameEdge, ...] = ()

@@ -52,7 +52,7 @@ class _Newest(MessageSink):
 
     @property
     def taken(self) -> int:
-        """How many messages were found."""
+        """Number of messages found."""
         return 0 if self.found is None else 1
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:

@@ -90,7 +90,7 @@ _TWIST = (
 
 @dataclass(frozen=True, slots=True)
 class PlottedType:
-    """What is plotted of a type of messages, and what decodes one, which raises :class:`BadMessageError`."""
+    """Plotted fields of a message type, and the function that decodes it, which raises :class:`BadMessageError`."""
 
     columns: tuple[Column, ...]
     decode: Callable[..., Row]

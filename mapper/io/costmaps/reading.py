@@ -92,7 +92,7 @@ class CostmapStream(Sequence[RecordedCostmap]):
 
     @property
     def received_ns(self) -> NDArray[np.int64]:
-        """When each was recorded (n,)."""
+        """Time at which each was recorded (n,)."""
         return np.array([kept.received_ns for kept in self._kept], dtype=np.int64)
 
     @property

@@ -30,7 +30,7 @@ def read_g2o(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> P
 
     Edges between nodes that follow one another are odometry, others loops. Residuals are 0 and weights 1 until the
     graph is optimised. Raises :class:`ReadError`, naming the line, for a line of another kind or another number of
-    values, for a number that is none, for a vertex that is there twice, for an edge whose vertices are missing, the
+    values, for an invalid number, for a repeated vertex, for an edge whose vertices are missing, the
     same, or whose information is no positive definite matrix, and for a file without vertices; :class:`LimitError`.
     """
     lines = TextLines(Path(path), limits)

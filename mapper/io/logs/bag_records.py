@@ -71,7 +71,7 @@ def connection_of(fields: Fields) -> int | None:
 
 
 def time_ns(stated: bytes) -> int:
-    """Return a time of 8 bytes in nanoseconds, 0 for bytes that are none."""
+    """Return a time of 8 bytes in nanoseconds, 0 for invalid bytes."""
     seconds, nanoseconds = TIME.unpack(stated) if len(stated) == 8 else (0, 0)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)
 

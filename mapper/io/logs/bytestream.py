@@ -85,7 +85,7 @@ class ByteStream:
 
     @property
     def notes(self) -> list[str]:
-        """What is to be said of packed data that was found damaged so far."""
+        """Notes on damage found in the packed data so far."""
         if self._unpacked is None or self._unpacked.broken != "is damaged":
             return []
         return [

@@ -11,7 +11,7 @@ from mapper.sensors.scan import is_angle_step
 
 @dataclass(frozen=True, slots=True)
 class Beams:
-    """What the scan lines of one sensor say of all its beams."""
+    """Beams of one sensor, as its scan lines describe them."""
 
     angle_min: float
     angle_increment: float

@@ -1,4 +1,4 @@
-"""Scans as comma-separated values: the format for everything that has none.
+"""Scans as comma-separated values: a format for other programs to write.
 
 ::
 

@@ -88,7 +88,7 @@ class Cutter:
             self.finish()
 
     def _cut_held(self) -> None:
-        """Cut what can be cut by now; of one stream in the order of the recording."""
+        """Cut what can be cut so far; of one stream in the order of the recording."""
         held, self._held = self._held, []
         waiting: set[int] = set()  #: streams, by their ids
         for one in held:

@@ -16,7 +16,7 @@ _LIST = msgspec.json.Decoder(list[float])
 
 
 def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
-    """Return ``tokens`` as numbers; ``nan`` and ``inf`` count. Raises :class:`ReadError` naming one that is none."""
+    """Return ``tokens`` as numbers; ``nan`` and ``inf`` count. Raises :class:`ReadError` naming an invalid one."""
     try:
         values = list(map(float, tokens))
     except ValueError:
@@ -55,7 +55,7 @@ def _is_number(token: str) -> bool:
 
 
 def pose(tokens: Sequence[str], line: int, word: str, whose: str, limits: Limits) -> list[float]:
-    """Return three tokens as a pose (x, y, theta). Raises :class:`ReadError` where it is not finite or absurdly far."""
+    """Return three tokens as a pose (x, y, theta). Raises :class:`ReadError` if it is not finite or too far."""
     x, y, theta = values = numbers(tokens, line, word)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(theta)):
         raise ReadError("log.pose", f"Line {line}: {whose} pose in this {word} line is not finite: {x}, {y}, {theta}.")

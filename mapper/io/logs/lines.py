@@ -15,8 +15,8 @@ BOM = b"\xef\xbb\xbf"  #: what spreadsheets write before the first line of UTF-8
 class TextLines:
     """The lines of one file; iterate once, over ``(line number from 1, line without its end)``.
 
-    While the last line is handed out ``unfinished`` says that it has no line end: whoever parses it may find it cut.
-    The piece of a line that broken packed data ends in is never handed out.
+    While the last line is yielded, ``unfinished`` says that it has no line end: it may be cut.
+    The part of a line in which broken packed data ends is never yielded.
 
     Raises :class:`LimitError` for more lines than ``limits`` allow, for more bytes in one line, or for packed data that
     expands to more, and :class:`ReadError` for a file that cannot be opened, is empty or holds packed data of which
@@ -28,7 +28,7 @@ class TextLines:
         self.limits = limits
         self.progress = progress
         self.unfinished = False
-        self.number = 0  #: of the line handed out last
+        self.number = 0  #: of the line yielded last
         self._unpacked: Unpacked | None = None
         self._pieces: Iterator[bytes] = iter(())
 
@@ -44,7 +44,7 @@ class TextLines:
 
     @property
     def broken(self) -> str | None:
-        """What was found wrong with packed data, as "The gzip data ends early"; None where nothing was."""
+        """Damage found in packed data, as "The gzip data ends early"; None if there is none."""
         if self._unpacked is None or self._unpacked.broken is None:
             return None
         return f"The {self._unpacked.packing} data {self._unpacked.broken}"

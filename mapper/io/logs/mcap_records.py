@@ -47,7 +47,7 @@ def records(data: bytes) -> Iterator[tuple[int, int, int]]:
 
 @dataclass(frozen=True, slots=True)
 class ChunkHead:
-    """What a chunk states of itself: ``at`` its first byte in the log, ``data_bytes`` as they are in the file."""
+    """Header of a chunk: ``at`` is its first byte in the log, ``data_bytes`` are as in the file."""
 
     at: int
     crc: int

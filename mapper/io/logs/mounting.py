@@ -1,4 +1,4 @@
-"""Where the sensors of a recording are on the robot, at each of their scans."""
+"""Mounts of the sensors of a recording on the robot, at each of their scans."""
 
 from __future__ import annotations
 

@@ -84,12 +84,12 @@ class ScanStack:
 
     @property
     def odometry_before(self) -> NDArray[np.int64]:
-        """How many odometry messages precede each scan (n_scans,)."""
+        """Number of odometry messages before each scan (n_scans,)."""
         return np.frombuffer(self._odometry_before, dtype=np.int64)
 
     @property
     def truth_before(self) -> NDArray[np.int64]:
-        """How many messages with the true pose precede each scan (n_scans,)."""
+        """Number of messages with the true pose before each scan (n_scans,)."""
         return np.frombuffer(self._truth_before, dtype=np.int64)
 
     @property

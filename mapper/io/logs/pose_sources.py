@@ -1,4 +1,4 @@
-"""Where the poses of a recording come from, and what they say of where the robot was at each scan."""
+"""Sources of poses in a recording, and the robot's pose at each scan by each of them."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ _RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #:
 
 
 class RecordedLog:
-    """What was taken of the recording ``name``, of the format ``form``, as the log of a robot."""
+    """The messages taken from the recording ``name``, of the format ``form``, as the log of a robot."""
 
     def __init__(self, taken: Taken, name: str, form: str) -> None:
         self._taken, self._name, self._form = taken, name, form
@@ -234,7 +234,7 @@ class RecordedLog:
         return self._timed[key]
 
     def _timed_poses(self, stamps: Int64Array, poses: NDArray[np.float64]) -> TimedPoses | None:
-        """Return poses with stamps; None where they are absurdly far away."""
+        """Return poses with stamps; None where they are beyond the limit of coordinates."""
         if np.abs(poses[:, :2]).max() > self._limits.max_pose:
             return None
         return TimedPoses(stamps, poses)

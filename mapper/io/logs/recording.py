@@ -60,7 +60,7 @@ class Recording:
 
     @property
     def parts(self) -> Taken:
-        """What was taken, that the log is made of."""
+        """The messages of which the log is made."""
         return self._taken
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:

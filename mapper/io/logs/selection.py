@@ -1,4 +1,4 @@
-"""What is asked for of a log."""
+"""Selection of the sensors and options with which a log is read."""
 
 from __future__ import annotations
 

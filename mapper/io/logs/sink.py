@@ -1,4 +1,4 @@
-"""What takes the messages of a recording, and how two take those of one pass."""
+"""Receivers of the messages of a recording, and two receivers for one pass."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class MessageSink(Protocol):
 
     @property
     def taken(self) -> int:
-        """How much was taken so far: where that is not 0, something could be read."""
+        """Number of messages taken so far; if it is not 0, something could be read."""
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
         """Announce a stream of messages: ``kind`` is their type, ``cdr`` whether they are serialised as ROS 2 does.
@@ -52,7 +52,7 @@ class BothSinks(MessageSink):
 
     @property
     def taken(self) -> int:
-        """How much the first has taken."""
+        """Number of messages taken by the first."""
         return self._first.taken
 
     def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:

@@ -1,4 +1,4 @@
-"""What a log holds, in a few figures."""
+"""Summary of a log in a few figures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class TrajectorySummary:
 
 @dataclass(frozen=True, slots=True)
 class ReadingCounts:
-    """How many of all readings are measured ranges, say "no return", or are no valid reading."""
+    """Numbers of readings that are measured ranges, "no return", or invalid."""
 
     measured: int
     no_return: int
@@ -33,7 +33,7 @@ class ReadingCounts:
 
 @dataclass(frozen=True, slots=True)
 class TimeSummary:
-    """When the scans were made. ``start_s`` is the earliest stamp since 1970, None for a clock that began elsewhere.
+    """Times of the scans. ``start_s`` is the earliest stamp since 1970, None for a clock that began elsewhere.
 
     A gap is a pause of more than a second and five times the usual one between two scans; ``longest_gap_at_s`` is
     where the longest begins, in seconds since the earliest stamp.

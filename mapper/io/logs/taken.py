@@ -1,4 +1,4 @@
-"""What was taken of a recording: the messages that a log is made of."""
+"""The messages of a recording of which a log is made."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class PoseTopic:
 
 @dataclass(slots=True)
 class Taken:
-    """What was taken so far; ``children`` are frames of which odometry messages state the poses.
+    """Messages taken so far; ``children`` are frames of which odometry messages state the poses.
 
     Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut.
     """

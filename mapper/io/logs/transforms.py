@@ -224,7 +224,7 @@ class FrameTree:
 
     @property
     def frames(self) -> int:
-        """How many frames have a parent."""
+        """Number of frames that have a parent."""
         return len(self._parents)
 
     def ancestors(self, frame: str) -> list[str]:

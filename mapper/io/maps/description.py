@@ -27,7 +27,7 @@ _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "
 
 @dataclass(frozen=True, slots=True)
 class MapDescription:
-    """What the yaml says: metres, radians; ``image`` is a path relative to the yaml's folder.
+    """Contents of the yaml: metres, radians; ``image`` is a path relative to the yaml's folder.
 
     ``frame`` is the map's frame where the yaml states it, as those that :func:`mapper.io.maps.save_map` writes do.
     """

@@ -39,7 +39,7 @@ def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tupl
 def stamp_ns(token: str, line: int, kind: str) -> int:
     """Return a time in seconds as nanoseconds, to the last digit, which a float would not keep.
 
-    Raises :class:`ReadError` for what is no time.
+    Raises :class:`ReadError` for an invalid time.
     """
     fields.stamp(token, line, kind)
     return round(Decimal(token).scaleb(9))

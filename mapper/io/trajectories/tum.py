@@ -31,7 +31,7 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
 
     A note says where heights or tilts, which are left out, are more than a planar robot's, and where stamps run
     backwards or repeat. Raises :class:`ReadError`, naming the line, for a line that has not eight numbers, a pose that
-    is no place or no rotation, or a time that is none, and for a file without poses; :class:`LimitError` for one with
+    is no place or no rotation, or an invalid time, and for a file without poses; :class:`LimitError` for one with
     more lines or bytes than ``limits`` allow.
     """
     stamped, table = tum_rows(Path(path), limits)

@@ -1,4 +1,4 @@
-"""How well a scan fits the likelihood field at each of many poses.
+"""Score of a scan in the likelihood field at each of many poses.
 
 Numba twin of :func:`mapper.localization.textbook.field_score`.
 """

@@ -1,4 +1,4 @@
-"""Which readings touched one cell, found from the scans alone: no history is kept for any cell.
+"""Readings that updated one cell, found from the scans alone: no history is kept for any cell.
 
 Each kernel tests one cell against what :mod:`mapper.mapping.kernels.bresenham`,
 :mod:`~mapper.mapping.kernels.amanatides_woo` or :mod:`~mapper.mapping.kernels.perceptual_field` would draw. It writes,

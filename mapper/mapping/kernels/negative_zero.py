@@ -1,4 +1,4 @@
-"""Which cells were touched, encoded in the sign of zero instead of a second write for each update.
+"""Marking of touched cells by the sign of zero instead of a second write for each update.
 
 A cell that was never observed holds the prior. Where the prior is 0, it is encoded as −0: adding evidence to −0 gives
 the same as adding it to +0, and no sum of the map is ever −0 again (IEEE 754, section 6.3: x + y is −0 only where both

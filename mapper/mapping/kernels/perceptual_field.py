@@ -138,7 +138,7 @@ def _cross(
 
 @jit
 def _with_room(toggles: UInt32Array, done: int, room: int) -> UInt32Array:
-    """Return a list that has room for so many toggles after the first ``done``."""
+    """Return a list with room for a number of toggles after the first ``done``."""
     if done + room <= len(toggles):
         return toggles
     longer = np.empty(2 * (done + room), dtype=np.uint32)

@@ -13,7 +13,7 @@ from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 
 
 class ReadingFilter(NamedTuple):
-    """Which readings are used, and the width of their hit window: ``window`` + ``growth`` · z at a reading z."""
+    """Filter of readings, and the width of their hit window: ``window`` + ``growth`` · z at a reading z."""
 
     range_min: float  #: m; shorter readings are ignored
     range_max: float  #: m; longer readings are no return
@@ -39,7 +39,7 @@ class Evidence(NamedTuple):
 
 
 class Cone(NamedTuple):
-    """How evidence is distributed over the field of one beam."""
+    """Distribution of evidence over the field of one beam."""
 
     profile: int  #: FLAT, GAUSSIAN or RAMP of :mod:`mapper.mapping.kernels.cones`
     opening: float  #: rad, from edge to edge

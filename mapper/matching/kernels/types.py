@@ -35,7 +35,7 @@ LINE, POINTS = 0, 1
 
 
 class PairRule(NamedTuple):
-    """Which points of two scans correspond, and how much a pair counts."""
+    """Rule by which points of two scans correspond, and the weight of a pair."""
 
     min_cosine: float  #: between the two normals; −1 takes all pairs, also of points without a normal
     max_beams: int  #: by how many beams, either way, a corresponding beam may be off; all of them: the nearest point

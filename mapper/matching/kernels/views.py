@@ -1,4 +1,4 @@
-"""Which points of two scans correspond, by the bearing in which one scan would have seen the points of the other.
+"""Correspondences of two scans by the bearing at which one scan would have seen the points of the other.
 
 The point of the other scan nearest to a point is looked for among the beams around that bearing (projective data
 association: Blais & Levine 1995), outwards, until no farther beam can have a nearer point (Censi 2008, section IV).

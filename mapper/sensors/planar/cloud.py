@@ -17,7 +17,7 @@ from mapper.sensors.planar.options import PlanarCut
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where a cloud's frame is in the robot's base frame: ``rotation`` (3, 3), ``translation`` (3,) metres."""
+    """Pose of a cloud's frame in the robot's base frame: ``rotation`` (3, 3), ``translation`` (3,) metres."""
 
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""How planar scans are cut out of point clouds and depth images.
+"""Options for planar scans cut out of point clouds and depth images.
 
 Names and first values are those of the ROS packages pointcloud_to_laserscan and depthimage_to_laserscan; heights that
 are not limited there have a limit of :data:`HIGHEST` here.

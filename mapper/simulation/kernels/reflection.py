@@ -1,4 +1,4 @@
-"""Which beams a polished wall reflects away."""
+"""Beams that a polished wall reflects away."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def shortest_paths(
             if here < np.inf:
                 least, greatest = min(least, here), max(greatest, here)
     steps = np.array([-wide - 1, -wide, -wide + 1, -1, 1, wide - 1, wide, wide + 1])
-    # A step reaches so many buckets ahead: they are used in turn. With few of them they are wider than the least step.
+    # A step reaches at most ``count`` buckets ahead: they are used in turn. Few buckets are wider than the least step.
     count = min(MOST_BUCKETS, int(math.sqrt(2.0) * greatest / least) + 3) if greatest > 0.0 else 3
     width = max(least, math.sqrt(2.0) * greatest / (count - 2)) if greatest > 0.0 else 1.0
     first = np.full(

@@ -1,4 +1,4 @@
-"""How well a scan agrees with others: points on their walls, and points where they saw free space.
+"""Agreement of a scan with others: points on their walls, and points where they saw free space.
 
 Numba twins of :func:`mapper.slam.textbook.agreement` and of its use for each scan by itself.
 """

@@ -1,4 +1,4 @@
-"""What is asked of a map: the nearest occupied voxel, and the greatest log-odds of each column.
+"""Queries of a map: the nearest occupied voxel, and the greatest log-odds of each column.
 
 Numba twins of :func:`mapper.volume.textbook.nearest_occupied` and :func:`mapper.volume.textbook.projection`.
 """

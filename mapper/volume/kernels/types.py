@@ -45,7 +45,7 @@ class Belief(NamedTuple):
 
 
 class StopMasks(NamedTuple):
-    """Which voxels end a cast ray: of each block a bit for each voxel, and a byte that says whether there are any.
+    """Voxels that end a cast ray: a bit for each voxel of a block, and a byte that is not 0 if there are any.
 
     Words ``words[:, 0]`` (slots, 8), z, have bit 8 y + x of occupied voxels, ``words[:, 1]`` of those that are occupied
     or unknown. ``found`` (slots,) has bit 0 where a block has any of the first kind, bit 1 any of the second.
@@ -56,7 +56,7 @@ class StopMasks(NamedTuple):
 
 
 class CastRule(NamedTuple):
-    """When a cast ray ends: at log-odds from ``occupied``, at unknown voxels, and beyond ``range_max`` > 0, metres."""
+    """End of a cast ray: at log-odds from ``occupied``, at unknown voxels, and beyond ``range_max`` > 0, metres."""
 
     resolution: float
     occupied: float
@@ -65,7 +65,7 @@ class CastRule(NamedTuple):
 
 
 class Updates(NamedTuple):
-    """What a scan adds to the log-odds of voxels, and their limits."""
+    """Increments of the log-odds of voxels by a scan, and their limits."""
 
     miss: np.float32
     hit: np.float32
@@ -74,7 +74,7 @@ class Updates(NamedTuple):
 
 
 class FaceRule(NamedTuple):
-    """Which voxels are drawn, and in which of ``colours`` colours, from 1.
+    """Voxels that are drawn, and their colours, numbers from 1 to ``colours``.
 
     Those with log-odds from ``occupied`` and a key z of ``first`` … ``last``. The colour grows by 1 with each ``band``
     voxels of height from the key ``base``, or, if ``by_belief``, with the log-odds up to ``greatest``.
@@ -93,7 +93,7 @@ class FaceRule(NamedTuple):
 
 
 class Fusion(NamedTuple):
-    """How measurements of a surface update truncated signed distances; lengths in metres.
+    """Update of truncated signed distances by measurements of a surface; lengths in metres.
 
     ``near`` is how far behind the surface weights begin to fall, the truncation itself where they do not.
     """

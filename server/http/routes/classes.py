@@ -19,8 +19,8 @@ from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
 from server.classes.codes import normalised
 from server.http.brake import Brake
 from server.http.guests import GuestRight, guests_may
+from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import CodeBrake, CopyBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
 from server.network_address import reachable
@@ -39,7 +39,7 @@ CLASS_HEADER = "X-Gridbloom-Class"
 
 
 def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket) -> Classroom:
-    """Return a class for somebody who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
+    """Return a class to a visitor who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
     address = client_address(request)
     if brake.wait_s(address) > 0.0:
         raise SessionBudgetError("class.guesses", "Too many wrong codes came from this network: wait a minute.")
@@ -51,7 +51,7 @@ def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSo
 
 
 def joined_class(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
-    """Return a class for somebody who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
+    """Return a class to a visitor who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
     room = _guessed(brake, classes, code, request)
     classes.check(room, visitor)
     return room
@@ -152,7 +152,7 @@ def puzzle_link_of(room: Classroom, number: int) -> str:
 
 
 def _shown(classes: Classes, room: Classroom, sessions: SessionRegistry, visitor: str) -> SessionHost:
-    """Return the session that a class shows, for somebody who has joined or may join."""
+    """Return the session that a class shows, to a visitor who has joined or may join."""
     classes.check(room, visitor)
     if room.session is None:
         raise MapperError("class.no_session", "The lecturer shows no map now.")

@@ -34,7 +34,7 @@ Seconds = Annotated[FiniteFloat, Query(ge=-1e10, le=1e10)]
 
 
 class NotInspectedError(MapperError):
-    """What the recording holds is still being found out."""
+    """The contents of the recording are still being read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class _Held:
 
     @property
     def recorded_ahead_ns(self) -> int:
-        """How much later the log's first scan was recorded than it states, ns; also where the clocks differ."""
+        """Time from the stamp of the log's first scan to its recording, ns; it includes a difference of clocks."""
         log = self.recording.log
         name = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
         firsts = [one.first_ns for one in self.contents.topics if one.name == name and one.first_ns]
@@ -93,7 +93,7 @@ async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_
 
     The first request has it found out, which may take as long as reading the log did: until then the answer is 202
     with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds: of topics since the recording
-    began, of all else since the log's first scan.
+    began, of other series since the log's first scan.
     """
     recording, found = await _looked_into(sessions, library, visitor, session_id)
     if isinstance(found, float):

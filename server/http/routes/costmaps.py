@@ -9,12 +9,14 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from mapper.core.errors import ConfigError, LimitError, MapperError
+from mapper.core.errors import MapperError
 from server.downloads import Content, Download
 from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import while_connected
 from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
+from server.http.uploaded_terrain import uploaded_terrain
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -22,12 +24,12 @@ if TYPE_CHECKING:
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
-class TerrainOfMap(BaseModel):
-    """The map of a terrain among the visitor's uploads."""
+class TerrainOfUpload(BaseModel):
+    """The terrain among the visitor's uploads."""
 
     model_config = ConfigDict(extra="forbid")
 
-    log: str | None = Field(max_length=200, description="Id of the map, as in /api/logs; null: no terrain.")
+    log: str | None = Field(max_length=200, description="Id of the cloud or map, as in /api/logs; null: none.")
 
 
 class FootprintOfCostmap(BaseModel):
@@ -40,7 +42,6 @@ class FootprintOfCostmap(BaseModel):
     )
 
 
-MOST_CELLS = 1 << 24  #: of the map of a terrain
 _NAMES = ("costmap.pgm", "costmap.yaml", "costmap.mcap", "keepout.pgm", "keepout.yaml", "speed.pgm", "speed.yaml")
 _UNPAINTED = {"keepout": "No keepout zone is painted.", "speed": "No speed limit is painted."}
 
@@ -118,20 +119,23 @@ async def file(request: Request, sessions: Sessions, downloads: FileDownloads, s
 
 
 @router.put("/{session_id}/costmap/terrain")
-async def terrain(library: Logs, sessions: Sessions, session_id: str, wanted: TerrainOfMap) -> dict[str, Any]:
-    """Choose the terrain's layer of a log's costmap: a map of the library, as ``gridbloom terrain`` writes it.
+async def terrain(
+    request: Request,
+    library: Logs,
+    sessions: Sessions,
+    downloads: FileDownloads,
+    session_id: str,
+    wanted: TerrainOfUpload,
+) -> dict[str, Any]:
+    """Choose the terrain's layer of a log's costmap: a cloud of the library, or a map as ``gridbloom terrain`` writes.
 
-    Its free cells are safe, its occupied ones unsafe; it must be in the frame of the log's poses.
+    The patches of a cloud are assessed; free cells of a map are safe, occupied ones unsafe. Either must be in the frame
+    of the log's poses. ``map`` of the answer is the grid of the terrain, with the number of patches of each class of a
+    cloud.
     """
     of_log = writable_session(sessions, session_id)
     found = None
     if wanted.log is not None:
-        found = await library.given_map(of_log.owner, wanted.log)
-        if found is None:
-            raise ConfigError("terrain.no_map", "This is a log: choose the map that gridbloom terrain has written.")
-        if found.values.size > MOST_CELLS:
-            raise LimitError(
-                "terrain.cells", f"The map has {found.values.size:,} cells; at most {MOST_CELLS:,} are used."
-            )
-    of_log.session.enqueue({"type": "use_terrain", "map": found})
+        found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
+    of_log.session.enqueue({"type": "use_terrain", "terrain": found})
     return {"map": None if found is None else found.public()}

@@ -15,7 +15,7 @@ router = APIRouter(prefix="/api/fleet", tags=["fleet"])
 
 
 class Wanted(BaseModel):
-    """Which logs are to be mapped."""
+    """Logs to be mapped."""
 
     model_config = ConfigDict(extra="forbid")
 

@@ -10,12 +10,14 @@ from fastapi.responses import JSONResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
+from server.downloads import Downloads
 from server.http.guests import GuestRight, guests_may
+from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
-from server.http.services import Logs, Sessions, Visitor
+from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
+from server.http.uploaded_terrain import uploaded_terrain
 from server.library import Library, Link, LinkGoneError, LogNotFoundError
 from server.sessions import LogView, SessionRegistry, costmaps_plan, log_plan
 
@@ -26,7 +28,7 @@ router = APIRouter(tags=["links"])
 
 
 class Look(BaseModel):
-    """What part of the map a picture shows."""
+    """Part of the map that a picture shows."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -129,6 +131,7 @@ async def begin(
     request: Request,
     sessions: Sessions,
     library: Logs,
+    downloads: FileDownloads,
     visitor: Visitor,
     token: str,
     name: Annotated[
@@ -149,9 +152,13 @@ async def begin(
                 plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
             else:
                 plan = costmaps_plan(costmaps, log_id=link.log_id, title=title, view=view, playing=False, name=name)
-        return await sessions.begin(
+        commands = await _navigation(library, downloads, link)
+        session = await sessions.begin(
             plan, visitor, link=token, address=client_address(request), place=chosen_place(request)
         )
+        for command in commands:
+            session.enqueue(command)
+        return session
 
     session = await while_connected(request, begun())
     try:
@@ -159,7 +166,6 @@ async def begin(
     except LinkGoneError:  # revoked in the meantime
         await sessions.close(session.id)
         raise
-    await _restore(session, library, link)
     return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
 
@@ -177,16 +183,27 @@ async def page(request: Request, library: Logs, token: str) -> Response:
     return response
 
 
-async def _restore(session: SessionHost, library: Library, link: Link) -> None:
-    """Begin the costmap of a link, over the map that its log is localized in where it was that."""
-    commands: list[dict[str, Any]] = link.view.get("navigation", [])
-    if commands and commands[0]["values"].get("map") == "given":
+async def _navigation(library: Library, downloads: Downloads, link: Link) -> list[dict[str, Any]]:
+    """Return the commands that begin the costmap of a link, with the map and the terrain that it was made with.
+
+    Of these, what has been deleted since is left out: the costmap is then over the log's own map, or without terrain.
+    """
+    commands: list[dict[str, Any]] = []
+    for kept in link.view.get("navigation", []):
+        command = kept
         try:
-            session.enqueue({"type": "show_given_map", "map": await library.maps.get(link.owner, link.log_id)})
-        except MapperError:  # it is gone: the log's own map
-            commands = [commands[0] | {"values": commands[0]["values"] | {"map": "belief"}}, *commands[1:]]
-    for command in commands:
-        session.enqueue(command)
+            if kept["type"] == "use_terrain":
+                terrain = await uploaded_terrain(library, downloads, link.owner, kept["log"])
+                command = {"type": "use_terrain", "terrain": terrain}
+            elif kept["type"] == "costmap" and kept["values"].get("map") == "given":
+                given = await library.maps.get(link.owner, link.log_id)
+                commands.append({"type": "show_given_map", "map": given})
+        except MapperError:
+            if kept["type"] == "use_terrain":
+                continue
+            command = kept | {"values": kept["values"] | {"map": "belief"}}
+        commands.append(command)
+    return commands
 
 
 def _record_name(library: Library, link: Link) -> str:

@@ -61,7 +61,7 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: Othe
 
 @router.get("/{session_id}/merge")
 async def state(library: Logs, sessions: Sessions, session_id: str) -> dict[str, Any]:
-    """Return how far the merge of the session's log is, and what came of it."""
+    """Return the progress and the result of the merge of the session's log."""
     of_log = writable_session(sessions, session_id)
     return library.merges.state(of_log.owner, of_log.log_id)
 

@@ -15,8 +15,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
+from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
-from server.http.routes.pages import page_file
 from server.http.routes.sessions import public
 from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session

@@ -51,7 +51,7 @@ def _client(request: Request, *, plain_view: bool) -> Response:
 
 
 class SceneSettings(BaseModel):
-    """What is to be changed of a view: where its camera is, the columns' height, which layers are shown."""
+    """Changes of a 3D view: camera, height of the columns, visible layers."""
 
     model_config = ConfigDict(extra="forbid")
 

@@ -16,7 +16,7 @@ router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 
 class NewSensor(BaseModel):
-    """Which sensor of the log is mapped."""
+    """Sensor of the log that is mapped."""
 
     model_config = ConfigDict(extra="forbid")
 

@@ -35,7 +35,7 @@ async def put(
             visitor, log_id, name, request.stream(), address=client_address(request)
         )
     except ClientDisconnect:
-        return Response(status_code=400)  # nobody is there to read it
+        return Response(status_code=400)  # the client has gone
     await update_sessions(library, sessions, visitor, log_id)
     return JSONResponse(added.public() | {"notes": list(notes)}, status_code=201)
 

@@ -1,4 +1,4 @@
-"""What alembic runs: the revisions, on the connection that the service gives it and in its transaction."""
+"""Entry point of alembic: the revisions, on the service's connection and in its transaction."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ Beams = tuple[bool, NDArray[np.floating[Any]] | None, NDArray[np.floating[Any]]]
 
 
 class ChosenVoxel:
-    """What is drawn of it, :attr:`drawings`; nothing while none is chosen."""
+    """Its :attr:`drawings`; none while no voxel is chosen."""
 
     def __init__(self) -> None:
         self.drawings: list[Drawing] = []

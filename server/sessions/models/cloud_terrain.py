@@ -47,7 +47,7 @@ class CloudPoints:
 
     @property
     def truth(self) -> str | None:
-        """What is known of the ground: the name of a file, or of classes; None: nothing."""
+        """Source of known ground points: the name of a file, or of classes; None if there is none."""
         return None if self._scans is None else self._known_ground[0]
 
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:

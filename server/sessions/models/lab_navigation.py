@@ -96,7 +96,7 @@ class LabNavigation(Navigation):
             result.slot(self._path.message())  # it has arrived
 
     def stop_driving(self, result: TickResult) -> None:
-        """Drive no longer: somebody else drives the robot."""
+        """Stop driving along the path: the robot is driven by other commands."""
         if self.is_driving:
             self._path.drives = False
             result.slot(self._path.message())

@@ -37,6 +37,7 @@ def _layer(name: str, label: str, sentence: str, *, initial: bool = True) -> Par
 
 SPEED_LIMITS = ("percentage", "absolute")
 LAYERS = ("static_layer", "obstacle_layer", "dynamic_layer", "terrain_layer", "keepout_filter", "inflation_layer")
+IN_NAV2 = ("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer")  #: layers that a Nav2 file has
 MAPS = ("belief", "plan", "map_3d", "terrain", "given")
 PLANNED = ("plan", "given")  #: maps that do not change by themselves
 
@@ -89,6 +90,7 @@ HEXAGON: Vertices = (
     (0.231, 0.0), (0.1155, 0.2), (-0.1155, 0.2), (-0.231, 0.0), (-0.1155, -0.2), (0.1155, -0.2),
 )  # fmt: skip
 MOST_CORNERS = 24  #: of a footprint in the lab
+_OF_PLANNER, _OF_PURSUIT = ("use_astar", "allow_unknown", "tolerance"), ("desired_linear_vel", "lookahead_dist")
 _CLEARED_BEYOND_M = 0.5  #: how much farther beams clear than they mark, as Nav2's defaults have it
 
 
@@ -156,9 +158,7 @@ class LabParameters:
         """Parameters of the planner."""
         return replace(
             self.loaded_path.planner,
-            use_astar=self.values["use_astar"],
-            allow_unknown=self.values["allow_unknown"],
-            tolerance=self.values["tolerance"],
+            **{name: self.values[name] for name in _OF_PLANNER},
         )
 
     @property
@@ -166,14 +166,21 @@ class LabParameters:
         """Parameters of the follower of the path."""
         return replace(
             self.loaded_path.pursuit,
-            desired_linear_vel=self.values["desired_linear_vel"],
-            lookahead_dist=self.values["lookahead_dist"],
+            **{name: self.values[name] for name in _OF_PURSUIT},
         )
 
     @property
     def path(self) -> Nav2Path:
         """Planner and follower as Nav2's parameters have them."""
         return replace(self.loaded_path, planner=self.planner, pursuit=self.pursuit)
+
+    @property
+    def has_more(self) -> bool:
+        """Whether a Nav2 file was loaded that has more than the table: other parameters, or other names."""
+        first, path = LabParameters().path, self.path
+        planner = replace(first.planner, **{name: getattr(path.planner, name) for name in _OF_PLANNER})
+        pursuit = replace(first.pursuit, **{name: getattr(path.pursuit, name) for name in _OF_PURSUIT})
+        return bool(self.others) or path != replace(first, planner=planner, pursuit=pursuit)
 
     @property
     def nav2(self) -> Nav2Costmap:
@@ -209,7 +216,7 @@ def from_nav2(before: LabParameters, found: Nav2Costmap, path: Nav2Path) -> LabP
     """
     values: dict[str, Any] = {"track_unknown_space": found.general.track_unknown_space}
     named: dict[str, str] = {}  # the file's names of the layers, and the lab's
-    values |= dict.fromkeys(("static_layer", "obstacle_layer", "terrain_layer", "inflation_layer"), False)
+    values |= dict.fromkeys(IN_NAV2, False)
     for layer in found.layers:
         config = layer.config
         if isinstance(config, StaticConfig):
@@ -238,8 +245,8 @@ def from_nav2(before: LabParameters, found: Nav2Costmap, path: Nav2Path) -> LabP
             values |= {"speed_filter": one.enabled, "speed_limits": kind}
         elif one.kind == "keepout":
             values["keepout_filter"] = one.enabled
-    values |= {name: getattr(path.planner, name) for name in ("use_astar", "allow_unknown", "tolerance")}
-    values |= {name: getattr(path.pursuit, name) for name in ("desired_linear_vel", "lookahead_dist")}
+    values |= {name: getattr(path.planner, name) for name in _OF_PLANNER}
+    values |= {name: getattr(path.pursuit, name) for name in _OF_PURSUIT}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)
     others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in found.others.items()}
     return replace(before.with_values(values), footprint=footprint, others=others, loaded_path=path)

@@ -116,7 +116,7 @@ class LabPath:
             self._geometry = geometry
 
     def draw(self) -> bool:
-        """Write the potential into its layer if somebody watches it and it is another one; return whether it was."""
+        """Write a new potential into its layer if the layer is watched; return whether it was written."""
         potential = None if self._path is None else self._path.potential
         if self._geometry is None or not self._potential.is_watched or potential is self._shown:
             return False

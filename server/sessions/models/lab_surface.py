@@ -70,7 +70,7 @@ class LabSurface:
 
     @property
     def index(self) -> int:
-        """How many scans are in the surface."""
+        """Number of scans in the surface."""
         return self.surface.replayed.index
 
     @property

@@ -32,7 +32,7 @@ from server.sessions.models.lab_navigation_parameters import HEXAGON
 
 MOST_POINTS = 150_000  #: of the scans that are assessed
 MOST_PATCHES = 250_000
-FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: of the points, at first, lie in patches with so many points
+FIRST_POINTS, FIRST_SHARE = 10, 0.75  #: of the points, at first, lie in patches with at least that many points
 SIDES = tuple(m * 10.0**e for e in range(-2, 4) for m in (1, 1.5, 2, 3, 4, 5, 7))  #: metres: patches at first
 FINEST = 0.2  #: metres: a robot stands on as much; of a cloud that is small itself, a twentieth of its longer side
 LEAST_ACROSS = 10  #: patches along the longer side of a cloud, at first

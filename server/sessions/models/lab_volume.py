@@ -109,7 +109,7 @@ class LabVolume:
 
     @property
     def index(self) -> int:
-        """How many scans are in the map, of those that are kept."""
+        """Number of scans in the map, of those that are kept."""
         return self.used
 
     def placed_scans(self) -> Iterator[PlacedScan]:

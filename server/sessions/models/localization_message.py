@@ -1,4 +1,4 @@
-"""What the localization of a simulation and of a log share: the columns of the particles, and the empty message."""
+"""Shared by the localization of a simulation and of a log: columns of the particles, and the empty message."""
 
 from __future__ import annotations
 

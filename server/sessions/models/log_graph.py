@@ -24,7 +24,7 @@ LAYER = "graph"
 def read_solved(data: bytes, log: ScanLog, trajectory: str) -> SolvedGraph:
     """Return the solution of a graph's file, which a trajectory of ``log`` was made with (worker thread).
 
-    Raises :class:`mapper.core.errors.MapperError` for a file that is none, or belongs to other scans.
+    Raises :class:`mapper.core.errors.MapperError` for an invalid file, or one that belongs to other scans.
     """
     from server.library.graph_file import read_graph  # noqa: PLC0415 - imports SLAM and SciPy, which few sessions need
     from server.sessions.models.solved_graph import SolvedGraph  # noqa: PLC0415

@@ -24,7 +24,7 @@ MOST_POINTS = 1000  #: of the series that pages plot
 
 
 class LogLocalization:
-    """What is shown of a job that runs, and of a trajectory that comes from one."""
+    """View of a running localization job, and of a trajectory from one."""
 
     def __init__(self, host: ModelHost, recording: LogRecording) -> None:
         self._host, self._recording = host, recording

@@ -12,7 +12,7 @@ from mapper.io.maps.reading import grid_of_values
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
 from server.sessions.models.navigation import Navigation
-from server.sessions.models.terrain_map import TerrainMap
+from server.sessions.models.terrain_map import UploadedTerrain, meets
 from server.sessions.tick import TickResult
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ class LogNavigation(Navigation):
         self._recording, self._given_map = recording, given_map
         self._given: GivenMap | None = None  #: which the static layer has
         self._index = -1  #: of the scan that the layers of obstacles saw last
-        self._terrain: TerrainMap | None = None
-        self._laid: TerrainMap | None = None  #: the terrain in the costmap
+        self._terrain: UploadedTerrain | None = None
+        self._laid: UploadedTerrain | None = None  #: the terrain in the costmap
 
     def _check(self, wanted: Mapping[str, Any]) -> None:
         geometry = self._recording.replay.grid.geometry
@@ -115,14 +115,24 @@ class LogNavigation(Navigation):
             result.slot(self._path.message())
         result.changed |= self._path.draw()
 
-    def use_terrain(self, given: GivenMap | None, result: TickResult) -> None:
-        """Take the classes of a map for the terrain's layer; None for none."""
-        self._terrain = None if given is None else TerrainMap(given)
+    def use_terrain(self, terrain: UploadedTerrain | None, result: TickResult) -> None:
+        """Take the costs of an upload for the terrain's layer; None for none."""
+        self._terrain = terrain
         costmap = self._costmap
         geometry = self._recording.replay.grid.geometry if costmap is None else costmap.geometry
-        if self._terrain is not None and not self._terrain.meets(geometry):
-            message = "The terrain's map has no known cell within the costmap: are both in one frame?"
+        if terrain is not None and not meets(terrain, geometry):
+            message = "The terrain has no known cell within the costmap: are both in one frame?"
             result.notice("terrain.elsewhere", message)
+
+    def commands(self) -> list[dict[str, Any]]:
+        """Return the commands from which another session gets the same costmap, goal and terrain.
+
+        The command ``use_terrain`` names the upload, which the service then reads.
+        """
+        found = super().commands()
+        if found and self._terrain is not None:
+            found.append({"type": "use_terrain", "log": self._terrain.log_id})
+        return found
 
     def present_costs(self) -> RecordedCostmap | None:
         """Return the present costs."""

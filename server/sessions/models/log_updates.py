@@ -75,7 +75,7 @@ class LogUpdates:
             case "show_given_map":
                 model.localization.show_map(command["map"])
             case "use_terrain":
-                model.navigation.use_terrain(command["map"], result)
+                model.navigation.use_terrain(command["terrain"], result)
             case "show_course":
                 model.localization.show_course(command["trajectory"], command["course"])
             case _:

@@ -1,4 +1,4 @@
-"""What a session says of its costmap."""
+"""Messages of a session about its costmap."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from mapper.costmap import CellReason
+from mapper.costmap.nav2_parameters import nav2_yaml
+from mapper.planning.nav2_parameters import nav2_path_yaml
 from server.sessions.models.lab_costmap import LabCostmap
-from server.sessions.models.lab_navigation_parameters import INITIAL, LabParameters
+from server.sessions.models.lab_navigation_parameters import IN_NAV2, INITIAL, LabParameters
 from server.sessions.models.lab_path import LabPath
 from server.stream.protocol import ProtocolError, decode_command
 
@@ -45,22 +47,34 @@ def cost_message(x: float, y: float, reasons: list[CellReason], speed: str | Non
 
 
 def commands_of(costmap: LabCostmap | None, path: LabPath) -> list[dict[str, Any]]:
-    """Return the commands from which another session gets the same costmap and goal; none without a costmap."""
+    """Return the commands from which another session gets the same costmap and goal; none without a costmap.
+
+    Where a Nav2 file was loaded that has more than the table of parameters, the command ``nav2`` has that. It has all
+    layers, since a layer that is off may have such parameters too, and the command after it switches them as they are.
+    """
     if costmap is None:
         return []
     message = costmap_message(costmap)
     values = {name: value for name, value in message["values"].items() if value != INITIAL[name]}
-    begun = {"type": "costmap", "values": values, "footprint": message["footprint"], "keepout": message["keepout"]}
-    if path.goal is None:
-        return [begun]
-    x, y = path.goal
-    return [begun, {"type": "goal", "x": x, "y": y, "drives": path.drives}]
+    found: list[dict[str, Any]] = [
+        {"type": "costmap", "values": values, "footprint": message["footprint"], "keepout": message["keepout"]}
+    ]
+    loaded = costmap.parameters
+    if loaded.has_more:
+        flags = {name: loaded.values[name] for name in IN_NAV2}
+        every = loaded.with_values(dict.fromkeys(IN_NAV2, True))
+        text = nav2_yaml(every.nav2, costmap.geometry.resolution) + nav2_path_yaml(every.path)
+        found += [{"type": "nav2", "text": text}, {"type": "costmap", "values": flags}]
+    if path.goal is not None:
+        x, y = path.goal
+        found.append({"type": "goal", "x": x, "y": y, "drives": path.drives})
+    return found
 
 
 def checked_commands(given: Iterable[object]) -> Iterator[dict[str, Any]]:
     """Yield the commands of :func:`commands_of` that a story from outside holds. Raises :class:`ProtocolError`."""
     for one in given:
         command = decode_command(json.dumps(one))
-        if command["type"] not in ("costmap", "goal"):
+        if command["type"] not in ("costmap", "nav2", "goal"):
             raise ProtocolError("story.navigation", f"A story cannot hold the command {command['type']!r:.80}.")
         yield command

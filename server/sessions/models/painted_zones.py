@@ -1,4 +1,4 @@
-"""What a visitor paints on a costmap with the brush: keepout zones and zones with a speed limit."""
+"""Zones that a visitor paints on a costmap: keepout zones and zones with a speed limit."""
 
 from __future__ import annotations
 

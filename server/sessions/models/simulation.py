@@ -15,8 +15,6 @@ from mapper.core.se2 import compose_one
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
 from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
-from mapper.simulation.edits import solid_ids
-from mapper.simulation.faults import polished_faces
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
@@ -31,6 +29,7 @@ from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import checked_commands
 from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.simulation_messages import world_message
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
 from server.sessions.models.terrain_view import TerrainView
@@ -221,7 +220,7 @@ class SimulationModel(SessionModel):
         """Return the parameters, the world, the costmap and the path, and how the robot is localized."""
         return [
             self._parameters_message(),
-            self._world_message(),
+            world_message(self._mapper),
             *self._navigation.messages(),
             *self._volume.messages(),
             self._terrain.message(),
@@ -234,25 +233,6 @@ class SimulationModel(SessionModel):
         return parameters_message(self.config, self.sensor) | {
             "faults": asdict(self._mapper.faults),
             "compare": None if second is None else {"values": second.values, "with_faults": second.with_faults},
-        }
-
-    def _world_message(self) -> dict[str, Any]:
-        mapper, world = self._mapper, self.world
-        added, erased = mapper.edits.as_lists()
-        return {
-            "type": "world",
-            "name": world.name,
-            "title": world.title,
-            "names": list(WORLDS),
-            "bounds": [float(v) for v in world.bounds],
-            "polygons": [np.round(solid, 4).tolist() for solid in world.solids],
-            "ids": solid_ids(mapper.plan, mapper.edits),
-            "edits": {"added": added, "erased": erased},
-            "polished": np.round(polished_faces(world), 4).tolist(),
-            "blocks": [
-                {"outline": np.round(one.outline, 4).tolist(), "low": one.bottom, "high": float(one.heights.max())}
-                for one in world.blocks
-            ],
         }
 
     def frame(self) -> dict[str, Any]:
@@ -379,7 +359,7 @@ class SimulationModel(SessionModel):
         if command["type"] == "sensor":
             self._localization.end(result)
         if command["type"] == "edit":
-            result.slot(self._world_message())
+            result.slot(world_message(self._mapper))
         if command["type"] == "sensor" or mapper.second is not second:
             result.slot(self._parameters_message())
 
@@ -404,4 +384,4 @@ class SimulationModel(SessionModel):
         self._mapper.begin(world, self.sensor, edits_of(edits))
         self._volume.restart(result)
         result.new_grid = True
-        result.slot(self._world_message())
+        result.slot(world_message(self._mapper))

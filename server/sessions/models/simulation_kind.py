@@ -38,7 +38,7 @@ class Story(BaseModel):
     parameters: dict[str, Any] = Field({}, description="Mapping parameters that differ from the initial ones.")
     faults: dict[str, Any] = Field({}, description="The robot's faults.")
     navigation: list[dict[str, Any]] = Field(
-        [], max_length=2, description="The commands that begin the costmap and set the goal of its path."
+        [], max_length=4, description="The commands that begin the costmap and set the goal of its path."
     )
     playing: bool = Field(True, description="Whether the session plays.")
     speed: float | None = Field(None, description="Simulated seconds per second.")

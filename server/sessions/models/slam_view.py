@@ -1,4 +1,4 @@
-"""What a simulation shows of SLAM while the robot drives: its graph, and the true path beside it."""
+"""View of SLAM in a simulation while the robot drives: its graph, and the true path beside it."""
 
 from __future__ import annotations
 

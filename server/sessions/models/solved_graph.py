@@ -36,7 +36,7 @@ Float64Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class GraphOptions:
-    """How the graph is solved: the robust kernel of its loops and its scale, in standard deviations."""
+    """Options of the solver of the graph: the robust kernel of its loops and its scale, in standard deviations."""
 
     robust: str = "geman_mcclure"
     robust_scale: float = 3.0

@@ -1,13 +1,14 @@
-"""A map of a terrain's classes, as costs of a layer of a costmap."""
+"""A terrain of the library as costs of a layer of a costmap, and the map of a terrain's classes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from mapper.core.array_types import UInt8Array
+from mapper.costmap import NO_INFORMATION
 from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
 
@@ -20,13 +21,24 @@ class TerrainCosts(Protocol):
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the cells are."""
+        """Geometry of the map."""
 
     def costs(self) -> UInt8Array:
         """Return the costs (rows, cols): 254 where it is unsafe, 255 where it is unknown."""
 
     def why(self, row: int, col: int) -> str:
         """Say in one sentence why a cell has its cost."""
+
+
+class UploadedTerrain(TerrainCosts, Protocol):
+    """Costs of a terrain of the library."""
+
+    @property
+    def log_id(self) -> str:
+        """The upload."""
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,11 +48,12 @@ class TerrainMap:
     A value v between 0 and 100 costs v · 254 / 100, rounded, as in a mask of Nav2's keepout filter.
     """
 
+    log_id: str
     given: GivenMap
 
     @property
     def geometry(self) -> GridGeometry:
-        """Where the cells are."""
+        """Geometry of the map."""
         return self.given.geometry
 
     def costs(self) -> UInt8Array:
@@ -53,11 +66,16 @@ class TerrainMap:
         known = {-1: "unknown", 0: "safe", 100: "unsafe"}
         return f"Terrain: {known.get(value, f'{value} of 100')}, in the map {self.given.title!r:.80}."
 
-    def meets(self, geometry: GridGeometry) -> bool:
-        """Whether a known cell of it is at the place of a cell of another geometry."""
-        rows, cols = (self.given.values >= 0).nonzero()
-        if not len(rows):
-            return False
-        step = max(1, len(rows) // 100_000)
-        centres = self.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
-        return bool(geometry.contains(geometry.world_to_cell(centres)).any())
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""
+        return self.given.public()
+
+
+def meets(terrain: TerrainCosts, geometry: GridGeometry) -> bool:
+    """Whether a known cell of a terrain is at the place of a cell of another geometry."""
+    rows, cols = (terrain.costs() != NO_INFORMATION).nonzero()
+    if not len(rows):
+        return False
+    step = max(1, len(rows) // 100_000)
+    centres = terrain.geometry.cell_to_world(np.column_stack([rows[::step], cols[::step]]))
+    return bool(geometry.contains(geometry.world_to_cell(centres)).any())

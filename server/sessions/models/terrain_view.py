@@ -1,4 +1,4 @@
-"""What a session shows of the terrain of its points: grids of patches, and a message with the numbers."""
+"""View of the terrain of a session's points: grids of patches, and a message with the numbers."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class TerrainPoints(Protocol):
 
     @property
     def count(self) -> int:
-        """How many scans there are; 0 for no points."""
+        """Number of scans; 0 without points."""
 
     @property
     def truth(self) -> str | None:
-        """What says which points are ground, None if nothing does."""
+        """Source of known ground points, None if there is none."""
 
     def read(self) -> tuple[Float64Array, tuple[float, float, float, float], BoolArray | None]:
         """Return points (n, 3), the bounds x0, y0, x1, y1, and which points are ground, None if that is not known."""

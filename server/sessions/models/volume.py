@@ -8,8 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
@@ -23,6 +21,7 @@ from server.sessions.drawings import Drawing
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.models.cloud_terrain import CloudPoints
+from server.sessions.models.scan_timeline import ScanTimeline
 from server.sessions.models.terrain_view import TerrainView
 from server.sessions.models.volume_comparison import VolumeComparison
 from server.sessions.models.volume_drawings import VolumeDrawings
@@ -32,7 +31,6 @@ from server.sessions.models.volume_messages import log_fields, look_table, volum
 from server.sessions.models.volume_start import bounds_of, check_resolution, first_look, first_resolution, times_of
 from server.sessions.models.volume_surface import VolumeSurface
 from server.sessions.models.voxel_questions import VoxelQuestions
-from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
@@ -44,7 +42,6 @@ if TYPE_CHECKING:
 
 SLICE_S = 0.1  #: of inserting scans, after which the map is shown
 PIECE_S = 0.05  #: of drawing voxels
-FILL_S = 20.0  #: in which a sequence plays at first
 LOG_ODDS = 3.5  #: the range of the map from above
 
 
@@ -68,7 +65,6 @@ class VolumeModel(SessionModel):
         self._log_id, self._title, self._topic = log_id, title, topic
         self._up = up
         self._low, self._high = bounds_of(source)
-        self._times = times_of(source)
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
         self._map = ReplayedVolume(source, self._config, self._limits)
         self._look = self._first_look = first_look(self._low, self._high, self._config.resolution)
@@ -77,18 +73,14 @@ class VolumeModel(SessionModel):
         self._questions = VoxelQuestions(host, self._drawn.chosen)
         scans = source if isinstance(source, ScanSequence) else None
         self._surface = VolumeSurface(scans, self._config.resolution, self._limits)
-        self._target = self._map.count if self._map.count == 1 else 0
+        self._timeline = ScanTimeline(times_of(source), self._map.count)
         self._layer = GridLayer("map", "Map from above")
         self._stale_grid = True
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
         points = CloudPoints(scans, self._low, self._high, other)
         self._terrain = TerrainView(points, points.first, host)
-        speeds = (0.1, max(100.0, (duration := float(self._times[-1])) / 5.0))
-        super().__init__(
-            Playback(self._map.count > 1, float(np.clip(float(f"{duration / FILL_S:.2g}"), *speeds)), speeds)
-        )
-        self._time = 0.0
+        super().__init__(self._timeline.first_playback())
 
     def _limits(self) -> Limits:
         """Return the limits of the map."""
@@ -153,7 +145,7 @@ class VolumeModel(SessionModel):
         return {
             "map3d": self._terrain.table if rows else [],
             "parameters": {"table": rows, "values": asdict(self._config) if rows else {}},
-            "log": log_fields(self._source, self._log_id, self._topic, float(self._times[-1])),
+            "log": log_fields(self._source, self._log_id, self._topic, self._timeline.duration),
         }
 
     def messages(self) -> list[dict[str, Any]]:
@@ -172,7 +164,7 @@ class VolumeModel(SessionModel):
 
     def frame(self) -> dict[str, Any]:
         """Return the time of the newest scan."""
-        return {"stamp": round(float(self._times[max(self._shown.index - 1, 0)]), 3)}
+        return {"stamp": round(self._timeline.stamp(self._shown.index), 3)}
 
     def scan(self) -> dict[str, Any]:
         """Return a scan without readings."""
@@ -224,15 +216,15 @@ class VolumeModel(SessionModel):
                 if not 0 <= index <= self._map.count:
                     message = f"There are {self._map.count} scans; there is none after {index}."
                     raise ProtocolError("command.index", message)
-                self._go_to(index)
+                self._timeline.go_to(index)
             case "step":
                 self.playback.playing = False
-                self._go_to(self._shown.index + integer(command, "scans", 1))
+                self._timeline.go_to(self._shown.index + integer(command, "scans", 1))
             case "restart":
-                self._go_to(0)
+                self._timeline.go_to(0)
                 self.playback.playing = True
             case "cancel":
-                self._go_to(self._shown.index)
+                self._timeline.go_to(self._shown.index)
             case "parameters":
                 self._set_config(values(command), result)
             case "surface":
@@ -254,12 +246,8 @@ class VolumeModel(SessionModel):
     def play(self) -> None:
         """Play; from the start if the end was reached."""
         if self._shown.index == self._map.count:
-            self._go_to(0)
+            self._timeline.go_to(0)
         super().play()
-
-    def _go_to(self, index: int) -> None:
-        self._target = min(max(index, 0), self._map.count)
-        self._time = float(self._times[max(self._target - 1, 0)]) if self._target else 0.0
 
     def _set_config(self, wanted: dict[str, Any], result: TickResult) -> None:
         check_names(wanted, VOLUME_PARAMETERS)
@@ -299,22 +287,23 @@ class VolumeModel(SessionModel):
     @property
     def is_catching_up(self) -> bool:
         """Whether scans are still to be put into the map; while it plays, only into the one that is shown."""
-        if self._shown.index != self._target:
+        if self._shown.index != self._timeline.target:
             return True
-        return self._map.index != self._target and not self.playback.playing
+        return self._map.index != self._timeline.target and not self.playback.playing
 
     @property
     def catch_up_pause_s(self) -> float:
         """The time that is left for sending the surface."""
-        return self._surface.sending_s if self._is_surface and self._shown.index == self._target else 0.0
+        return self._surface.sending_s if self._is_surface and self._shown.index == self._timeline.target else 0.0
 
     @property
     def fraction(self) -> float | None:
         """The share of the wanted scans that is in the map, or of the terrain that is done."""
         if self._terrain.share is not None:
             return self._terrain.share
-        behind = self._map if self._shown.index == self._target else self._shown
-        return behind.index / self._target if self._target and self.is_catching_up else None
+        target = self._timeline.target
+        behind = self._map if self._shown.index == target else self._shown
+        return behind.index / target if target and self.is_catching_up else None
 
     @property
     def working_on(self) -> str:
@@ -329,10 +318,9 @@ class VolumeModel(SessionModel):
     def advance(self, dt: float, result: TickResult) -> None:
         """Play, and put scans into the map for a tenth of a second."""
         if dt > 0.0 and self.playback.playing:
-            self._time = min(self._time + dt * self.playback.speed, float(self._times[-1]))
-            self._target = max(self._target, int(np.searchsorted(self._times, self._time, side="right")))
+            self._timeline.play(dt * self.playback.speed)
             result.changed = True
-        if self._is_surface and self._shown.index != self._target:
+        if self._is_surface and self._shown.index != self._timeline.target:
             self._follow_surface(result)
         elif self.is_catching_up:
             self._catch_up(result)
@@ -364,11 +352,11 @@ class VolumeModel(SessionModel):
         began = time.monotonic()
         try:
             with self._host.cancellable():
-                shown.go_to(self._target, lambda: time.monotonic() - began > SLICE_S, self._host.may_continue)
+                shown.go_to(self._timeline.target, lambda: time.monotonic() - began > SLICE_S, self._host.may_continue)
         except WorkCancelledError:
             raise
         except MapperError:
-            self._target = shown.index
+            self._timeline.target = shown.index
             raise
 
     def _note_change(self) -> None:

@@ -1,4 +1,4 @@
-"""What a map in 3D looks like: its voxels in chunks, its points, the voxel that is asked about."""
+"""Drawings of a map in 3D: its voxels in chunks, its points, the chosen voxel."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class VolumeDrawings:
 
     @property
     def pending(self) -> int:
-        """How many chunks are to be made again."""
+        """Number of chunks to be computed again."""
         return len(self._pending)
 
     @property

@@ -1,4 +1,4 @@
-"""How a map in 3D is shown: a table of what can be chosen, and the colours."""
+"""Display options of a map in 3D: their table, and the colours."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ LOOK_PARAMETERS: tuple[Parameter, ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What of a map in 3D is shown, and how, see the table :data:`LOOK_PARAMETERS`.
+    """Display options of a map in 3D, see the table :data:`LOOK_PARAMETERS`.
 
     Raises :class:`ConfigError` for a value outside its row.
     """

@@ -1,4 +1,4 @@
-"""What is known of a map in 3D before its first scan: its bounds, its times, a resolution and a look that fit it."""
+"""Bounds and times of a map in 3D before its first scan; resolution and display options that fit it."""
 
 from __future__ import annotations
 

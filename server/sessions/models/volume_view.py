@@ -1,4 +1,4 @@
-"""What a simulation shows of its 3D map: grids over the belief, the message with its numbers, and the 3D view."""
+"""View of a simulation's 3D map: grids over the belief, the message with its numbers, and the 3D view."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class VolumeView:
 
     @property
     def count(self) -> int:
-        """How many scans are recorded; none while it is off."""
+        """Number of recorded scans; 0 while it is off."""
         return 0 if self._map is None else len(self._map.scans)
 
     @property
@@ -120,7 +120,7 @@ class VolumeView:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """What only the 3D map has; none while it is off."""
+        """Layers of the 3D map; none while it is off."""
         return () if self._map is None else (self._only,)
 
     @property

@@ -37,7 +37,7 @@ class AskedMap(Protocol):
 
     @property
     def index(self) -> int:
-        """How many scans are in it."""
+        """Number of scans in it."""
 
     def placed_scans(self) -> Iterable[PlacedScan]:
         """Return these scans; none where they are not known."""

@@ -8,10 +8,10 @@ import { followPages } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { Toasts } from "../ui/Toast";
 
-/** Why somebody was sent to this page. */
+/** Reasons for which a visitor was sent to this page. */
 const REFUSALS: Readonly<Record<string, string>> = {
   "class.unknown": "There is no class with this code. It may have ended.",
-  "class.locked": "The lecturer has locked this class: nobody else can join.",
+  "class.locked": "The lecturer has locked this class: no one else can join.",
   "class.crowded": "As many people as may follow this class already do.",
   "class.guesses": "Too many wrong codes came from this network. Wait a minute, then try again.",
 };
@@ -40,6 +40,7 @@ function Join() {
         <label>
           Code
           <input
+            class="field-text"
             autocomplete="off"
             autocapitalize="characters"
             spellcheck={false}

@@ -1,5 +1,4 @@
 import "../style/index.css";
-import "./logs/logs.css";
 import "./logs/library.css";
 import "./logs/card.css";
 import "./logs/finder.css";
@@ -196,7 +195,7 @@ function Page() {
   return <Opening onCancel={cancelOpening} />;
 }
 
-/** The page of a lecturer, or of somebody who is in no class; followers see the maps of logs only. */
+/** The page of a lecturer, or of a visitor without a class; followers see the maps of logs only. */
 function Own() {
   const { session, kind } = place.value;
   const isMapOfLog = link === null && session !== null && !kind;

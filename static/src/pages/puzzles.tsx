@@ -8,6 +8,7 @@ import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { followPages, showOther } from "../tools/classroom/pages";
 import { Button } from "../ui/Button";
 import { ConfirmDialog } from "../ui/Dialog";
+import { ProgressBar } from "../ui/ProgressBar";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
@@ -15,7 +16,7 @@ import { PuzzleList } from "./puzzles/PuzzleList";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
 import { beginAttempt, preparing, rememberSolved } from "./puzzles/puzzles";
 
-/** The token of a puzzle that somebody made and shared; null on the other addresses. */
+/** The token of a shared puzzle; null on the other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
 const hasList = token === null && followedCode === null;
 
@@ -99,9 +100,7 @@ function Page() {
             </span>
           )}
         </p>
-        <div class="progress waiting wide" aria-hidden="true">
-          <span />
-        </div>
+        <ProgressBar fraction={now?.fraction ?? null} isWide />
         {now && <Button onClick={() => ending?.abort()}>Cancel</Button>}
       </div>
     );

@@ -14,7 +14,7 @@ const isFramed = parent !== window;
 document.documentElement.classList.toggle("framed", isFramed);
 
 interface SiteHeaderProps {
-  readonly current: "home" | "lecture" | "lab" | "logs" | "puzzles";
+  readonly current: "home" | "lecture" | "lab" | "logs" | "puzzles" | "none";
   readonly links?: boolean;
   readonly children?: ComponentChildren;
 }

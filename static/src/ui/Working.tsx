@@ -1,5 +1,6 @@
 import { Button } from "./Button";
 import { clock } from "./numbers";
+import { ProgressBar } from "./ProgressBar";
 
 /** Progress of a computation on the server. */
 export interface Work {
@@ -33,9 +34,7 @@ export function Working({ what, work, onCancel, isInside = false }: WorkingProps
           <span class="working-share" aria-hidden="true">
             {progressText(work)}
           </span>
-          <div class={work.fraction === null ? "progress waiting" : "progress"} aria-hidden="true">
-            <span style={work.fraction === null ? undefined : { transform: `scaleX(${work.fraction})` }} />
-          </div>
+          <ProgressBar fraction={work.fraction} />
           {onCancel && (
             <Button kind="quiet" onClick={onCancel}>
               Cancel

@@ -6,7 +6,7 @@ describe("whenLeftAlone", () => {
   beforeEach(() => void vi.useFakeTimers());
   afterEach(() => void vi.useRealTimers());
 
-  it("waits until nobody has pressed, dragged or typed for a while", () => {
+  it("waits until there was no press, drag or key for a while", () => {
     const task = vi.fn();
     whenIdle(1000, task);
     for (const sign of ["keydown", "pointerdown", "wheel"]) {

@@ -189,7 +189,7 @@ export interface Block {
   readonly high: number;
 }
 
-/** How many patches of each class there were before parameters changed. */
+/** Numbers of patches of each class before parameters changed. */
 export interface TerrainCounts {
   /** names of the parameters */
   readonly changed: readonly string[];
@@ -241,7 +241,7 @@ export interface BrushStroke {
   readonly speed?: number | null;
 }
 
-/** What one layer of a costmap says of a cell. */
+/** Contribution of one layer of a costmap to a cell. */
 export interface LayerCost {
   /** name of the layer */
   readonly layer: string;
@@ -256,7 +256,7 @@ export interface LayerCost {
 /** [x, y, z] in m */
 export type Place = readonly [x: number, y: number, z: number];
 
-/** What differs between the map of a session in 3D, B, and another one, A. */
+/** Differences between the map of a session in 3D, B, and another one, A. */
 export interface VolumeChanges {
   /** of A */
   readonly title: string;
@@ -272,7 +272,7 @@ export interface VolumeChanges {
   readonly only_second: number;
 }
 
-/** What one scan did to a voxel of a surface. */
+/** Update of a voxel of a surface by one scan. */
 export interface SurfaceUpdate {
   /** number of the scan, from 1 */
   readonly scan: number;
@@ -291,7 +291,7 @@ export interface SurfaceUpdate {
 /** state of a cell by its probability */
 export type CellState = "free" | "occupied" | "unknown";
 
-/** What one scan did to a voxel. */
+/** Update of a voxel by one scan. */
 export interface VoxelUpdate {
   /** number of the scan, from 1 */
   readonly scan: number;
@@ -361,7 +361,7 @@ export interface ClassQuestion {
   readonly right: number | null;
 }
 
-/** How far one follower is with the puzzle; followers are known by number only. */
+/** Progress of one follower with the puzzle; followers are known by number only. */
 export interface ClassSolver {
   /** number of the follower */
   readonly number: number;
@@ -401,7 +401,7 @@ export interface ClassLook {
   readonly height: number;
 }
 
-/** What the lecturer's page shows. Places are map metres. */
+/** State of the lecturer's page. Places are map metres. */
 export interface ClassView {
   /** the page; logs: the map of a log; other: no page that can be followed */
   readonly page: "lab" | "lecture" | "logs" | "other";
@@ -556,7 +556,7 @@ export interface Trajectories {
   readonly trajectories: readonly TrajectoryInfo[];
 }
 
-/** Log sessions: somebody has written, changed or deleted a note on the log; the page asks for the notes again. */
+/** Log sessions: a note on the log was written, changed or deleted; the page asks for the notes again. */
 export interface NotesMessage {
   readonly type: "notes";
   /** when, seconds since 1970 */
@@ -627,7 +627,7 @@ export interface Forgetting {
   readonly free_without_clamp: number;
 }
 
-/** Where the particle filter takes the robot to be; in a simulation, how far off that is. */
+/** Estimate of the particle filter; in a simulation, with its error. */
 export interface LocalizationMessage {
   readonly type: "localization";
   /** whether the robot is localized */
@@ -1216,7 +1216,7 @@ export interface MapEditCommand {
 /** Maps: undo edits, or make them again. */
 export interface MapHistoryCommand {
   readonly type: "map_history";
-  /** negative: so many are undone; positive: made again */
+  /** negative: number of steps to undo; positive: to redo */
   readonly steps: number;
 }
 
@@ -1348,7 +1348,7 @@ export interface ClassState {
   readonly code: string;
   /** followers that are connected */
   readonly present: number;
-  /** whether nobody else can join */
+  /** whether no one else can join */
   readonly is_locked: boolean;
   /** whether the class is over */
   readonly has_ended: boolean;
@@ -1373,7 +1373,7 @@ export interface ClassWelcome {
   readonly answer: number | null;
 }
 
-/** What the lecturer shows now, to the followers. */
+/** Present state of the lecturer's page, sent to the followers. */
 export interface ClassViewMessage {
   readonly type: "view";
   /** what the lecturer shows */
@@ -1439,7 +1439,7 @@ export interface CloseCommand {
   readonly type: "close";
 }
 
-/** Lecturer: let nobody else join, or let people join again. */
+/** Lecturer: close the class to new listeners, or open it again. */
 export interface LockCommand {
   readonly type: "lock";
   /** whether it is locked */

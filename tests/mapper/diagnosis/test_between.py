@@ -29,7 +29,7 @@ def path() -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def lidars(path: np.ndarray) -> tuple[ScanLog, ScanLog]:
-    """What both measure, with their true mounts."""
+    """Readings of both, with their true mounts."""
     front, rear = (drive("office", path, sensor=SENSOR, mount=mount, seed=k) for k, mount in enumerate((FRONT, REAR)))
     true = {"true": front.trajectory("true")}
     return (

@@ -43,7 +43,7 @@ def the(findings: list[Finding], check: str) -> Finding:
 
 
 def of_clock(log: ScanLog) -> list[Finding]:
-    """What the check of the stamps finds; that :func:`examine` makes it is tested with a clock that jumps back."""
+    """Findings of the check of the stamps; that :func:`examine` makes it is tested with a clock that jumps back."""
     return clock.check(log, examined(log, None))
 
 

@@ -87,7 +87,7 @@ def rooms_of_which_one_has_a_box() -> OccupancyGrid:
 
 
 def seen(grid: OccupancyGrid, pose: np.ndarray) -> ScanBeams:
-    """What 30 beams see from a pose, by steps of 2 cm."""
+    """Readings of 30 beams from a pose, by steps of 2 cm."""
     bearings = np.linspace(-np.pi, np.pi, 30, endpoint=False)
     points = RANGES[:, np.newaxis, np.newaxis] * np.stack([np.cos(bearings), np.sin(bearings)], axis=-1)
     rows, cols = np.moveaxis(grid.geometry.world_to_cell(compose_points(pose, points)), -1, 0)

@@ -1,4 +1,4 @@
-"""When particles are added from all over the map, and how many a scan's loss asks for."""
+"""Addition of particles from all over the map, and their number by a scan's loss."""
 
 from __future__ import annotations
 

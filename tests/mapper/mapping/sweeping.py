@@ -13,7 +13,7 @@ STEP = 1.0 / RATE / BEAMS  #: seconds from beam to beam
 
 
 def true_poses(times: np.ndarray) -> np.ndarray:
-    """Where the robot is: it drives in a circle of 0.8 m, now faster and now slower, so that a delay shows."""
+    """Poses of the robot: it drives in a circle of 0.8 m, now faster and now slower, so that a delay shows."""
     angle = TURN * times + 0.8 * np.sin(1.5 * times)
     return np.stack([0.8 * np.sin(angle), -0.8 * np.cos(angle), angle], axis=-1)
 
@@ -26,7 +26,7 @@ def to_the_walls(poses: np.ndarray) -> np.ndarray:
 
 
 def swept(n_scans: int = 40, rate: float = RATE, *, delay: float = 0.0) -> ScanLog:
-    """What the lidar measures; its stamps are those of its first beams, ``delay`` seconds early."""
+    """Readings of the lidar; its stamps are those of its first beams, ``delay`` seconds early."""
     first = 100.0 + np.arange(n_scans) / rate
     bearings = -np.pi + 2 * np.pi / BEAMS * np.arange(BEAMS)
     poses = true_poses(first[:, np.newaxis] + STEP * np.arange(BEAMS))
@@ -45,7 +45,7 @@ def swept(n_scans: int = 40, rate: float = RATE, *, delay: float = 0.0) -> ScanL
 
 
 def off_the_walls(grid: OccupancyGrid) -> np.ndarray:
-    """How far the centres of the occupied cells lie from the nearest wall, metres."""
+    """Distances of the centres of the occupied cells from the nearest wall, metres."""
     rows, cols = np.nonzero(grid.p_occ > OCCUPIED_THRESHOLD)
     points = grid.geometry.cell_to_world(np.stack([rows, cols], axis=-1))
     return np.asarray(np.abs(np.abs(points) - HALF).min(axis=-1))

@@ -55,7 +55,7 @@ def test_every_world_has_polished_walls_and_some_that_are_not() -> None:
 
 
 def echo_in(x: float, y: float, low: float, high: float) -> float:
-    """What a cone in the hall hears between two bearings: ray by ray, each against the post, then the four walls."""
+    """Echo in a cone in the hall between two bearings: ray by ray, each against the post, then the four walls."""
     nearest = math.inf
     for bearing in np.linspace(low, high, 1 + round((high - low) / math.radians(0.02))):
         dx, dy = math.cos(bearing), math.sin(bearing)

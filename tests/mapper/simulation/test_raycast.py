@@ -143,7 +143,7 @@ def test_the_nearest_edge_is_where_the_clearance_says():
 
 
 def clearances_one_by_one(segments: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """What the kernel says of each point by itself: every edge is tried."""
+    """Clearance of each point by itself by the kernel: every edge is tried."""
     nearest = np.zeros(2)
     return np.array([nearest_edge(segments, x, y, nearest) for x, y in points])
 

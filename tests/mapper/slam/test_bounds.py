@@ -7,9 +7,10 @@ import pytest
 
 from mapper.core.errors import WorkCancelledError
 from mapper.evaluation import absolute_errors, align
+from mapper.sensors.pose_graph import PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam import SlamCancelled, SlamConfig, SlamProgress, loop_closure, refinement, slam, slam_log, sparse_system
-from mapper.slam.optimise import optimise
+from mapper.slam.optimise import optimise, optimise_newest
 from mapper.slam.parted_system import PartedSystem, divided
 from mapper.slam.sparse_system import SparseSystem
 from tests.mapper.slam.worlds import along, drive
@@ -119,6 +120,25 @@ def test_long_logs_have_few_loops_and_their_graph_is_rarely_optimised(
     assert len(found.candidates) < 0.7 * len(usual.candidates)
     assert found.graph.n_loops > 5
     assert len(calls) < n_usual
+    true = rounds.trajectory("true").poses
+    assert absolute_errors(true, align(true, found.poses).apply(found.poses))[0].max() < 0.15
+
+
+def test_the_newest_poses_of_a_large_graph_move_at_once(rounds: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between two solutions of the whole graph a loop that is far off moves only the poses shortly before it."""
+    lengths: list[int] = []
+
+    def counted(graph: PoseGraph, first: int, *given: object) -> object:
+        lengths.append(len(graph.nodes) - first)
+        return optimise_newest(graph, first, *given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(slam, "optimise_newest", counted)
+    for name, value in {"LARGE": 60, "RARELY": 1, "NEWEST": 30, "FAR_OFF": 0.02}.items():
+        monkeypatch.setattr(slam, name, value)
+    monkeypatch.setattr(slam, "MOVED", 0.02)
+    found = slam_log(rounds, SlamConfig(place_recognition=False))
+    assert lengths
+    assert max(lengths) < len(found.graph.nodes)
     true = rounds.trajectory("true").poses
     assert absolute_errors(true, align(true, found.poses).apply(found.poses))[0].max() < 0.15
 

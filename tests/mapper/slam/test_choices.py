@@ -1,4 +1,4 @@
-"""Which scans are matched, with which others, and how fast the robot was: small cases whose answers are known."""
+"""Choice of scans, of their partners, and the robot's speed: small cases whose answers are known."""
 
 import numpy as np
 

@@ -9,6 +9,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import optimise
+from mapper.slam.optimise import optimise_newest
 from mapper.slam.textbook import optimise_dense
 
 
@@ -64,3 +65,16 @@ def test_poses_that_no_edge_holds() -> None:
     loose = replace(graph, **{name: getattr(graph, name)[kept] for name in names})
     with pytest.raises(ConfigError, match="leaves pose 20 undetermined"):
         optimise(loose)
+
+
+def test_the_newest_poses_alone_come_to_the_solution_for_fixed_earlier_ones() -> None:
+    graph, _ = ring()
+    first = 25
+    # As the textbook has it: edges among the earlier poses do not count where these are right and held fast.
+    solved = optimise(graph, robust="none")
+    off = replace(solved, poses=solved.poses + np.where(np.arange(40)[:, np.newaxis] < first, 0.0, [0.1, -0.05, 0.02]))
+    found = optimise_newest(off, first, "none", 3.0, 60)
+    np.testing.assert_allclose(found, solved.poses[first:], atol=1e-6)
+    # With earlier poses that are wrong it is another solution, in which those stay.
+    moved = replace(off, poses=off.poses + np.where(np.arange(40)[:, np.newaxis] < first, 0.3, 0.0))
+    assert np.abs(optimise_newest(moved, first, "none", 3.0, 60) - solved.poses[first:]).max() > 0.1

@@ -20,7 +20,7 @@ NARROW = SensorConfig(n_beams=60, field_of_view=np.pi / 2.0, range_max=8.0, rang
 
 
 def off(log: ScanLog, poses: np.ndarray) -> np.ndarray:
-    """How far poses are from the true ones, metres (n,)."""
+    """Distances of poses from the true ones, metres (n,)."""
     true = log.trajectory("true").poses
     return absolute_errors(true, align(true, poses).apply(poses))[0]
 

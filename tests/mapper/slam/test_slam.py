@@ -31,7 +31,7 @@ def healed(ring: ScanLog) -> SlamResult:
 
 
 def errors(log: ScanLog, poses: np.ndarray) -> np.ndarray:
-    """How far poses (n, 3) are from the true ones, metres (n,), where they are laid upon each other."""
+    """Distances of poses (n, 3) from the true ones after alignment, metres (n,)."""
     true = log.trajectory("true").poses
     return absolute_errors(true, align(true, poses).apply(poses))[0]
 

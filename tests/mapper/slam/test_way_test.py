@@ -1,4 +1,4 @@
-"""What was seen on the way to a loop: it agrees with the place of a true loop and contradicts that of a wrong one."""
+"""Scans on the way to a loop agree with the place of a true loop and contradict that of a wrong one."""
 
 import numpy as np
 import pytest

@@ -39,7 +39,7 @@ def test_planes_are_those_of_lstsq_in_utm_coordinates() -> None:
 
 
 def test_raw_utm_coordinates_lose_the_plane() -> None:
-    """What the centre is for: the sums of 10¹³ m² about the origin of UTM have few digits left for the slope."""
+    """Reason for the centre: the sums of 10¹³ m² about the origin of UTM have few digits left for the slope."""
     points = hillside(200, 0.3)
     about_centre = textbook.plane_of(textbook.moments_of(points.tolist()))
     raw = textbook.moments_of((points + UTM).tolist())

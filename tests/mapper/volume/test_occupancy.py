@@ -1,4 +1,4 @@
-"""What a map holds after one beam or two, and what is asked of it, by values known beforehand."""
+"""Contents and queries of a map after one or two beams, by values known beforehand."""
 
 from __future__ import annotations
 

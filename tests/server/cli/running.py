@@ -17,7 +17,7 @@ Run = Callable[..., Outcome]
 
 
 def state_counts(run: Run, *arguments: object) -> dict[str, Any]:
-    """What ``map`` prints as JSON."""
+    """JSON output of ``map``."""
     status, out, err = run("map", *arguments, "--json")
     assert status == 0, err
     facts: dict[str, Any] = json.loads(out)

@@ -26,7 +26,7 @@ def written(folder: Path, log: ScanLog, kind: str) -> Path:
 
 
 def occupied(run, path: Path, *options: str) -> np.ndarray:
-    """How far the occupied cells of the log's map lie from the walls."""
+    """Distances of the occupied cells of the log's map from the walls."""
     out = path.with_name("map")
     status, _, err = run("map", path, "--scans", 38, "--quiet", "--out", out, *options)
     assert status == 0, err

@@ -1,4 +1,4 @@
-"""What each route lets guests do, against a table that is written out here."""
+"""Rights of guests on each route, against a table that is written out here."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from mapper.io.maps import load_map
 from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation import WORLDS
-from server.http.routes import pages
+from server.http import page_files
 from tests.server.service import PATIENCE_S, Service
 
 
@@ -175,7 +175,7 @@ def built_pages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "assets" / "lab-1a2b.js").write_text("export const x = 1;" * 500)
     (tmp_path / ".digest").write_text("secret")
     (tmp_path / "assets" / "link.js").symlink_to(Path(__file__))
-    monkeypatch.setattr(pages, "PLACES", (tmp_path,))
+    monkeypatch.setattr(page_files, "PLACES", (tmp_path,))
     return tmp_path
 
 
@@ -195,8 +195,27 @@ def test_pages_and_assets(service: Service) -> None:
         assert service.http.get(hidden).status_code in (404, 307), hidden
 
 
+def test_a_name_without_html_redirects_to_the_page(service: Service, built_pages: Path) -> None:
+    answer = service.http.get("/lab?world=office&seed=3", follow_redirects=False)
+    assert answer.status_code == 307
+    assert answer.headers["location"] == "/lab.html?world=office&seed=3"
+    for name in ("lab.html.html", "x" * 4000, "..%2flab", "%00"):
+        assert service.http.get(f"/{name}", follow_redirects=False).status_code == 404, name
+
+
+def test_a_browser_is_shown_a_page_where_there_is_none(service: Service, built_pages: Path) -> None:
+    (built_pages / "missing.html").write_text("<!doctype html><title>missing</title>")
+    browser = {"accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
+    for address in ("/nothing", "/nothing/here", "/assets/gone"):
+        answer = service.http.get(address, headers=browser)
+        assert answer.status_code == 404, address
+        assert "<title>missing" in answer.text, address
+        assert service.http.get(address).json()["code"] == "http.not_found", address
+    assert service.http.get("/api/sessions/unknown", headers=browser).json()["code"] == "session.unknown"
+
+
 def test_without_built_pages_the_front_page_gives_advice(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pages, "PLACES", ())
+    monkeypatch.setattr(page_files, "PLACES", ())
     answer = service.http.get("/")
     assert answer.status_code == 503
     assert "make setup" in answer.text

@@ -108,6 +108,49 @@ def test_a_map_of_the_library_is_the_terrain_of_the_costmap(service: Service, se
     service.state.sessions.get(session).enqueue({"type": "costmap", "value": False})
 
 
+def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Service, session: str) -> None:
+    """Of a flat floor around the robot with a wall of 1 m on it, the floor is safe and the wall lethal."""
+    http, address = service.http, f"/api/sessions/{session}/costmap/terrain"
+    host: Any = service.state.sessions.get(session)
+    at = np.array(host.model.recording.robot_state().pose[:2])
+    steps = np.arange(-2.0, 2.0, 0.04)
+    floor = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
+    heights = np.where(np.abs(floor[:, 0] - 1.0) < 0.3, 1.0, 0.0)
+    lines = [f"{x:.3f} {y:.3f} {z:.3f}" for (x, y), z in zip(floor + at, heights, strict=True)]
+    body = "\n".join(lines).encode()
+    cloud = str(http.put("/api/logs", params={"name": "floor.xyz"}, content=body).json()["id"])
+    assert once_read(http, cloud)["state"] == "ready"
+    made = http.put(address, json={"log": cloud})
+    assert made.status_code == 200, made.text
+    found = made.json()["map"]
+    assert found["title"] == "floor.xyz"
+    assert found["classes"]["safe"] > 3 * found["classes"]["unsafe"] > 0
+    np.testing.assert_allclose(found["origin"][:2], at - 2.0, atol=0.01)
+
+    only = dict.fromkeys(("static_layer", "obstacle_layer", "dynamic_layer", "inflation_layer"), False)
+    host.enqueue({"type": "costmap", "values": only | {"terrain_layer": True}})
+    until(lambda: host.model.costed.present_costs() is not None)
+    wall, free = at + np.array([1.0, 0.5]), at + np.array([-1.0, 0.5])
+
+    def cost(of: Any, place: Any) -> int:
+        costs = of.model.costed.present_costs()
+        return int(costs.costs[tuple(costs.geometry.world_to_cell(place))])
+
+    until(lambda: cost(host, wall) == 254)
+    assert cost(host, free) < 128
+    token = http.post("/api/links", json={"session": session}).json()["token"]
+    opened: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
+    until(lambda: opened.model.costed.present_costs() is not None)
+    until(lambda: cost(opened, wall) == 254)
+    # Without the cloud the link opens without terrain.
+    assert http.delete(f"/api/logs/{cloud}").status_code in (200, 204)
+    bare: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
+    until(lambda: bare.model.costed.present_costs() is not None)
+    assert "terrain_layer" not in [layer.name for layer in bare.model.layers]
+    http.put(address, json={"log": None})
+    host.enqueue({"type": "costmap", "value": False})
+
+
 def test_a_log_is_localized_in_map_files(service: Service, session: str, files: Path, drive: ScanLog) -> None:
     http, address = service.http, f"/api/sessions/{session}/localization"
     assert http.get(f"{address}/map").json() == {"map": None}

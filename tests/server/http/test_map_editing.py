@@ -28,7 +28,7 @@ from tests.server.service import Service, once_read, running, settings_for, unti
 
 
 class Host:
-    """What a map needs of its host."""
+    """Interface of the host that a map uses."""
 
     def __init__(self, most: int = 1 << 24) -> None:
         self.most, self.yielded = most, 0

@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
 from mapper.simulation import WORLDS
-from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S
+from server.http.stream_connection import COMMAND_BURST, COMMANDS_PER_S, Allowance
 from tests.server.service import PATIENCE_S, Service, Watcher, until_closed
 from tests.server.view import view_of
 
@@ -278,6 +278,21 @@ async def test_a_flood_without_end_ends_the_connection(service: Service, monkeyp
             await socket.send('{"type":"ping","id":1}')
         await until_closed(socket)
         assert (socket.close_code, socket.close_reason) == (1008, "too many commands")
+
+
+def test_late_reading_is_no_rest_of_a_flood() -> None:
+    now = 0.0
+    allowance = Allowance(lambda: now)
+    while allowance.spend() == 0.0:
+        pass
+    for _ in range(50):
+        now += 0.3  # a busy service reads so late that some commands need no wait
+        for _ in range(40):
+            allowance.spend()
+            assert not allowance.has_rested
+    now += 60.0
+    allowance.spend()
+    assert allowance.has_rested
 
 
 async def test_the_subprotocol_is_required(service: Service) -> None:

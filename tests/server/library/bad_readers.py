@@ -90,7 +90,7 @@ def defect(*job: Any) -> LogSummary:
 
 
 def disk_full(*job: Any) -> LogSummary:
-    """What is read cannot be kept: no file may be larger than a hundred bytes."""
+    """The result cannot be kept: no file may be larger than a hundred bytes."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     try:
         return _with(lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, hard)), job)

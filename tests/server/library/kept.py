@@ -1,4 +1,4 @@
-"""What tests check of a library: its files, and a log's record after reading."""
+"""Helpers of tests of a library: its files, and a log's record after reading."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ SUMMARY = json.loads(
 
 
 def keep(root: Path, log_id: str, owner: str, data: bytes, **more: Any) -> None:
-    """What version 0.1.0 kept of an upload."""
+    """Files that version 0.1.0 kept of an upload."""
     for folder in ("blobs", "packs", "records", "incoming"):
         (root / folder).mkdir(parents=True, exist_ok=True)
     record: dict[str, Any] = {"id": log_id, "owner": owner, "name": "run.log", "source": "upload", "state": "ready"}

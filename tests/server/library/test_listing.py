@@ -1,4 +1,4 @@
-"""Which logs are listed, and in what order; tags; the pictures of their maps."""
+"""Selection and order of listed logs; tags; the pictures of their maps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the worker process does with logs that SLAM can and cannot use, with SLAM itself."""
+"""The worker process on logs that SLAM can and cannot use, with SLAM itself."""
 
 from __future__ import annotations
 

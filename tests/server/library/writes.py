@@ -25,7 +25,7 @@ from tests.server.library.small_logs import in_pieces
 
 
 class Writes:
-    """How many writes there may be before ``then``, which happens at every one from there on."""
+    """Counter of writes: ``then`` happens at every write after a number of them."""
 
     def __init__(self, then: Callable[[], object]) -> None:
         self.left: float = float("inf")

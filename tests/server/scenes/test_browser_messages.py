@@ -1,4 +1,4 @@
-"""Which messages of a browser pass the proxy to viser."""
+"""Messages of a browser that pass the proxy to viser."""
 
 from __future__ import annotations
 

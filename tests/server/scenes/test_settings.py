@@ -14,7 +14,7 @@ from tests.server.scenes.viser_client import Client, viser_client
 
 
 def cameras_set(client: Client) -> list[Any]:
-    """Where the camera was moved; the scene's initial camera, which may come after the map, moves nobody."""
+    """Places where the camera was moved; the scene's initial camera, which may come after the map, moves nobody."""
     messages = client.of_type("SetCameraPositionMessage")
     return [message["position"] for message in messages if not message["initial"]]
 

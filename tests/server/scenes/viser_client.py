@@ -84,7 +84,7 @@ class Client:
         self.seen, self.received = [], 0
 
     def of_type(self, kind: str) -> list[dict[str, Any]]:
-        """What was seen of this type of message."""
+        """Messages of this type that were seen."""
         return [message for message in self.seen if message["type"] == kind]
 
     async def control(self, label: str) -> dict[str, Any]:

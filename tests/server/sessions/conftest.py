@@ -37,7 +37,7 @@ def registry(make_registry: Callable[..., SessionRegistry]) -> SessionRegistry:
 
 @pytest.fixture
 def one_tick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is asked of a session at once is carried out in one tick, however slow the machine is."""
+    """Commands sent to a session together are carried out in one tick, however slow the machine is."""
     monkeypatch.setattr("server.sessions.computation.COMMANDS_S", float("inf"))
 
 

@@ -1,4 +1,4 @@
-"""What the lab computes for long ends when it is cancelled, and leaves everything as it was."""
+"""Long computations of the lab end when they are cancelled, and leave everything as it was."""
 
 from __future__ import annotations
 

@@ -369,3 +369,28 @@ async def test_the_potential_is_written_only_while_it_is_watched(registry: Sessi
     assert layer.picture.newest == first
     session.leave(client)
     assert not any(one.is_watched for one in session.hub.layers)
+
+
+async def test_a_story_holds_what_a_loaded_yaml_has_besides(lab: Lab) -> None:
+    """Also of a layer that is off now, and values of the follower that no slider has."""
+    lab.do(type="costmap")
+    assert [one["type"] for one in lab.model._navigation.commands()] == ["costmap"]
+    lab.do(type="nav2")
+    text = lab.answers[0]["text"].replace("rotate_to_heading_angular_vel: 1.8", "rotate_to_heading_angular_vel: 0.9")
+    text = text.replace("track_unknown", "update_frequency: 3.5\n      track_unknown").replace("/scan", "/front")
+    lab.do(type="nav2", text=text)
+    lab.do(type="costmap", values={"obstacle_layer": False, "inflation_radius": 0.8})
+    lab.do(type="goal", x=BEYOND[0], y=BEYOND[1])
+    commands = lab.model._navigation.commands()
+    lab.do(type="costmap", value=False)
+    lab.model.resume({"navigation": commands})
+    lab.model.draw(TickResult())
+    assert lab.model._navigation.commands() == commands
+    assert (lab.costmap["values"]["obstacle_layer"], lab.costmap["values"]["inflation_radius"]) == (False, 0.8)
+    assert lab.path["goal"] == [BEYOND[0], BEYOND[1]]
+    lab.do(type="costmap", values={"obstacle_layer": True})
+    lab.do(type="nav2")
+    found = parse_nav2_costmap(lab.answers[0]["text"].encode())
+    assert found.others[("update_frequency",)] == 3.5
+    assert found.others["obstacle_layer", "scan", "topic"] == "/front"
+    assert parse_nav2_path(lab.answers[0]["text"].encode()).pursuit.rotate_to_heading_angular_vel == 0.9

@@ -16,6 +16,7 @@ from server.sessions import SessionRegistry
 from server.sessions.models import log_navigation
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.log import LogModel
+from server.sessions.models.terrain_map import TerrainMap
 from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
 from tests.server.begin import new_log
@@ -150,7 +151,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     values = np.random.default_rng(5).choice(np.array([0, 100, -1, 50], np.int8), geometry.shape)
     only = STATIC_ONLY | {"static_layer": False, "inflation_layer": False, "terrain_layer": True}
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
-    log.do(type="use_terrain", map=GivenMap("slopes.yaml", geometry, values))
+    log.do(type="use_terrain", terrain=TerrainMap("slopes", GivenMap("slopes.yaml", geometry, values)))
     log.do(type="costmap", values=only | {"track_unknown_space": True})
     assert log.notices == []
     own = log.model.grid.geometry
@@ -167,9 +168,11 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     log.do(type="costmap", value=False)
     log.do(type="costmap", values=only)
     assert (log.costs == 254).any()
-    log.do(type="use_terrain", map=GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values))
+    assert log.model.navigation.commands()[-1] == {"type": "use_terrain", "log": "slopes"}
+    far = GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
+    log.do(type="use_terrain", terrain=TerrainMap("far", far))
     assert log.notices == ["terrain.elsewhere"]
-    log.do(type="use_terrain", map=None)
+    log.do(type="use_terrain", terrain=None)
     assert not (log.costs == 254).any()
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
 

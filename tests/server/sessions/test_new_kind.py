@@ -128,7 +128,7 @@ async def test_its_surface_is_drawn_in_3d(waves: Service) -> None:
 
 
 def sent() -> list[dict[str, str]]:
-    """What a session with a wavelength of 4 m sends of both layers at its start: texts, and binary frames as hex."""
+    """Messages of both layers of a session with a wavelength of 4 m at its start: texts, and binary frames as hex."""
     model = WavesModel(4.0)
     hub = Hub(model.layers, clock=lambda: 0.0)
     client = hub.join()

@@ -1,4 +1,4 @@
-"""What a session does not compute for its clients, and how many commands of theirs it takes."""
+"""Computations that a session leaves out for stalled clients, and the number of commands it takes of a client."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import pytest
 from mapper.core.limits import Limits
 from mapper.simulation.live_map import LiveMap, world_named
 from server.sessions.command_queue import MAX_QUEUED, MAX_QUEUED_OF_FOLLOWERS
-from server.sessions.host import MAX_TICK_S, SessionHost
+from server.sessions.host import SessionHost
 from server.sessions.models.simulation import SimulationModel
+from server.sessions.tick_pace import MAX_TICK_S
 from server.stream.hub import STALLED_S
 from server.stream.protocol import ProtocolError
 from server.work.scheduler import JobOwner, Scheduler

@@ -143,7 +143,7 @@ async def test_a_story_that_would_take_too_long_is_refused_before_it_begins(
 
 
 def test_the_story_of_a_long_simulation_can_be_opened() -> None:
-    """What the service tells, the service takes: where the whole story is too costly, it tells where things stand."""
+    """The service opens the stories that it writes: where the whole is too costly, that is the present state."""
     mapper = LiveMap(WORLDS["room"], 3)
     for i in range(20):
         mapper.journal.append((i, {"type": "edit", "added": [BOX], "erased": []}))

@@ -1,4 +1,4 @@
-"""What is generated from the messages is up to date, and outdated files are named."""
+"""Files generated from the messages are up to date, and outdated ones are named."""
 
 from __future__ import annotations
 

@@ -8,126 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.grid import CellBox, GridGeometry, OccupancyGrid
-from mapper.mapping.parameters import MappingConfig
-from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client, Hub
-from server.stream.layers import GridLayer
+from mapper.grid import CellBox
+from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client
 from server.stream.protocol import ProtocolError
-from server.stream.tiles import TilePicture
-
-ROWS, COLS = 64 * 4, 64 * 5
-TICK_S = 1.0 / 30.0
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-class Source:
-    """A grid that is changed at will, and its hub."""
-
-    def __init__(self, rows: int = ROWS, cols: int = COLS) -> None:
-        self.clock = Clock()
-        self.config = MappingConfig()  # whose clamp is -2 … 3.5
-        self.layer = GridLayer("map", "Map")
-        self.begin(rows, cols)
-        self.hub = Hub([self.layer], self.clock)
-
-    def begin(self, rows: int, cols: int) -> None:
-        self.grid = OccupancyGrid(GridGeometry(0.1, rows, cols))
-        self.layer.update(self.grid, self.config, None, whole=True)
-
-    def new_epoch(self, rows: int, cols: int) -> None:
-        self.begin(rows, cols)
-        self.publish()
-
-    @property
-    def epoch(self) -> int:
-        return self.layer.epoch
-
-    @property
-    def picture(self) -> TilePicture:
-        assert self.layer.picture is not None
-        return self.layer.picture
-
-    def paint(self, row: int, col: int, value: float) -> None:
-        row, col = row % self.grid.geometry.rows, col % self.grid.geometry.cols
-        self.grid.log_odds[row, col] = value
-        self.grid.observed[row, col] = True
-        self.layer.update(self.grid, self.config, CellBox(row, row + 1, col, col + 1), whole=False)
-
-    def publish(self, *, settled: bool = False) -> None:
-        self.hub.publish({"index": self.hub.frame_number}, {"scan": self.hub.frame_number}, (0.0, 0.0), settled=settled)
-
-
-class Browser:
-    """The other end: applies frames as the protocol says, on its own arithmetic."""
-
-    def __init__(self, source: Source) -> None:
-        self.source = source
-        self.client = source.hub.join()
-        self.epoch = 0
-        self.cells = np.zeros((0, 0), dtype=np.int8)
-        self.seq = 0
-        self.kept: tuple[int, int] | None = None  #: (epoch, revision) of the newest complete picture
-        self.times: list[float] = []
-        self.order: list[tuple[int, int]] = []
-
-    def read(self) -> int:
-        """Take what is sent; return the number of messages."""
-        messages = self.client.take()
-        for message in messages:
-            if isinstance(message, bytes):
-                self._apply(message)
-            else:
-                self._hear(json.loads(message))
-        return len(messages)
-
-    def _hear(self, message: dict[str, Any]) -> None:
-        if message["type"] == "geometry" and message["epoch"] != self.epoch:
-            self.epoch = message["epoch"]
-            self.cells = np.full((message["rows"], message["cols"]), -128, dtype=np.int8)
-        if message["type"] == "frame":
-            self.times.append(message["t"])
-
-    def _apply(self, frame: bytes) -> None:
-        kind, flags, layer, epoch, seq, count = struct.unpack_from("<BBHIII", frame)
-        assert (kind, layer) == (1, 1)
-        assert seq == self.seq + 1
-        assert epoch == self.epoch
-        at, self.seq = 16, seq
-        for _ in range(count):
-            tx, ty, revision, nbytes = struct.unpack_from("<hhII", frame, at)
-            at += 12
-            tile = np.frombuffer(zstandard.decompress(frame[at : at + nbytes]), dtype=np.int8).reshape(64, 64)
-            at += nbytes
-            into = self.cells[64 * ty : 64 * ty + 64, 64 * tx : 64 * tx + 64]
-            into[:] = tile[: into.shape[0], : into.shape[1]]
-            self.order.append((ty, tx))
-            self.newest = max(getattr(self, "newest", 0), revision)
-        assert at == len(frame)
-        if flags & 1:
-            self.kept = (epoch, getattr(self, "newest", 0))
-
-    def acknowledge(self) -> None:
-        self.client.acknowledge(self.seq)
-
-    def reconnect(self) -> None:
-        """Lose the connection, with all that is on its way, and say what was kept."""
-        self.source.hub.leave(self.client)
-        self.client = self.source.hub.join()
-        self.seq = 0
-        if self.kept is not None and self.kept[0] == self.epoch:
-            self.client.resume("map", *self.kept)
-
+from tests.server.stream.simulated_browser import COLS, ROWS, TICK_S, Browser, Source
 
 ACTIONS = st.lists(
     st.one_of(

@@ -16,7 +16,7 @@ from mapper.grid import GridGeometry
 from server.stream.codecs import GRAPH, TABLE, TILES, decode_frame
 from server.stream.hub import MIN_BATCH_BYTES, Hub
 from server.stream.layers import GraphLayer, GridLayer, Layer, TableLayer
-from tests.server.stream.test_hub import Clock
+from tests.server.stream.simulated_browser import Clock
 
 SHAPE = (128, 192)
 GEOMETRY = GridGeometry(0.1, *SHAPE)

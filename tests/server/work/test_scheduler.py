@@ -99,6 +99,32 @@ def test_a_turn_is_yielded_only_after_a_slice_and_only_if_a_job_waits() -> None:
     assert not simulated.scheduler.should_yield(simulated.turns["second"])
 
 
+@pytest.mark.parametrize("address", ["here", "there"])
+def test_of_two_turns_of_an_owner_one_is_yielded_within_its_slice(address: str) -> None:
+    """A user who has no turn does not wait for the end of a slice while another one has both."""
+    simulated = Simulated(2)
+    for n in range(3):
+        simulated.request(f"ann {n}", "ann", interactive=True)
+    short = SLICE_S / 4.0
+    assert set(simulated.slices(2, short)) == {"ann 0", "ann 1"}
+    assert set(simulated.running()) == {"ann 0", "ann 1"}  # the third one of the same owner waits for the slice
+    simulated.request("bob", "bob", address, interactive=True)
+    simulated.slices(1, short)
+    assert len(running := simulated.running()) == 2
+    assert "bob" in running
+    simulated.slices(4, short)
+    assert simulated.running() == running  # each has one: both keep it
+
+
+def test_a_turn_is_not_yielded_within_its_slice_to_a_job_that_no_user_waits_for() -> None:
+    simulated = Simulated(2)
+    for n in range(2):
+        simulated.request(f"ann {n}", "ann", interactive=True)
+    simulated.request("bob", "bob", "there")
+    simulated.slices(2, SLICE_S / 4.0)
+    assert set(simulated.running()) == {"ann 0", "ann 1"}
+
+
 def test_interactive_jobs_precede_others() -> None:
     simulated = Simulated(2)
     for n in range(3):

@@ -1,4 +1,4 @@
-"""Which store of logs the records belong to."""
+"""The store of logs that the records belong to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How often the reading of a log was begun, so that a log whose reading ends the service is not read for ever."""
+"""Number of times that the reading of a log was begun: a log that ends the service is not read without end."""
 
 from __future__ import annotations
 

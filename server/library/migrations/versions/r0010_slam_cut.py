@@ -1,4 +1,4 @@
-"""How the scans of SLAM jobs were cut out of clouds and depth images."""
+"""Options by which the scans of SLAM jobs were cut out of clouds and depth images."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ export function Cell({ parameters, events: given }: CellProps) {
           <span>{state}</span>
         </output>
       </div>
-      <div class="cell-buttons">
+      <div class="actions cell-buttons">
         <Button onClick={() => update("hit")}>
           <span class="noun-hit">hit {signed(model.hit)}</span>
         </Button>
@@ -119,7 +119,7 @@ export function Cell({ parameters, events: given }: CellProps) {
           );
         }}
       </Plot>
-      <figcaption class="quiet">
+      <figcaption>
         ℓ = {written(value, 2)} · odds {written(Math.exp(value), 2)} : 1
         {until !== null &&
           until > 0 &&

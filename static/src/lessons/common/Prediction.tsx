@@ -122,7 +122,7 @@ export function Prediction({ text, axis, step, reveal }: PredictionProps) {
           </Button>
         )}
       </div>
-      <p class="quiet" role="status">
+      <p role="status">
         {result.value !== null && verdict(guess.value, result.value, step, told)}
         {hasFailed.value && "The result could not be loaded. Check the connection, and press the button again."}
         {awaits && "Answer in the line of the class; the lecturer shows the result."}

@@ -5,7 +5,7 @@ import { useSeen } from "./useSteps";
 
 /**
  * What a figure shows, where that takes long to compute, for example from a map. While the figure is out of sight it
- * keeps what it has, so that a handle that is dragged elsewhere does not wait for what nobody sees.
+ * keeps what it has, so that a handle that is dragged elsewhere does not wait for figures that are not visible.
  *
  * `current` reads the signals that the value depends on. It must be the same function in each render.
  */

@@ -76,7 +76,7 @@ export function Counting({ beams, scans }: CountingProps) {
                   </>
                 )}
               </Scene>
-              <p class="quiet number" aria-live="polite">
+              <p class="number" aria-live="polite">
                 {seen ? (
                   <>
                     Under the cross: ℓ = <b>{written(l, 2)}</b>, p = {written(probability(l), 2)}
@@ -107,7 +107,7 @@ export function Counting({ beams, scans }: CountingProps) {
           }}
         />
       </div>
-      <figcaption class="quiet number">
+      <figcaption class="number">
         One scan updates the cell under the cross, {written(distanceOf(cell), 2)} m from the sensor,{" "}
         <b>
           {touched} {touched === 1 ? "time" : "times"}

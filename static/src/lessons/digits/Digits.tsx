@@ -94,7 +94,7 @@ export function Digits({ readings }: { readings: Signal<Readings> }) {
           })}
         </tbody>
       </table>
-      <figcaption class="quiet">
+      <figcaption>
         One hit adds {signed(logOdds(pHit))}, one miss {signed(-logOdds(pHit))}. {summary(path.value)}
       </figcaption>
     </figure>

@@ -148,7 +148,7 @@ export function Forgetting({ seen, clamp }: ForgettingProps) {
           </>
         )}
       </div>
-      <figcaption class="quiet" aria-live={playing.value ? "off" : "polite"}>
+      <figcaption aria-live={playing.value ? "off" : "polite"}>
         {t === null ? (
           <>The table was seen in {scans(seen.value)}. How many scans does the map need to forget it?</>
         ) : (

@@ -59,7 +59,7 @@ export function Springs() {
   );
   const judged = useComputed(() => judge(poses.value, edges.value, kernel.value, scale.value));
 
-  // A graph that nobody holds goes to its rest in Gauss–Newton steps, a part of one in each frame.
+  // A graph that is not dragged goes to its minimum in Gauss–Newton steps, a part of one in each frame.
   useSignalEffect(() => {
     const { poses: target, weights } = rest.value;
     if (held.value || !seen.value) return;
@@ -141,7 +141,7 @@ export function Springs() {
           </>
         )}
       </Stage>
-      <p class="springs-key quiet">
+      <p class="legend">
         <SpringKey tone="fits">fits</SpringKey>
         <SpringKey tone="strained">off by {STRAINED} σ and more</SpringKey>
         <SpringKey tone="torn">by {TORN} σ and more</SpringKey>
@@ -184,7 +184,7 @@ export function Springs() {
         <Button onClick={reset}>Reset</Button>
       </div>
       <KernelPlot kernel={kernel.value} scale={scale.value} loops={loops} />
-      <figcaption class="quiet number">
+      <figcaption class="number">
         <b class="springs-error">Poses off by {written(errorOf(poses.value), 2)} m</b> (root mean square); Σ eᵀ Ω e ={" "}
         {written(energy, energy < 100 ? 1 : 0)}.
         {loops.map(({ name, residual, weight }) => (

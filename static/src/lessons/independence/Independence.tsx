@@ -64,7 +64,7 @@ export function Independence({ sensor }: IndependenceProps) {
           </tbody>
         </table>
       </div>
-      <figcaption class="quiet" aria-live="polite">
+      <figcaption aria-live="polite">
         <span>
           Probability that the arc is <b>empty</b> in spite of the echo: joint{" "}
           <b class="joint-number">{percent(now.joint.maps[0] ?? 0)}</b>, grid map{" "}

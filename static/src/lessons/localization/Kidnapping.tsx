@@ -32,7 +32,7 @@ export function Kidnapping() {
   return (
     <div class="kidnapping" ref={root}>
       <Averages past={past} />
-      <p class="kidnapping-key quiet">
+      <p class="legend">
         <Key tone="slow">w_slow</Key>
         <Key tone="fast">w_fast</Key>
         <Key tone="share">random particles</Key>
@@ -91,7 +91,7 @@ export function Kidnapping() {
           onInput={(value) => set({ particles: value })}
         />
       </div>
-      <p class="quiet number" aria-live={playing.value ? "off" : "polite"}>
+      <p class="number" aria-live={playing.value ? "off" : "polite"}>
         Scan {past.length}: w_slow {written(last?.slow ?? 0, 2)}, w_fast {written(last?.fast ?? 0, 2)}, so{" "}
         {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
       </p>

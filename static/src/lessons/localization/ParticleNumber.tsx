@@ -89,7 +89,7 @@ export function ParticleNumber() {
           );
         }}
       </Plot>
-      <figcaption class="quiet number" aria-live="polite">
+      <figcaption class="number" aria-live="polite">
         The {count} particles of the corridor lie in {bins} of {BINS} bins: n = {wanted} for ε = {written(error, 3)} and
         z = {written(z, 2)}.
       </figcaption>

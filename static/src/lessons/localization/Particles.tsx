@@ -148,7 +148,7 @@ export function Particles() {
           }}
         />
       </div>
-      <figcaption class="quiet" aria-live="polite">
+      <figcaption aria-live="polite">
         {
           {
             weighed: `The sensor says ${seesDoor(now.robot) ? "“door”" : "“wall”"}: each particle has the weight p(z | x). N_eff = ${written(effectiveNumber(w), 1)} of ${count}.`,

@@ -39,7 +39,7 @@ export function SensorModels() {
         <h3>Inverse: a reading is known, which cells are occupied?</h3>
         <InverseChart mix={mix.value} z={z} prior={prior.value} />
       </div>
-      <p class="inverse-key quiet">
+      <p class="legend">
         <Key tone="bayes">Bayes’ rule over all maps</Key>
         <Key tone="mapper">this mapper’s increments</Key>
         <Key tone="backwards">p(z | wall at s), read backwards</Key>
@@ -68,7 +68,7 @@ export function SensorModels() {
           Reset
         </Button>
       </div>
-      <figcaption class="quiet" aria-live="polite">
+      <figcaption aria-live="polite">
         <Verdict mix={mix.value} z={z.value} prior={prior.value} />
       </figcaption>
     </figure>
@@ -92,7 +92,7 @@ function Verdict({ mix, z, prior }: { mix: BeamMixture; z: number; prior: number
     <>
       Half way to the reading, at it, and behind it, Bayes’ rule adds {per(found, before)}, {per(found, at)} and{" "}
       {per(found, behind)}. Read backwards, the forward model gives {per(read, before)}, {per(read, at)} and{" "}
-      {per(read, behind)}: cells that were seen to be free and cells that nobody saw look alike.
+      {per(read, behind)}: cells that were seen to be free and cells that were never seen look alike.
     </>
   );
 }

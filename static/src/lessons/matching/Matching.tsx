@@ -155,7 +155,7 @@ export function Matching() {
               </>
             )}
           </Stage>
-          <p class="match-key quiet number">
+          <p class="match-key number">
             <span class="match-swatch found" /> true pose {percent(done > 0 ? found / done : 0)}{" "}
             <span class="match-swatch elsewhere" /> another
             {done < ends.length && ` (${percent(done / ends.length)} done)`}
@@ -207,7 +207,7 @@ export function Matching() {
         </Button>
         <Button onClick={restart}>Reset</Button>
       </div>
-      <figcaption class="quiet number" aria-live="polite">
+      <figcaption class="number" aria-live="polite">
         {isSnapped && <b>Snapped. </b>}
         {iterations.value > 0 && !correlative && `After ${iterations.value} iterations: `}
         <b class="match-error">

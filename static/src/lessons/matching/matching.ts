@@ -1,4 +1,4 @@
-/** What the figure does with two scans: a match by a method, its result, and the fields beneath. */
+/** What the figure does with two scans: a match by a method, its result, and the score fields. */
 
 import { wrapped } from "../../grid/angles";
 import { centreOf } from "../../grid/lattice";

@@ -77,7 +77,7 @@ export function Mount() {
         ))}
         <Toggle label="mounted upside down" checked={now.upsideDown} onChange={(upsideDown) => set({ upsideDown })} />
       </div>
-      <figcaption class="quiet number" aria-live="polite">
+      <figcaption class="number" aria-live="polite">
         Mount error: {signed(now.x)} m forward, {signed(now.y)} m to the left, {degrees(now.yaw)}
         {now.upsideDown && ", upside down"}. Of {walls} occupied cells,{" "}
         <b class={wrong > 0 ? "noun-hit" : ""}>{wrong === 0 ? "all lie on walls" : `${wrong} lie where no wall is`}</b>.

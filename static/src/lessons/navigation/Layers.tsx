@@ -68,7 +68,7 @@ export function Layers() {
       <div class="figure-controls no-print">
         <Slider
           label="Lifetime in the dynamic layer"
-          sentence="Obstacles that were not seen for longer are forgotten; somebody walked past in the last 9 seconds."
+          sentence="Obstacles that were not seen for longer are removed; a person walked past in the last 9 seconds."
           value={lifetime.value}
           initial={LIFETIME}
           low={0}
@@ -80,7 +80,7 @@ export function Layers() {
           }}
         />
       </div>
-      <p class="quiet">The numbers are the costs under the cross on the stage; 254 is lethal, 253 inscribed.</p>
+      <p>The numbers are the costs under the cross on the stage; 254 is lethal, 253 inscribed.</p>
     </div>
   );
 }

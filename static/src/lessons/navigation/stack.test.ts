@@ -54,7 +54,7 @@ describe("the path", () => {
 describe("the table that was taken away", () => {
   const detour = () => tablePlan.value.length - freePlan.value.length;
 
-  it("is driven round until its layer is cleared or has forgotten it, and for ever in the map", () => {
+  it("is driven round until its layer is cleared or has forgotten it, and permanently in the map", () => {
     expect(detour()).toBeGreaterThan(0.3);
     looked.value = [[4, 2.1, 0]];
     expect(remains.value.filter((cost) => cost === 254).length).toBeLessThan(8);

@@ -57,7 +57,7 @@ const goalAt = onPath(FIRST_GOAL);
 export const goal = computed(() => goalAt.value);
 
 const walks: Walk[] = [];
-/** The filter after so many scans of the third phase. */
+/** The filter after `index` scans of the third phase. */
 export function walkAt(index: number): Walk {
   walks[0] ??= scattered(CAREFUL, PARKED);
   while (walks.length <= index) walks.push(advance(walks.at(-1) as Walk, CAREFUL));

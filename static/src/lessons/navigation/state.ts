@@ -145,7 +145,7 @@ const marks = computed(() => {
   });
 });
 
-/** What the costmap still has of the table: in the map for ever, in a layer until it is cleared or forgotten. */
+/** What the costmap still has of the table: in the map permanently, in a layer until it is cleared or forgotten. */
 export const remains = computed(() => {
   const place = placeOfTable.value;
   if (place === "dynamic" && since.value > tableLifetime.value) return unknown();

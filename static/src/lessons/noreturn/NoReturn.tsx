@@ -43,7 +43,7 @@ export function NoReturn({ rangeMax }: { rangeMax: Signal<number> }) {
           }}
         />
       </div>
-      <figcaption class="quiet">
+      <figcaption>
         The dashed wall is glass: a beam that meets it has no return. Beams without a return are dotted.
       </figcaption>
     </figure>
@@ -80,7 +80,7 @@ function Panel({ policy, at, rangeMax }: { policy: Policy; at: Signal<Point>; ra
           </>
         )}
       </Scene>
-      <p class="quiet number" aria-live="polite">
+      <p class="number" aria-live="polite">
         <b class="noun-miss">{cellsOf(grid.value, "free").length}</b> cells free,{" "}
         <b class="noun-hit">{cellsOf(grid.value, "occupied").length}</b> occupied
         {wrong > 0 && `, ${wrong} of them where no wall is`}

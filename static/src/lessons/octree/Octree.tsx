@@ -73,7 +73,7 @@ export function Octree() {
           ))}
         </tbody>
       </table>
-      <p class="quiet">
+      <p>
         Counted for this floor with {BYTES.cell} bytes for a cell, {BYTES.leaf} for a leaf, {BYTES.inner} for an inner
         node with eight pointers, {BYTES.point} for a point of a drive with 16 rings.
       </p>

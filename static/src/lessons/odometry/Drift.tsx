@@ -92,7 +92,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
       <div class="figure-controls no-print">
         <Slider
           label="Error of the heading"
-          sentence="Standard deviation for each metre driven; independent errors add up as the root of the way."
+          sentence="Standard deviation for each metre driven; independent errors grow with the square root of the distance."
           value={Math.round((10 * turn) / DEGREE) / 10}
           initial={4}
           low={0}
@@ -102,7 +102,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
           onInput={(value) => set({ turn: value * DEGREE })}
         />
         <Slider
-          label="Error of the way"
+          label="Error of the distance"
           sentence="Standard deviation for each metre driven, in percent."
           value={Math.round(100 * way)}
           initial={5}
@@ -120,7 +120,7 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
           Reset
         </Button>
       </div>
-      <figcaption class="quiet number">
+      <figcaption class="number">
         Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. Poses off by{" "}
         <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
         {isDone ? (

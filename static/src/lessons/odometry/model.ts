@@ -63,7 +63,7 @@ const POINTS: readonly PointScan[] = LASER_SCANS.map((scan) => {
 const NORMALS = { halfWidth: 2, reach: 0.3, most: 6, leastGap: 0.25, maxThickness: 0.03 };
 const SURFACES: readonly SurfaceScan[] = POINTS.map((scan) => withNormals(scan, NORMALS));
 
-/** Standard deviations of the odometry's error for each metre driven: of the way as a share, of the heading radians. */
+/** Standard deviations of the odometry's error for each metre driven: of the distance as a share, of the heading in radians. */
 export interface Noise {
   readonly way: number;
   readonly turn: number;
@@ -79,7 +79,7 @@ const DRAWS: readonly (readonly Point[])[] = Array.from({ length: RUNS }, (_, ru
   return MOTIONS.map((): Point => [normal(random), normal(random)]);
 });
 
-/** The motions that the odometry measures in a run. Independent errors of the steps add up as the root of the way. */
+/** The motions that the odometry measures in a run. Independent errors of the steps grow with the square root of the distance. */
 function measured({ way, turn }: Noise, run: number): readonly Pose[] {
   return MOTIONS.map(([x, y, angle], k) => {
     const [a, b] = DRAWS[run]?.[k] ?? [0, 0];

@@ -120,7 +120,7 @@ export function Pipeline() {
                   {...(i === at ? { "aria-current": "step" as const } : {})}
                 >
                   <b>{name}</b>
-                  <span class="quiet">{formula}</span>
+                  <span class="pipeline-formula">{formula}</span>
                   <output class="number">{value}</output>
                 </li>
               ))}

@@ -28,7 +28,7 @@ export function Terminal() {
           kind.value = value;
         }}
       />
-      <p class="quiet">
+      <p>
         {isDensity
           ? "By probability: # from 0.9, o from 0.7, + from 0.55, a space from 0.45, − from 0.3, and . below."
           : "By log-odds: # above +0.5, . below −0.5, ? between them."}

@@ -112,7 +112,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
           );
         }}
       </Plot>
-      <p class="probable-key quiet">
+      <p class="legend">
         <span>
           <span class="probable-swatch fits" /> the scan fits the map
         </span>
@@ -157,7 +157,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
           onInput={(reading) => set({ reading })}
         />
       </div>
-      <figcaption class="quiet number" aria-live="polite">
+      <figcaption class="number" aria-live="polite">
         The odometry (diamond) says {written(says.value, 2)} m, most probable (disc) is <b>{written(best, 2)} m</b>,
         true (ring) {written(truth, 2)} m: <b class="probable-error">{written(100 * error, 0)} cm off</b>.
       </figcaption>

@@ -134,7 +134,7 @@ export function Program() {
             }}
           />
         </div>
-        <output class="quiet number" aria-live={playing.value ? "off" : "polite"}>
+        <output class="number" aria-live={playing.value ? "off" : "polite"}>
           line {now + 1} of {run.steps.length}, {here.done} updates
         </output>
       </div>

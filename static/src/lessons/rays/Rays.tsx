@@ -115,7 +115,7 @@ export function Rays() {
         <Toggle label="fix 2: swap steep axes" checked={fixes.value.steep} onChange={fix("steep")} />
         <ToggleOf label="exact traversal" signal={exact} />
       </div>
-      <figcaption class="quiet" aria-live="polite">
+      <figcaption aria-live="polite">
         <Words
           line={line.value}
           at={at}

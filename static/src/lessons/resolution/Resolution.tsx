@@ -56,7 +56,7 @@ export function Resolution() {
           }}
         />
       </div>
-      <figcaption class="quiet">
+      <figcaption>
         {SCANS} scans of 240 beams. Memory: log-odds of 4 bytes for each cell of the whole floor. Time: the update by
         the program of the lecture, in this browser.
       </figcaption>
@@ -70,7 +70,7 @@ function Panel({ side, made: now }: { readonly side: number; readonly made: Made
     <div>
       <h3>{Math.round(100 * side)} cm</h3>
       {now ? <Picture side={side} made={now} /> : <p class="resolution-awaited">Making the map …</p>}
-      <p class="quiet number">
+      <p class="number">
         {cells.toLocaleString("en")} cells, <b>{bytes(size)}</b>
         <br />
         {now ? (

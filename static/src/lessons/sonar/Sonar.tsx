@@ -117,7 +117,7 @@ export function Sonar({ settings }: { settings: Signal<SonarSettings> }) {
                 </>
               )}
             </Scene>
-            <p class="quiet number" aria-live="polite">
+            <p class="number" aria-live="polite">
               Under the cross: <b>{text}</b>
             </p>
           </div>

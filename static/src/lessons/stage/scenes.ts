@@ -44,8 +44,8 @@ function cellInWords({ map, index }: Shown): string {
 
 const WALL_WORDS = {
   thin: "The wall is thin and whole",
-  torn: "The wall is torn: beams that measured too much erase the hits of others",
-  fat: "The wall is fat: the window marks cells that are free",
+  broken: "The wall is broken: beams that measured too much erase the hits of others",
+  thick: "The wall is thick: the window marks cells that are free",
 } as const;
 
 const POLICY_WORDS = {
@@ -119,8 +119,8 @@ export const SCENES = {
       conditions: { noise: wallNoise.value, beams: 120 },
       config: { window: wallWindow.value },
       caption: (now) => {
-        const { look, thickness, torn } = lookOfWall(now.map);
-        return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * torn)} % of it with holes or jumps. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
+        const { look, thickness, broken } = lookOfWall(now.map);
+        return `${WALL_WORDS[look]}: ${written(thickness, 1)} cells of 5 cm thick, ${Math.round(100 * broken)} % of it with holes or jumps. Noise σ = ${written(wallNoise.value, 2)} m, window ${written(wallWindow.value, 2)} m.`;
       },
     }),
   "no-return": () =>
@@ -166,7 +166,7 @@ export const SCENES = {
       scans: 30,
       marks: ["beams"],
       caption:
-        "The loops turned around: beam by beam, along its cells. The map after the 30 scans of the drive so far.",
+        "The loops exchanged: beam by beam, over the cells of each. The map after the 30 scans of the drive so far.",
     }),
   pipeline: () =>
     scene({

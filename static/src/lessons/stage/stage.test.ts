@@ -89,15 +89,15 @@ describe("the loop of table 9.1", () => {
 });
 
 describe("the noisy wall", () => {
-  it("is torn without a window, thin with one of three cells, fat with a wide one", () => {
+  it("is broken without a window, thin with one of three cells, thick with a wide one", () => {
     const look = (sigma: number, window: number) => {
       wallNoise.value = sigma;
       wallWindow.value = window;
       return lookOfWall(nowOf(SCENES.window()).map);
     };
-    expect(look(0.05, 0).look).toBe("torn");
+    expect(look(0.05, 0).look).toBe("broken");
     expect(look(0.05, 0.15).look).toBe("thin");
-    expect(look(0.05, 0.5).look).toBe("fat");
+    expect(look(0.05, 0.5).look).toBe("thick");
     expect(look(0.01, 0)).toMatchObject({ look: "thin" });
     backToPath();
   });

@@ -54,7 +54,7 @@ export function Thresholds() {
           />
         )}
       </Plot>
-      <p class="quiet number" aria-live="polite">
+      <p class="number" aria-live="polite">
         <b class="noun-miss">{written3.free} free</b>, <b class="noun-prior">{written3.unknown} unknown</b>,{" "}
         <b class="noun-hit">{written3.occupied} occupied</b> cells are written. The reader gets {read.free} free,{" "}
         {read.unknown} unknown, {read.occupied} occupied.

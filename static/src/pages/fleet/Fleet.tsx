@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon } from "../../ui/Icon";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
 import { type Counts, chosen, ORDERS, type Order, SHOWN, type Shown } from "./fleetLogs";
@@ -53,7 +54,7 @@ export function Fleet() {
           <Work all={all} />
           <search class="finder">
             <input
-              class="finder-words"
+              class="field-text finder-words"
               type="search"
               placeholder="Search name, finding, reason"
               aria-label="Search logs"
@@ -77,7 +78,7 @@ export function Fleet() {
               {words !== "" || shown !== "all" ? `${plural(found.length, "log")} found` : ""}
             </span>
           </search>
-          <ul class="fleet-wall">
+          <ul class="cards">
             {found.slice(0, limit).map((log) => (
               <FleetCard key={log.id} log={log} />
             ))}
@@ -115,16 +116,7 @@ function Work({ all }: { all: Counts }) {
           </>
         )}
       </p>
-      <div
-        class="progress wide"
-        role="progressbar"
-        aria-label="Logs done"
-        aria-valuenow={ended}
-        aria-valuemin={0}
-        aria-valuemax={total}
-      >
-        <span style={{ transform: `scaleX(${ended / Math.max(1, total)})` }} />
-      </div>
+      <ProgressBar fraction={ended / Math.max(1, total)} label="Logs done" />
       <div class="actions">
         {!busy && all.none > 0 && (
           <Button kind="primary" icon="play" onClick={() => quietly(mapAll(false))}>

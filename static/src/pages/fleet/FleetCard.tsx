@@ -1,5 +1,6 @@
 import { Icon } from "../../ui/Icon";
-import { isDark } from "../../ui/theme";
+import { ProgressBar } from "../../ui/ProgressBar";
+import { LogPicture } from "../logs/LogPicture";
 import type { Facts, FleetLog } from "./fleetLogs";
 
 const metres = (cells: number, resolution: number): string => `${Math.max(1, Math.round(cells * resolution))}`;
@@ -7,40 +8,23 @@ const metres = (cells: number, resolution: number): string => `${Math.max(1, Mat
 /** One log: its map, or why there is none. */
 export function FleetCard({ log }: { log: FleetLog }) {
   return (
-    <li class={`fleet-card ${log.state}`}>
+    <li class={`card fleet-card ${log.state}`}>
       {log.state === "failed" ? null : <Picture log={log} />}
-      <div class="fleet-text">
-        <h2>
-          <a href={`/logs.html?log=${encodeURIComponent(log.id)}`}>{log.name}</a>
-        </h2>
-        {log.facts ? <About facts={log.facts} /> : <State log={log} />}
-      </div>
+      <h2>
+        <a href={`/logs.html?log=${encodeURIComponent(log.id)}`}>{log.name}</a>
+      </h2>
+      {log.facts ? <About facts={log.facts} /> : <State log={log} />}
     </li>
   );
 }
 
 function Picture({ log }: { log: FleetLog }) {
-  if (log.facts?.picture) {
-    const address = `/api/logs/${encodeURIComponent(log.id)}/map.png?dark=${isDark.value}`;
-    return (
-      <div class="fleet-picture">
-        <img src={address} alt={`Map of ${log.name}`} loading="lazy" />
-      </div>
-    );
-  }
   return (
-    <div class="fleet-picture">
-      <Icon name="map" />
+    <LogPicture id={log.id} hasPicture={log.facts?.picture ?? false} isAwaited={false} alt={`Map of ${log.name}`}>
       {log.state === "running" && (
-        <div
-          class={`progress${log.fraction > 0 ? "" : " waiting"}`}
-          role="progressbar"
-          aria-label={`Mapping ${log.name}`}
-        >
-          <span {...(log.fraction > 0 ? { style: { transform: `scaleX(${log.fraction})` } } : {})} />
-        </div>
+        <ProgressBar fraction={log.fraction > 0 ? log.fraction : null} label={`Mapping ${log.name}`} />
       )}
-    </div>
+    </LogPicture>
   );
 }
 
@@ -81,7 +65,7 @@ const STATES = { none: "Not mapped yet", queued: "Waits", running: "Being mapped
 function State({ log }: { log: FleetLog }) {
   if (log.error) {
     return (
-      <p class="fleet-error">
+      <p class="card-error">
         <Icon name="warning" /> <span>{log.error.message}</span>
       </p>
     );

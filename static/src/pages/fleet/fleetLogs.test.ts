@@ -52,7 +52,7 @@ test("by name each log keeps its place; otherwise those without a map come last"
   expect(names(chosen(LOGS, "", "all", "findings"))).toEqual(["run 9", "run 2", "yard", "run 1", "run 10"]);
 });
 
-test("logs are found by words of name, finding and reason, and by what came of them", () => {
+test("logs are found by words of name, finding and reason, and by result", () => {
   expect(names(chosen(LOGS, "TURNED run", "all", "name"))).toEqual(["run 9"]);
   expect(names(chosen(LOGS, "no scans", "all", "name"))).toEqual(["yard"]);
   expect(names(chosen(LOGS, "", "failed", "name"))).toEqual(["yard"]);

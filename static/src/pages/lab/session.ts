@@ -36,8 +36,8 @@ export async function openSession(isPaused = false): Promise<Opened> {
     }
     if (answer.status !== 404) throw new Error(`The server answered ${answer.status}; the page tries again by itself.`);
     notice = shown
-      ? "That session had ended because nobody was watching it. Its world was restored."
-      : "That session has ended because nobody was watching it. This is a new world.";
+      ? "That session had ended because it had no viewers. Its world was restored."
+      : "That session has ended because it had no viewers. This is a new world.";
   }
   if (shown) {
     try {

@@ -21,7 +21,7 @@ export function AlgorithmSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        The same algorithm with the loops turned around: for each beam, along the cells that it crosses. It combines the
+        The same algorithm with its loops exchanged: for each beam, over the cells that it crosses. It combines the
         previous sections: which cells a beam crosses, what evidence it gives for each of them, and how a cell adds up
         the evidence. The program below is part of the mapper’s reference implementation in plain Python: five functions
         without their docstrings, copied from the source file when this page was built. The current line is highlighted.

@@ -137,7 +137,7 @@ function Derivation() {
         why={
           <>
             The same for the free cell ¬m; then divide one by the other. The factors that are hard to know cancel. What
-            remains: what the new reading says, times what was known before, divided by the odds of the prior.
+            remains: the odds from the new reading, times the odds before it, divided by the odds of the prior.
           </>
         }
       >

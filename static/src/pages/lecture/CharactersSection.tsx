@@ -16,9 +16,9 @@ export function CharactersSection({ id, number, title }: SectionHead) {
       sources={[]}
     >
       <p>
-        A map needs no graphics to be looked at: in a terminal each cell is one character. Either there are three{" "}
-        <b>states</b>: more likely occupied than the prior, less likely, or undecided, with a margin of 0.5 in the
-        log-odds; or six steps of <b>density</b>, in which more ink stands for a higher probability.
+        A map can be printed in a terminal, one character for each cell. There are either three <b>states</b>: more
+        likely occupied than the prior, less likely, or undecided, with a margin of 0.5 in the log-odds; or six steps of{" "}
+        <b>density</b>, in which a darker character means a higher probability.
       </p>
     </Section>
   );

@@ -62,8 +62,8 @@ export function GridSection({ id, number, title }: SectionHead) {
       <p>
         The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. Later sections
         return to the first two assumptions; this figure shows what is lost with the third. Walls are not random: next
-        to an occupied cell there is often another one. Independence is a convenience. It gives up the connectivity of
-        space, and makes the update of each cell a small computation of its own.
+        to an occupied cell there is often another one. The assumption is a simplification: it ignores that walls are
+        connected, and lets each cell be updated on its own.
       </p>
       <p>
         A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior

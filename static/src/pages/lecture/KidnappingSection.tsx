@@ -46,8 +46,8 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
         Once the particles have converged, they cannot find a robot that is somewhere else: resampling draws only from
         poses that are already there. The <b>kidnapped robot problem</b> tests this: the robot is carried away without
         being told. From a slow and a fast average of the weights, <b>augmented MCL</b> detects that the scans fit worse
-        than before, and replaces a share of the particles by random poses. Sooner or later one of them is near the
-        robot, and the particles gather there. Press “Drive on”, and kidnap the robot again.
+        than before, and replaces a share of the particles by random poses. Once one of them is near the robot,
+        resampling concentrates the particles there. Press “Drive on”, and kidnap the robot again.
       </p>
     </Section>
   );

@@ -26,11 +26,11 @@ export function LayersSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        A map says what is there; a planner needs what it <b>costs</b> to be there. Nav2’s costmap has one number for
-        each cell: 0 is free, 254 is lethal, 253 means a collision at any heading, 255 is unknown. It is made of{" "}
-        <b>layers</b>, applied one after the other: each combines its costs with those below, and the greater cost
-        counts. The saved map is only the first. Drag the crate into the robot’s view, switch layers off, and read with
-        the cross what each says.
+        A map states what is occupied; a planner needs the <b>cost</b> of driving through each cell. Nav2’s costmap has
+        one number for each cell: 0 is free, 254 is lethal, 253 means a collision at any heading, 255 is unknown. It is
+        made of <b>layers</b>, applied one after the other: each combines its costs with those below, and the greater
+        cost counts. The saved map is only the first. Drag the crate into the robot’s view, switch layers off, and read
+        with the cross what each says.
       </p>
     </Section>
   );

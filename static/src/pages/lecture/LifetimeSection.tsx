@@ -26,8 +26,8 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
       <p>
         The table of <SectionLink to="forgetting" /> has been removed, and the path still goes around it. Only a beam
         clears an obstacle, and a robot that plans around it may never look there. Which layer keeps the table? In the{" "}
-        <b>saved map</b> it stays for ever. In the <b>obstacle layer</b> it stays until a beam passes through it: drag
-        the robot towards it. With a <b>lifetime</b> it is removed after a set time.
+        <b>saved map</b> it stays permanently. In the <b>obstacle layer</b> it stays until a beam passes through it:
+        drag the robot towards it. With a <b>lifetime</b> it is removed after a set time.
       </p>
     </Section>
   );

@@ -28,7 +28,7 @@ function YourLog() {
           <b>Drop a log here.</b> Its map opens and fills in.
         </p>
       </Dropzone>
-      <p class="quiet" role="status">
+      <p role="status">
         {sending.map(({ key, name, bytes: size, sent, error }) => (
           <span key={key} class={failed ? "noun-hit" : ""}>
             {name}: {error ?? `${bytes(sent)} of ${bytes(size)} sent`}{" "}

@@ -20,7 +20,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The <b class="noun-beam">colour</b> beneath the scans is the score of every position at the present heading:
+            The <b class="noun-beam">colour</b> under the scans is the score of every position at the present heading:
             the nearer the end points lie to those of the other scan, the higher. The segments join each point to the
             nearest one. <b>Point to point</b> makes the segments short; <b>point to line</b> makes only their part
             across the wall short, and so lets a scan slide along a wall. Both need a start in the{" "}
@@ -29,7 +29,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             In the corridor the motion along the walls is not determined: any pose there fits. In the symmetric room two
-            poses fit equally, and no score can tell them apart. A moved table pulls the pose a little; leaving out the
+            poses fit equally, and no score can tell them apart. A moved table shifts the pose a little; leaving out the
             worst tenth of the pairs, as here, limits this. A robot therefore uses the odometry as well.
           </p>
           <h3>The methods</h3>
@@ -43,7 +43,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
               </li>
             ))}
           </ul>
-          <p class="quiet">
+          <p>
             Dark is what is known, <b class="noun-robot">green</b> what is matched to it, computed from scans of the
             room above.
           </p>

@@ -46,7 +46,7 @@ export function ModelSection({ id, number, title }: SectionHead) {
         <>
           <div class="model-head">
             <Choice label="Model" options={MODELS} value={model} onChange={(value) => setParameter("model", value)} />
-            <p class="quiet">{DESCRIPTIONS[model]}</p>
+            <p>{DESCRIPTIONS[model]}</p>
           </div>
           <Profile parameters={parameters} setParameter={setParameter} reading={noBeam} />
         </>

@@ -59,7 +59,7 @@ export function MountSection({ id, number, title }: SectionHead) {
         poses: the pose of the robot in the map, which comes from SLAM, from localization (AMCL) or from the odometry,
         and the pose of the sensor on the robot, its <b class="noun-beam">mount</b>, which in ROS comes from the robot’s
         description (URDF) by way of the transforms (TF). The third part is the grid’s own origin and resolution. If any
-        of the three is wrong, the map is smeared, rotated or mirrored, and doors become walls.
+        of the three is wrong, the map is smeared, rotated or mirrored, and walls appear across doors.
       </p>
       <math display="block" class="lesson-formula">
         <mrow>

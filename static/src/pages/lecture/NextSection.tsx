@@ -65,8 +65,8 @@ export function NextSection({ id, number, title }: SectionHead) {
     >
       <p>
         An occupancy grid on a plane is one of several maps. Each of the others stores something that it does not, and
-        lacks something in return. A planner asks for <b>free space</b> above all: a map that does not know it cannot
-        say where a robot may drive.
+        lacks something that it has. A planner needs <b>free space</b>: from a map without it one cannot tell where a
+        robot may drive.
       </p>
     </Section>
   );

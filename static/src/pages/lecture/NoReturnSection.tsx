@@ -59,8 +59,8 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
             and for logs. The reason: in recorded logs a missing return often means glass, a polished wall, black
             material or a reading that the driver filtered out, and free space that is wrong is the more dangerous
             error. <b>Taken as a hit</b> is an error: it happens when a driver writes the max range where there was no
-            echo. The mapper cannot distinguish that number from a wall at the same distance, and marks a wall all
-            around. It offers this error as a setting, so that you can recognise it in your own maps.
+            echo. The mapper cannot distinguish that number from a wall at the same distance, and marks a wall at that
+            distance. It offers this error as a setting, so that you can recognise it in your own maps.
           </p>
           <p>
             For this reason REP 117 defines a separate value for no return: +∞. Check the readings of a log that are at

@@ -32,9 +32,9 @@ export function OctreeSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a
-        lintel looks open to a robot that is too tall. A map of <b>cells in three dimensions</b> has both. Move the cut
-        through the building, then make the cells finer and compare what each map costs.
+        The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
+        lintel appears to be free for a robot that is too tall. A map of <b>cells in three dimensions</b> has both. Move
+        the cut through the building, then make the cells finer and compare the memory of each map.
       </p>
     </Section>
   );

@@ -54,10 +54,10 @@ export function OdometrySection({ id, number, title }: SectionHead) {
       sources={[["probabilistic-robotics", "chapter 5, for the errors of odometry"]]}
       after={
         <p>
-          Heading errors do the most harm: everything driven afterwards is rotated. The lidar is more accurate than the
-          wheels between two scans, so each scan of the right map is matched with the three before it, in the way that
-          the next two sections show. Small errors remain and add up, only more slowly; the section after them removes
-          those too.
+          Errors of the heading have the largest effect: they rotate everything driven afterwards. The lidar is more
+          accurate than the wheels between two scans, so each scan of the right map is matched with the three before it,
+          in the way that the next two sections show. Small errors remain and add up, only more slowly; the section
+          after them removes those too.
         </p>
       }
     >
@@ -77,9 +77,9 @@ export function OdometrySection({ id, number, title }: SectionHead) {
             noise.value = { ...noise.peek(), turn: value * DEGREE };
           }}
         />{" "}
-        and the way by{" "}
+        and the distance by{" "}
         <DragNumber
-          label="Error of the way"
+          label="Error of the distance"
           sentence="Standard deviation for each metre driven."
           value={Math.round(100 * way)}
           text={`${Math.round(100 * way)} %`}

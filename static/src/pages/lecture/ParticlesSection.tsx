@@ -33,20 +33,20 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
             How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
             particles for k bins, the Kullback-Leibler distance between the particles and the belief is below ε, with
             the probability that belongs to the quantile z. While nothing is known, many bins are occupied and many
-            particles are needed; once the robot is found, few of both. Go on with the steps above and watch k; drag ε
-            and z on the curve.
+            particles are needed; once the robot is found, few bins and few particles. Go on with the steps above and
+            watch k; drag ε and z on the curve.
           </p>
           <LaterMore id="particles" />
         </>
       }
     >
       <p>
-        Until here the poses were known, and the map was not. Now the map is given, and the pose is not. Where the robot
+        Up to here the poses were known, and the map was not. Now the map is given, and the pose is not. Where the robot
         may be is a <b>belief</b>, a distribution over poses. <b>Monte Carlo localization</b> represents it by a set of{" "}
         <b>particles</b>: poses, of which more are where the belief is higher. A reading gives each particle the weight
-        p(z | x, m); new particles are drawn by these weights; then each moves as the odometry says, with an error of
-        its own. The corridor has three doors that look alike. Go through the steps: after the second door one group is
-        left. How a map and a pose give the weight is the subject of <SectionLink to="sensor-models" />.
+        p(z | x, m); new particles are drawn by these weights; then each moves as the odometry says, with its own error.
+        The corridor has three doors that look alike. Go through the steps: after the second door one group is left. How
+        a map and a pose give the weight is the subject of <SectionLink to="sensor-models" />.
       </p>
     </Section>
   );

@@ -9,16 +9,16 @@ export function PipelineSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={
-        <OnStage scene="pipeline" label="One reading on its way to a character">
+        <OnStage scene="pipeline" label="The steps from one reading to a character">
           <Pipeline />
         </OnStage>
       }
       sources={["laser-scan", "bresenham"]}
     >
       <p>
-        Two loops are around everything: the outer one over the <b>scans</b>, each with its pose, the inner one over the{" "}
-        <b class="noun-beam">beams</b> of a scan. What happens to one reading on its way is always the same. Follow it
-        step by step; the stage shows each step, and the slider selects another beam.
+        The program has two loops: the outer one over the <b>scans</b>, each with its pose, the inner one over the{" "}
+        <b class="noun-beam">beams</b> of a scan. Each reading goes through the same steps. Go through them one by one;
+        the stage shows each step, and the slider selects another beam.
       </p>
     </Section>
   );

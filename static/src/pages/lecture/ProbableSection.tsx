@@ -16,15 +16,15 @@ export function ProbableSection({ id, number, title }: SectionHead) {
       sources={[["probabilistic-robotics", "chapters 5 and 6, for the two factors"]]}
       after={
         <p>
-          <b>With cabinets</b> only one position fits the scan: the product is there, however far off the odometry is
+          <b>With cabinets</b> only one position fits the scan: the product has its maximum there, for any odometry
           within its uncertainty. <b>With doors</b> at equal distances several positions fit, and the odometry decides
-          between them: if it is off by more than half that distance, it picks the wrong one. In the <b>bare</b>{" "}
+          between them: if it is off by more than half that distance, the wrong one is selected. In the <b>bare</b>{" "}
           corridor every position fits equally, and the product is the odometry alone.
         </p>
       }
     >
       <p>
-        The scan and the odometry both say something about the pose. The pose is corrected before the scan is added to
+        The scan and the odometry are both evidence about the pose. The pose is corrected before the scan is added to
         the map: it becomes the most probable one, given both (maximum a posteriori, MAP),
       </p>
       <math display="block" class="lesson-formula pose-formula">
@@ -103,8 +103,8 @@ export function ProbableSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        The <b class="noun-robot">second</b> says how well the pose fits the odometry u since the pose before, which is
-        uncertain by{" "}
+        The <b class="noun-robot">second</b> says how well the pose fits the odometry u since the previous pose, which
+        is uncertain by{" "}
         <DragNumber
           label="Uncertainty of the odometry"
           sentence="Standard deviation of the position that it says."

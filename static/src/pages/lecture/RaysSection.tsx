@@ -41,8 +41,8 @@ export function RaysSection({ id, number, title }: SectionHead) {
         steps of one resolution is simple, but slow, and misses cells or visits them twice. Bresenham’s algorithm finds
         them with integer additions only. Its line covers <i>a</i> cells along its longer axis and <i>b</i> along the
         other. Each step goes one cell along the longer axis, and an error term ∇, initially 2<i>b</i> − <i>a</i>,
-        measures how far the true line has climbed: if ∇ is negative, the next step is <b class="noun-miss">straight</b>
-        , otherwise it is <b class="noun-hit">diagonal</b>.
+        compares the height of the true line with the middle between the two next cells: if ∇ is negative, the next step
+        is <b class="noun-miss">straight</b>, otherwise it is <b class="noun-hit">diagonal</b>.
       </p>
     </Section>
   );

@@ -30,8 +30,8 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             The <b>likelihood field</b> on the stage is the other forward model: it replaces the ray by the distance
-            from the end point to the nearest occupied cell. That is a table look-up, and smooth where the beam model
-            jumps. Its disadvantage: it does not know that a wall hides what is behind it.
+            from the end point to the nearest occupied cell. That is a table look-up, and smooth where the beam model is
+            discontinuous. Its disadvantage: it ignores that a wall hides what is behind it.
           </p>
         </>
       }
@@ -39,9 +39,9 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
       <p>
         A particle’s weight is p(z | x, m): <b>forwards</b>, from a map and a pose to the reading. The <b>beam model</b>{" "}
         has four parts: the range to what the map has, with noise; shorter ranges, from people and things that are not
-        in the map; beams without a return; and readings that nothing explains. Drag each part by its handle. The second
-        chart asks the <b>inverse</b> question of this lecture’s first half: one reading, which cells are occupied? Drag
-        z along the beam.
+        in the map; beams without a return; and random readings. Drag each part by its handle. The second chart shows
+        the <b>inverse</b> model, as in the first half of this lecture: given one reading, which cells are occupied?
+        Drag z along the beam.
       </p>
     </Section>
   );

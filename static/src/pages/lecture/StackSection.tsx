@@ -21,8 +21,8 @@ export function StackSection({ id, number, title }: SectionHead) {
       after={
         <p>
           Each part relies on the one before. A map with double walls gives poor weights; a wrong pose puts the obstacle
-          layer’s marks beside the walls of the static layer and closes doors; a table in the saved map is avoided for
-          ever. When a robot does not find its way, check the parts in this order.
+          layer’s marks beside the walls of the static layer and closes doors; a path avoids a table in the saved map
+          permanently. When a robot does not find its way, check the parts in this order.
         </p>
       }
     >

@@ -19,7 +19,7 @@ export function TableSection({ id, number, title }: SectionHead) {
         <p>
           The inverse sensor model here is table 9.2: it looks for the beam that is nearest in bearing to the cell, and
           then compares the cell’s distance with that one reading. A loop over all cells for each scan is slow: most
-          cells lie outside the field. Programs turn the loops around and go along the beams, as the next section does;{" "}
+          cells lie outside the field. Programs loop over the beams and the cells along each, as in the next section;{" "}
           <SectionLink to="counting" /> shows where that makes a difference.
         </p>
       }

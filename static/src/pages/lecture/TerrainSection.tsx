@@ -28,7 +28,7 @@ export function TerrainSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        Outdoors the question is not whether a cell is occupied, but whether its ground is safe. The points of each{" "}
+        Outdoors a cell has to be classified by whether a robot can drive safely on its ground. The points of each{" "}
         <b>patch</b> of a grid are described by a plane z = a + b x + c y, found by least squares, (AᵀA)⁻¹Aᵀb: its
         slope, its height, the roughness of the points around it, and their number. Drag the points up and down, and see
         which entries of P change, and when the patch becomes unsafe.

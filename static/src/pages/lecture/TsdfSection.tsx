@@ -20,7 +20,7 @@ export function TsdfSection({ id, number, title }: SectionHead) {
           <p>
             A reading z gives a voxel with its centre at c the distance d = z − c, and the voxel keeps the mean: D ← (W
             D + d) / (W + 1), W ← W + 1. The noise of the readings averages out, and linear interpolation between two
-            voxels gives the position of the surface <b>more finely than a voxel</b>. An occupancy map answers in whole
+            voxels gives the position of the surface <b>more finely than a voxel</b>. An occupancy map gives whole
             cells, however many readings there are, and one reading that is too long leaves an occupied cell behind the
             wall that no other beam reaches. In three dimensions the gradient of D is the normal of the surface.
           </p>
@@ -40,10 +40,10 @@ export function TsdfSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        Occupancy asks of each cell whether something is in it. A <b>truncated signed distance function (TSDF)</b> asks
-        how far away the surface is: positive in front of it, negative behind it, 0 on it. The figure shows one beam and
-        what both maps store of it. Drag the wall through a cell, add noise as in <SectionLink to="window" />, and
-        compare the two answers.
+        An occupancy map estimates for each cell whether something is in it. A{" "}
+        <b>truncated signed distance function (TSDF)</b> stores how far away the surface is: positive in front of it,
+        negative behind it, 0 on it. The figure shows one beam and what both maps store of it. Drag the wall through a
+        cell, add noise as in <SectionLink to="window" />, and compare the two maps.
       </p>
     </Section>
   );

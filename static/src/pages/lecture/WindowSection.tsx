@@ -6,9 +6,9 @@ import { OnStage } from "./OnStage";
 import { Section, type SectionHead } from "./Section";
 
 const PRESETS = [
-  { name: "torn", noise: 0.05, window: 0 },
+  { name: "broken", noise: 0.05, window: 0 },
   { name: "thin", noise: 0.05, window: 0.15 },
-  { name: "fat", noise: 0.05, window: 0.5 },
+  { name: "thick", noise: 0.05, window: 0.5 },
 ] as const;
 
 export function WindowSection({ id, number, title }: SectionHead) {
@@ -155,9 +155,9 @@ export function WindowSection({ id, number, title }: SectionHead) {
       <p>
         The direction of the beam is not exact either, and the end point is moved to the centre of a cell. So the hits
         of one wall fall into several cells, and a beam that measured a little too much passes through the cell that an
-        earlier beam hit. The <b class="noun-hit">window</b> absorbs all three: range noise, bearing noise and the size
-        of the cells. One to three cells wide, it gives a thin and stable wall. Without it the wall is <b>torn</b>; much
-        wider, the wall is <b>fat</b> and narrows the doors.
+        earlier beam hit. The <b class="noun-hit">window</b> compensates for all three: range noise, bearing noise and
+        the size of the cells. One to three cells wide, it gives a thin and stable wall. Without it the wall is{" "}
+        <b>broken</b>; much wider, the wall is <b>thick</b> and narrows the doors.
       </p>
     </Section>
   );

@@ -32,7 +32,7 @@ export const LESSONS = [
   { id: "layers", title: "Layers of costs" },
   { id: "inflation", title: "Inflation" },
   { id: "path", title: "A path" },
-  { id: "lifetime", title: "What the moving table teaches" },
+  { id: "lifetime", title: "Obstacles that move" },
   { id: "stack", title: "The whole stack" },
   { id: "octree", title: "Why a plane is not enough" },
   { id: "tsdf", title: "TSDF beside occupancy" },

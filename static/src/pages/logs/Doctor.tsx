@@ -3,6 +3,7 @@ import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Panel } from "../../ui/Panel";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
 import type { Making } from "../making";
@@ -85,15 +86,21 @@ export function findingsBadge({ state }: DoctorState): string | null {
   return now.kind === "done" && now.examination.findings.length > 0 ? String(now.examination.findings.length) : null;
 }
 
+/** The check whose finding SLAM remedies. */
+const DRIFT = "walls.drift";
+
+/** Whether the examination states that the poses in use drift. */
+export function findsDrift({ state }: DoctorState): boolean {
+  const now = state.value;
+  return now.kind === "done" && now.examination.findings.some(({ check, possible }) => check === DRIFT && !possible);
+}
+
 interface DoctorProps {
   readonly store: Store;
   readonly doctor: DoctorState;
   /** Corrects the poses of the log; not for a guest. */
   readonly onHeal?: () => void;
 }
-
-/** The check whose finding SLAM remedies. */
-const DRIFT = "walls.drift";
 
 /**
  * The log doctor: problems of a log, where they are, how certain, and what to do about them.
@@ -154,12 +161,9 @@ interface ProgressProps {
 
 /** It has its room also while there is no examination: one begins by itself, and nothing is to move then. */
 function ExaminationProgress({ isBusy, progress, cancel }: ProgressProps) {
-  const fraction = progress?.fraction ?? null;
   return (
     <div class={isBusy ? "doctor-progress" : "doctor-progress idle"} inert={!isBusy}>
-      <div class={fraction === null ? "progress waiting" : "progress"} aria-hidden="true">
-        <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
-      </div>
+      <ProgressBar fraction={progress?.fraction ?? null} />
       <span class="quiet number" aria-hidden="true">
         {progress && progressText(progress)}
       </span>

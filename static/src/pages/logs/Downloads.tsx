@@ -19,7 +19,7 @@ export function Downloads({
 }) {
   return (
     <Panel title="Download">
-      <div class="downloads">
+      <div class="actions downloads">
         <MapFiles session={session} />
         {(isGuest ? [] : RUN_FILES).map((name) => (
           <Button key={name} icon="download" href={`/api/sessions/${encodeURIComponent(session)}/${name}`} download>

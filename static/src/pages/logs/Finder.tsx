@@ -22,7 +22,7 @@ export function Finder() {
   return (
     <search class="finder">
       <input
-        class="finder-words"
+        class="field-text finder-words"
         type="search"
         placeholder="Search name, format, topic, tag"
         aria-label="Search logs"

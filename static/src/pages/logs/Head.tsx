@@ -1,4 +1,5 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
@@ -7,16 +8,19 @@ interface HeadProps {
   readonly store: Store;
   /** Back to the logs; not for a guest. */
   readonly onClose: (() => void) | undefined;
+  /** At the right end. */
+  readonly children?: ComponentChildren;
 }
 
 /** The title of the log, above its map. */
-export function Head({ store, onClose }: HeadProps) {
+export function Head({ store, onClose, children }: HeadProps) {
   const hello = store.hello.value;
   return (
     <header class="viewer-head">
       {onClose && <Button kind="quiet" icon="back" label="All logs" onClick={onClose} />}
       <h1>{hello?.title ?? "…"}</h1>
       <RecomputeTime store={store} />
+      {children}
       {!onClose && <GuestNote />}
     </header>
   );

@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Dropzone } from "../../ui/Dropzone";
 import { Icon } from "../../ui/Icon";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { Finder, isFiltered } from "./Finder";
 import { groupIntoLogs } from "./groupFiles";
 import { LogCard } from "./LogCard";
@@ -119,14 +120,7 @@ function UploadCard({ upload: one }: { upload: Upload }) {
             <p class="quiet number" aria-hidden="true">
               {uploadText(one, performance.now())}
             </p>
-            <div
-              class="progress"
-              role="progressbar"
-              aria-label={`Uploading ${one.name}`}
-              aria-valuenow={Math.floor(100 * part)}
-            >
-              <span style={{ transform: `scaleX(${part})` }} />
-            </div>
+            <ProgressBar fraction={part} label={`Uploading ${one.name}`} />
           </>
         )}
       </div>

@@ -1,8 +1,8 @@
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
-import { isDark } from "../../ui/theme";
 import {
   file,
   hasClouds,
@@ -15,6 +15,7 @@ import {
   topic,
   trajectoryLabel,
 } from "./describeLog";
+import { LogPicture } from "./LogPicture";
 import { LogTags } from "./LogTags";
 import { ask, isMoving, type LogRecord, remove } from "./library";
 
@@ -34,7 +35,7 @@ export function LogCard({ log, onOpen }: LogCardProps) {
   const opens = log.state === "ready" || (moving && !isOwn);
   return (
     <li class={`card log-card ${log.state}`}>
-      {log.state !== "failed" && <Picture log={log} />}
+      {log.state !== "failed" && <LogPicture id={log.id} hasPicture={log.has_picture} isAwaited={moving} alt="" />}
       <div class="log-head">
         <h3>{log.name}</h3>
         {isOwn && moving && (
@@ -51,24 +52,18 @@ export function LogCard({ log, onOpen }: LogCardProps) {
       </div>
       {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} onOpen={onOpen} />}
       {log.state === "failed" && isOwn && RETRYABLE.test(log.error?.code ?? "") && (
-        <div class="log-open">
+        <div class="actions">
           <Button icon="restart" onClick={() => void request(log, "read")}>
             Read it again
           </Button>
         </div>
       )}
       {moving && isOwn && (
-        <div
-          class={`progress${log.progress > 0 ? "" : " waiting"}`}
-          role="progressbar"
-          aria-label={`Reading ${log.name}`}
-        >
-          <span {...(log.progress > 0 ? { style: { transform: `scaleX(${log.progress})` } } : {})} />
-        </div>
+        <ProgressBar fraction={log.progress > 0 ? log.progress : null} label={`Reading ${log.name}`} />
       )}
       {log.state === "ready" && <LogTags log={log} />}
       {opens && (
-        <div class="log-open">
+        <div class="actions">
           <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
             {openLabel(log)}
           </Button>
@@ -89,20 +84,6 @@ function openLabel(log: LogRecord): string {
   return log.costmaps > 0 ? "Open costmaps" : "Open map";
 }
 
-/** The map of a log, drawn by the server when it was read. */
-function Picture({ log }: { readonly log: LogRecord }) {
-  const scheme = isDark.value ? "?dark=true" : "";
-  return (
-    <div class={`log-picture${isMoving(log) ? " awaited" : ""}`}>
-      {log.has_picture ? (
-        <img src={`/api/logs/${encodeURIComponent(log.id)}/map.png${scheme}`} alt="" loading="lazy" decoding="async" />
-      ) : (
-        <Icon name="map" />
-      )}
-    </div>
-  );
-}
-
 function Facts({ log, onOpen }: LogCardProps) {
   const known = run(log);
   const pending = log.source === "sample" ? "being simulated …" : readingText(log);
@@ -117,7 +98,7 @@ function Facts({ log, onOpen }: LogCardProps) {
       )}
       {known.length > 0 && <Inside log={log} onOpen={onOpen} />}
       {log.notes.length > 0 && (
-        <details class="log-notes">
+        <details>
           <summary>{log.notes.length === 1 ? "1 note" : `${log.notes.length} notes`}</summary>
           <ul>
             {log.notes.map((note) => (
@@ -136,7 +117,7 @@ function Inside({ log, onOpen }: LogCardProps) {
   if (lines.length === 0 && log.topics.length === 0) return null;
   const together = lidars(log);
   return (
-    <details class="log-notes">
+    <details>
       <summary>Contents</summary>
       <ul>
         {lines.map((line) => (
@@ -170,10 +151,10 @@ function Failure({ log }: { log: LogRecord }) {
   return (
     <>
       <p class="quiet number">{file(log).join(" · ")}</p>
-      <p class="log-error">
+      <p class="card-error">
         <Icon name="warning" /> {log.error?.message ?? "The log could not be read."}
       </p>
-      {todo && <p class="log-remedy">{todo}</p>}
+      {todo && <p class="card-text">{todo}</p>}
     </>
   );
 }

@@ -1,7 +1,7 @@
 /** A choice of one of the visitor's other logs, and of its sensor where it has several. */
 
 import { useEffect } from "preact/hooks";
-import { logs, watchAll } from "./library";
+import { type LogRecord, logs, watchAll } from "./library";
 
 export interface ChosenLog {
   readonly log: string;
@@ -15,21 +15,24 @@ interface LogChoiceProps {
   readonly disabled: boolean;
   /** Whether maps are offered too. */
   readonly withMaps?: boolean;
-  /** Whether only maps are offered. */
-  readonly onlyMaps?: boolean;
+  /** Whether only maps and clouds are offered. */
+  readonly onlyTerrains?: boolean;
   readonly onChoose: (chosen: ChosenLog) => void;
 }
 
 const SEPARATOR = "\n";
 
-export function LogChoice({ own, chosen, disabled, withMaps = false, onlyMaps = false, onChoose }: LogChoiceProps) {
+/** Whether it has costs of a terrain: a map has them, and the points of a cloud are assessed. */
+const isTerrain = (log: LogRecord): boolean => log.map !== null || log.clouds > 0;
+
+export function LogChoice({ own, chosen, disabled, withMaps = false, onlyTerrains = false, onChoose }: LogChoiceProps) {
   useEffect(watchAll, []);
   const list = (logs.value ?? []).filter(
     (log) =>
       log.state === "ready" &&
       log.id !== own &&
       log.costmaps === 0 &&
-      (onlyMaps ? log.map !== null : withMaps || !log.map),
+      (onlyTerrains ? isTerrain(log) : withMaps || !log.map),
   );
   const choices = list.flatMap((log) => {
     const sensors = log.topics.filter((topic) => topic.beams !== null);
@@ -39,7 +42,7 @@ export function LogChoice({ own, chosen, disabled, withMaps = false, onlyMaps = 
   });
   return (
     <label class="field">
-      <span class="visually-hidden">{onlyMaps ? "The map" : "The other log"}</span>
+      <span class="visually-hidden">{onlyTerrains ? "The map or cloud" : "The other log"}</span>
       <select
         class="select"
         disabled={disabled || choices.length === 0}
@@ -50,10 +53,10 @@ export function LogChoice({ own, chosen, disabled, withMaps = false, onlyMaps = 
         }}
       >
         <option value="">
-          {onlyMaps
+          {onlyTerrains
             ? choices.length > 0
-              ? "Choose a map …"
-              : "No map"
+              ? "Choose a map or cloud …"
+              : "No map and no cloud"
             : choices.length > 0
               ? "Choose a log …"
               : "No other log"}

@@ -28,7 +28,7 @@ export function LogTags({ log }: { readonly log: LogRecord }) {
       >
         <input
           ref={field}
-          class="tag-field"
+          class="field-text tag-field"
           aria-label={`Tags of ${log.name}, with commas between them`}
           placeholder="corridor, night"
           defaultValue={log.tags.join(", ")}

@@ -1,11 +1,11 @@
 import { Button } from "../../ui/Button";
+import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import { opening } from "./library";
 
 /** Shown in place of a log's view until it has loaded: what the server does for it, how far it is, and since when. */
 export function Opening({ onCancel }: { readonly onCancel?: () => void }) {
   const now = opening.value;
-  const fraction = now?.fraction ?? null;
   return (
     <div class="viewer-message" role="status">
       <p class="prose">
@@ -17,9 +17,7 @@ export function Opening({ onCancel }: { readonly onCancel?: () => void }) {
           </span>
         )}
       </p>
-      <div class={fraction === null ? "progress waiting wide" : "progress wide"} aria-hidden="true">
-        <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
-      </div>
+      <ProgressBar fraction={now?.fraction ?? null} isWide />
       {now && onCancel && <Button onClick={onCancel}>Cancel</Button>}
     </div>
   );

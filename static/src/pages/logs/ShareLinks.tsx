@@ -20,6 +20,8 @@ interface ShareLinksProps {
   readonly children?: ComponentChildren;
 }
 
+const OWN_LINKS = { scan: "Your links to this log", costmap: "Your links to this recording" };
+
 /** Copy an address; resolves to the message for the visitor. */
 async function copied(address: string, said: string): Promise<string> {
   try {
@@ -97,8 +99,8 @@ export function ShareLinks({ session, sharedView, unit = "scan", text, children 
         </p>
         {failure.value && <p role="alert">{failure.value}</p>}
         {links.value && links.value.length > 0 && (
-          <section aria-label="Your links to this log">
-            <h3>Your links to this log</h3>
+          <section aria-label={OWN_LINKS[unit]}>
+            <h3>{OWN_LINKS[unit]}</h3>
             <ul>
               {links.value.map((link) => (
                 <li key={link.token}>
@@ -106,6 +108,7 @@ export function ShareLinks({ session, sharedView, unit = "scan", text, children 
                     <strong>{made(link)}</strong>
                     <span class="quiet">{described(link, unit)}</span>
                     <input
+                      class="field-text"
                       readOnly
                       aria-label={`Address of the link of ${made(link)}`}
                       value={absolute(link)}

@@ -1,10 +1,19 @@
-/** Which map is the terrain of a log's costmap: one of those that `gridbloom terrain` writes, among the uploads. */
+/** Which upload is the terrain of a log's costmap: a cloud, or a map that `gridbloom terrain` writes. */
 
 import { useSignal } from "@preact/signals";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { type ChosenLog, LogChoice } from "./LogChoice";
 import { request } from "./request";
+
+/** Patches of each class, of a cloud. */
+interface Chosen {
+  readonly classes?: { readonly safe: number; readonly unsafe: number; readonly unknown: number };
+}
+
+const HINT =
+  "A cloud in the frame of the log's poses, z up: its patches are assessed. Or the yaml and pgm of gridbloom terrain: " +
+  "free is safe, occupied is unsafe. Both are dropped on the logs page.";
 
 interface TerrainChoiceProps {
   readonly store: Store;
@@ -15,30 +24,40 @@ export function TerrainChoice({ store, session }: TerrainChoiceProps) {
   const chosen = useSignal<ChosenLog | null>(null);
   const isBusy = useSignal(false);
   const failure = useSignal<string | null>(null);
+  const found = useSignal<Chosen | null>(null);
   const choose = async (next: ChosenLog | null): Promise<void> => {
     isBusy.value = true;
     failure.value = null;
     try {
-      await request(`/api/sessions/${encodeURIComponent(session)}/costmap/terrain`, "PUT", { log: next?.log ?? null });
+      const address = `/api/sessions/${encodeURIComponent(session)}/costmap/terrain`;
+      const answer = await request<{ map: Chosen | null }>(address, "PUT", { log: next?.log ?? null });
       chosen.value = next;
+      found.value = answer.map;
       store.setNavigation({ terrain_layer: next !== null });
     } catch (error) {
       failure.value = (error as Error).message;
     }
     isBusy.value = false;
   };
+  const classes = found.value?.classes;
+  const patches = classes && `Patches: ${classes.safe} safe, ${classes.unsafe} unsafe, ${classes.unknown} unknown.`;
   return (
     <div class="field">
       <span class="field-label">Terrain</span>
-      <LogChoice onlyMaps own="" chosen={chosen.value} disabled={isBusy.value} onChoose={(next) => void choose(next)} />
+      <LogChoice
+        onlyTerrains
+        own=""
+        chosen={chosen.value}
+        disabled={isBusy.value}
+        onChoose={(next) => void choose(next)}
+      />
       {chosen.value && (
         <Button kind="quiet" disabled={isBusy.value} onClick={() => void choose(null)}>
           Without terrain
         </Button>
       )}
       <p class="navigation-note" role="status">
-        {failure.value ??
-          "The yaml and pgm of gridbloom terrain, dropped on the logs page: free is safe, occupied is unsafe."}
+        {isBusy.value ? "Reading and assessing the terrain …" : (failure.value ?? patches ?? HINT)}
       </p>
     </div>
   );

@@ -18,6 +18,7 @@ import { BothMaps, useComparison } from "./compare/useComparison";
 import { useDoctor } from "./Doctor";
 import { groupsOf } from "./groups";
 import { Head } from "./Head";
+import { HealOffer } from "./heal/HealOffer";
 import { useHealing } from "./heal/healing";
 import { useLocalizing } from "./localize/localizing";
 import { NotePins } from "./notes/NotePins";
@@ -98,9 +99,15 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   }
   const isGuest = guest !== undefined;
   const log = hello?.log ?? null;
+  const onHeal = (): void => {
+    openGroup.value = "heal";
+    void healing.begin();
+  };
   return (
     <div class="viewer">
-      <Head store={store} onClose={onClose} />
+      <Head store={store} onClose={onClose}>
+        {!isGuest && <HealOffer doctor={doctor} healing={healing} onHeal={onHeal} />}
+      </Head>
       <div class="viewer-stage">
         <div class="viewer-map">
           <BeliefView
@@ -152,6 +159,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           notes,
           trajectoryErrors,
           openGroup,
+          onHeal,
           sharedView: () => sharedViewOf(store, picture),
         })}
         open={openGroup}

@@ -46,6 +46,8 @@ export interface LogView {
   readonly sensor: SensorState;
   /** The id of the open group. */
   readonly openGroup: Signal<string>;
+  /** Begin to heal the log's poses, and open the group that shows it. */
+  readonly onHeal: () => void;
   readonly notes: NotesState;
   /** The errors whose paths are on the map. */
   readonly trajectoryErrors: Signal<TrajectoryErrors | null>;
@@ -77,28 +79,17 @@ const GROUPS: readonly Group[] = [
   { id: "why", title: "Why", content: ({ store }) => <WhyGroup store={store} /> },
   {
     id: "doctor",
-    title: "Doctor",
-    section: "Check",
+    title: "Findings",
+    section: "Doctor",
     badge: ({ doctor }) => findingsBadge(doctor),
-    content: ({ store, doctor, healing, openGroup, isGuest }) => (
-      <Doctor
-        store={store}
-        doctor={doctor}
-        {...(isGuest
-          ? {}
-          : {
-              onHeal: () => {
-                openGroup.value = "heal";
-                void healing.begin();
-              },
-            })}
-      />
+    content: ({ store, doctor, onHeal, isGuest }) => (
+      <Doctor store={store} doctor={doctor} {...(isGuest ? {} : { onHeal })} />
     ),
   },
   {
     id: "heal",
     title: "Heal",
-    section: "Check",
+    section: "Doctor",
     isThere: ({ log }) => log !== null,
     badge: ({ healing }) => healing.badge.value,
     content: ({ store, session, healing, comparison, isGuest }) => (
@@ -108,7 +99,7 @@ const GROUPS: readonly Group[] = [
   {
     id: "compare",
     title: "Compare",
-    section: "Check",
+    section: "Doctor",
     badge: ({ comparison }) => (comparison.isOn.value ? "on" : null),
     content: ({ store, session, comparison, isGuest }) => (
       <Compare store={store} session={session} comparison={comparison} isGuest={isGuest} />

@@ -66,7 +66,7 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
       {Object.entries(LEVELS).map(([level, title]) => (
         <section key={level} class="puzzles-level" aria-label={title}>
           <h2>{title}</h2>
-          <ul class="puzzles-cards">
+          <ul class="cards">
             {puzzles
               .filter((one) => one.level === Number(level))
               .map((one) => (
@@ -101,9 +101,9 @@ interface CardProps {
 
 function Card({ puzzle, points, onOpen }: CardProps) {
   return (
-    <li class="puzzles-card">
+    <li class="card">
       <h3>{puzzle.title}</h3>
-      <p>{puzzle.story}</p>
+      <p class="card-text">{puzzle.story}</p>
       <div class="actions">
         <Button kind="primary" label={`Open ${puzzle.title}`} onClick={() => onOpen(puzzle.name)}>
           Open

@@ -66,7 +66,7 @@ export function markedCodes(a: Range, b: Range, marked: Marked): Codes {
   for (let i = 0; i < 256; i++) {
     const stateA = stateAt(i, a);
     for (let j = 0; j < 256; j++) {
-      if (i === 0 && j === 0) continue; // what nobody has seen is the ground on which the rest is marked
+      if (i === 0 && j === 0) continue; // cells unseen in both are the ground on which the rest is marked
       let is: boolean;
       if (marked === "only a") is = j === 0;
       else if (marked === "only b") is = i === 0;

@@ -54,7 +54,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
         <label class="field">
           <span class="field-label">Question</span>
           <input
-            class="input"
+            class="field-text"
             maxLength={300}
             value={text.value}
             onInput={(event) => {
@@ -85,7 +85,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
               <label class="field" key={label}>
                 <span class="field-label">{label}</span>
                 <input
-                  class="input"
+                  class="field-text"
                   inputMode={label === "Unit" ? "text" : "decimal"}
                   maxLength={30}
                   value={value.value}
@@ -102,7 +102,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
               <label class="field" key={i}>
                 <span class="field-label">Option {String.fromCharCode(65 + i)}</span>
                 <input
-                  class="input"
+                  class="field-text"
                   maxLength={300}
                   value={option}
                   onInput={(event) => change(i, event.currentTarget.value)}

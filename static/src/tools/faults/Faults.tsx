@@ -31,7 +31,7 @@ export function Faults({ store, comparison }: FaultsProps) {
   const active = faults.filter((fault) => wrong.value.on.includes(fault.name));
   return (
     <div class="faults">
-      <div class="faults-chips">
+      <div class="actions">
         {faults.map((fault) => {
           const on = wrong.value.on.includes(fault.name);
           return (

@@ -78,7 +78,7 @@ function Readout({ store, heals }: { readonly store: Store; readonly heals: bool
         )}
       </dl>
       {heals && (
-        <p class="quiet slam-key">
+        <p class="quiet legend">
           <span>
             <span class="slam-line believed" /> believed path
           </span>

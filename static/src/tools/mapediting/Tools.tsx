@@ -158,7 +158,7 @@ export function WholeMap({ store }: { readonly store: Store }) {
       <div class="mapediting-row">
         <Slider
           label="Specks"
-          sentence="Groups of at most so many occupied cells become free."
+          sentence="Groups of at most this many occupied cells become free."
           unit="cells"
           value={cells.value}
           initial={3}
@@ -187,7 +187,7 @@ export function WholeMap({ store }: { readonly store: Store }) {
             turn.value = value === 0 ? null : value / DEGREES;
           }}
         />
-        <div class="mapediting-buttons">
+        <div class="actions">
           <Button icon="redo" disabled={degrees === 0} onClick={() => rotate(turn.peek() ?? 0)}>
             Turn
           </Button>

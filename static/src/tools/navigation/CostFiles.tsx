@@ -28,7 +28,7 @@ export function CostFiles({ session, strokes = [] }: CostFilesProps) {
   const hasSpeed = painted.some(({ speed }) => speed != null);
   return (
     <>
-      <div class="navigation-row">
+      <div class="actions">
         {[...COSTS, ...(hasKeepout ? KEEPOUT : []), ...(hasSpeed ? SPEED : [])].map(([file, label]) => (
           <Button
             key={file}

@@ -112,7 +112,7 @@ function Outcome({ store }: { readonly store: Store }) {
         </dl>
       )}
       <p role="status">{path.reason}</p>
-      <div class="navigation-row">
+      <div class="actions">
         {isDriven(store) && (
           <Button
             kind={path.drives ? undefined : "primary"}

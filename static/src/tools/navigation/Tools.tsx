@@ -62,7 +62,7 @@ export function Tools({ store }: { readonly store: Store }) {
             }}
           />
           {now === "speed" && <Limit store={store} />}
-          <div class="navigation-row">
+          <div class="actions">
             <Button
               icon="undo"
               disabled={strokes.length === 0}

@@ -105,7 +105,7 @@ export const SCENES: readonly Scene[] = [
     label: "Unknown taken for free",
     steps: [
       {
-        label: "Send it where nobody was",
+        label: "Send it into unseen space",
         look: "The path crosses the void, also walls that no scan has seen. Switch “Drive through unknown” off: now there is none.",
         run: (store) => set(store, { values: { allow_unknown: true }, goal: UNSEEN, clamp: true }),
       },

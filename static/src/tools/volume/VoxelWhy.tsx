@@ -111,6 +111,7 @@ function Place({ store }: { readonly store: Store }) {
         <label key={axis}>
           <span>{axis} (m)</span>
           <input
+            class="field-text"
             type="number"
             step="any"
             value={place.value[n]}

@@ -91,7 +91,7 @@ test("an older update is requested with its window, another cell with a new requ
   expect(store.why.value?.row).toBe(6);
 });
 
-test("nobody asks any more once the panel is closed", () => {
+test("no query is sent once the panel is closed", () => {
   store.explain([1.25, 0.55]);
   pass(200);
   store.explain(null);

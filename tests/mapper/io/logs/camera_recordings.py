@@ -34,7 +34,7 @@ Send = Callable[[str, int, bytes], None]
 
 @dataclass(frozen=True, slots=True)
 class CameraRun:
-    """What is recorded: one image of ``image_bytes`` of noise after every ``scans_per_image`` scans."""
+    """Contents of the recording: one image of ``image_bytes`` of noise after every ``scans_per_image`` scans."""
 
     n_scans: int
     n_beams: int = 1080

@@ -24,7 +24,7 @@ T0 = camera_recordings.T0
 
 
 def bytes_read() -> int:
-    """How many bytes this process has read by now, of whatever files."""
+    """Bytes that this process has read so far, of all files."""
     return int(IO.read_text().split()[1])
 
 

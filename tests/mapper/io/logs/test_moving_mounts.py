@@ -61,7 +61,7 @@ def run(n: int = 24, *, rolls: bool = False) -> list[Said]:
 
 
 def off_the_walls(path: Path) -> np.ndarray:
-    """How far the occupied cells of a log's map are from the walls, metres."""
+    """Distances of the occupied cells of a log's map from the walls, metres."""
     log = open_log(path)
     config = MappingConfig(resolution=0.05)
     grid = OccupancyGrid(geometry_for(log, config))

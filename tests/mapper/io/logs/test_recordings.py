@@ -30,7 +30,7 @@ MOUNT = (0.3, -0.1, 0.5)
 
 
 def truth(seconds: float) -> tuple[float, float, float]:
-    """Where the robot is in the odometry frame: straight ahead at 1 m/s, turning at 0.2 rad/s."""
+    """Pose of the robot in the odometry frame: straight ahead at 1 m/s, turning at 0.2 rad/s."""
     return (seconds, 2.0, float(wrap_angle(3.0 + 0.2 * seconds)))
 
 

@@ -47,7 +47,7 @@ def test_the_real_ring(data_file: Callable[[str], Path]) -> None:
 
 
 def test_the_bearings_assumed_fit_the_real_ring_best(data_file: Callable[[str], Path]) -> None:
-    """Where the sonars point is not stated; among other rings, this one contradicts itself least."""
+    """The bearings of the sonars are not stated; among other rings, this one contradicts itself least."""
     log = open_log(data_file("sonar/measurement.txt"))
     config = MappingConfig().with_values(sensor_defaults(log.beam_width) | {"clamp": False, "range_max": 5.0})
 

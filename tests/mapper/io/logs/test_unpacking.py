@@ -18,7 +18,7 @@ from tests.hostile.corpus import TEXTS, recording
 
 
 def pieces(path: Path, data: bytes) -> tuple[list[bytes], str | None]:
-    """What comes out of a file with ``data``, and what is found to be wrong with it."""
+    """Unpacked pieces of a file with ``data``, and the damage that is found."""
     path.write_bytes(data)
     with path.open("rb") as file:
         stream = Unpacked(file, lambda: "here", DEFAULT_LIMITS)

@@ -118,7 +118,7 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
         {kappa !== null &&
           total_error !== null &&
           ` Against ${truth ?? "the truth"}: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
-        {isFile && truth === null && " Compare with a file of the true ground points (tab Compare) for κ."}
+        {isFile && truth === null && " How good is that? Give a file of the true ground points in the tab Compare."}
       </p>
     </div>
   );

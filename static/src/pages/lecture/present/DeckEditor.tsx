@@ -9,10 +9,8 @@ import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECT
 import { reordered } from "./deckOrder";
 import { SlideForm } from "./SlideForm";
 import { SlidePicture } from "./SlidePicture";
-import { deck, deckLink, hashOf, place, takeDeck } from "./state";
-
-/** A slide shows its last step where an address names a later one. */
-const LAST_STEP = 98;
+import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "./state";
+import { ThumbnailMaker } from "./Thumbnail";
 
 /** Change the slides; the present slide stays, where it still is there. */
 async function change(slides: readonly Slide[]): Promise<void> {
@@ -74,6 +72,7 @@ function Slides() {
           />
         ))}
       </ol>
+      <ThumbnailMaker />
       <figure class="deck-picture">
         <SlidePicture hash={hashOf({ index: shown, step: LAST_STEP })} title={`Picture of “${title}”`} />
         <figcaption>
@@ -132,6 +131,7 @@ export function DeckEditor({ onClose }: { readonly onClose: () => void }) {
       <label class="deck-name">
         <span>Name of the deck</span>
         <input
+          class="field-text"
           type="text"
           value={title}
           maxLength={LONGEST_TITLE}

@@ -4,6 +4,7 @@ import { Icon } from "../../../ui/Icon";
 import { type Slide, titleOf } from "./deck";
 import { gapAt, indexAfter, keyedIndex } from "./deckOrder";
 import { type OwnSlide, SlideForm } from "./SlideForm";
+import { Thumbnail } from "./Thumbnail";
 
 const KIND_NAMES = { section: "", derivation: "derivation", text: "own text", lab: "lab", log: "log" } as const;
 
@@ -96,6 +97,7 @@ export function DeckRow({ slide, index, count, drag, edited, onMove, onChange, o
         <Icon name="grip" />
       </button>
       <span class="deck-row-number">{index + 1}</span>
+      <Thumbnail slide={slide} />
       <span class="deck-row-title">
         {title}
         {own && <small> {KIND_NAMES[slide.kind]}</small>}

@@ -38,18 +38,20 @@ function Heading() {
   return (
     <div class="presenter-heading">
       <h1>{begun ? question.question : titleOf(now)}</h1>
-      <p class="presenter-answer" role="status">
-        {begun && stage.value === "answer" && (
-          <>
-            {chosen !== undefined && (
-              <b class={isRight ? "is-right" : "is-wrong"}>
-                {isRight ? "✓" : "×"} {String.fromCharCode(65 + chosen)} was {isRight ? "right" : "not right"}.{" "}
-              </b>
-            )}
-            {question.answer}
-          </>
-        )}
-      </p>
+      {question && (
+        <p class="presenter-answer" role="status">
+          {begun && stage.value === "answer" && (
+            <>
+              {chosen !== undefined && (
+                <b class={isRight ? "is-right" : "is-wrong"}>
+                  {isRight ? "✓" : "×"} {String.fromCharCode(65 + chosen)} was {isRight ? "right" : "not right"}.{" "}
+                </b>
+              )}
+              {question.answer}
+            </>
+          )}
+        </p>
+      )}
     </div>
   );
 }

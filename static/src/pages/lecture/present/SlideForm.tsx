@@ -77,12 +77,20 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
       />
       <label>
         <span>Title</span>
-        <input type="text" name="title" required maxLength={LONGEST_TITLE} defaultValue={slide?.title ?? ""} />
+        <input
+          class="field-text"
+          type="text"
+          name="title"
+          required
+          maxLength={LONGEST_TITLE}
+          defaultValue={slide?.title ?? ""}
+        />
       </label>
       {kind.value === "text" ? (
         <label>
           <span>Text: an empty line begins the next step, a dash an item of a list; $p_t = e^x$ is a formula</span>
           <textarea
+            class="field-text"
             name="text"
             required
             rows={4}
@@ -94,6 +102,7 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
         <label key={kind.value}>
           <span>{ADDRESSES[kind.value]}</span>
           <input
+            class="field-text"
             type="text"
             name="address"
             required
@@ -113,7 +122,7 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
       )}
       <label>
         <span>Notes, for the speaker’s window only</span>
-        <textarea name="notes" rows={2} maxLength={LONGEST_TEXT} defaultValue={slide?.notes ?? ""} />
+        <textarea class="field-text" name="notes" rows={2} maxLength={LONGEST_TEXT} defaultValue={slide?.notes ?? ""} />
       </label>
       <p class="deck-problem" role="alert">
         {problem.value}

@@ -107,13 +107,13 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "The odometry is wrong. How can two scans tell where the robot is?",
     answer:
       "Lay the scan over the last one: the pose where both agree best. It needs structure, and often a good start.",
-    notes: "Let somebody lay the scans over each other by hand first, then press ICP. Then the corridor: it slides.",
+    notes: "Let a student align the scans by hand first, then press ICP. Then the corridor: it slides.",
   },
   file: {
     question: "free_thresh is 0.25, an unknown cell is grey 205. What does a planner read?",
     options: ["Unknown", "Free", "Occupied"],
     right: 1,
-    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that nobody has seen.",
+    answer: "Grey 205 is 0.196. Below 0.25 that is free: the robot is sent through cells that were never seen.",
     notes: "Move the reader’s free_thresh across 0.196: the image stays the same, its meaning does not.",
   },
   landmarks: {
@@ -128,7 +128,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "A range has a noise of a few centimetres. How wide should a hit be?",
     options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
     right: 1,
-    answer: "Too narrow: the hits fall into different cells and the wall is torn. Too wide: the wall is fat.",
+    answer: "Too narrow: the hits fall into different cells and the wall is broken. Too wide: the wall is thick.",
     notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall tears.",
   },
   endpoint: {
@@ -183,7 +183,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["The sensor is noisy", "The poses have drifted", "The window is too wide"],
     right: 1,
     answer: "Errors of raw odometry add up, that of the heading most of all: a place seen again is drawn elsewhere.",
-    notes: "Drag the error of the heading first, then that of the way. Compare the two maps.",
+    notes: "Drag the error of the heading first, then that of the distance. Compare the two maps.",
   },
   probable: {
     question: "Scan and odometry disagree about the pose. Which of them is right?",

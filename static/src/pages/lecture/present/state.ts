@@ -30,6 +30,9 @@ export const slides = computed(() => deck.value.slides);
 export const ids = computed(() => slideIds(deck.value));
 export const slide = computed<Slide | undefined>(() => slides.value[place.value.index]);
 
+/** Past the last step of every slide: where an address names it, the slide shows its last one. */
+export const LAST_STEP = 98;
+
 /** What a slide of a section shows after each step. */
 export type Stage = "ask" | "predict" | "figure" | "answer";
 

@@ -5,10 +5,13 @@ import { stage } from "./state";
 /** Least width of a figure as a fraction of the available width. */
 const NARROWEST = 0.5;
 
-/** Greatest enlargement of a figure with its type, of the controls beside a picture, and the step of both. */
+/** Greatest enlargement of a figure with its type, and of the controls beside a picture; the step of both. */
 const LARGEST = 1.4;
-const LARGEST_CONTROLS = 1.25;
+const LARGEST_CONTROLS = 1.6;
 const STEP = 0.05;
+/** Controls are enlarged by a quarter, and more only as long as they are laid out at this width, CSS pixels. */
+const ALWAYS = 1.25;
+const CONTROLS_WIDTH = 380;
 
 const heightOf = (element: Element): number => element.getBoundingClientRect().height;
 
@@ -56,7 +59,8 @@ export function useFittedFigure(on: boolean) {
       if (!controls) return;
       const before = heightOf(element);
       const staysAsHigh = (): boolean => heightOf(element) <= before + 0.5;
-      enlarge(LARGEST_CONTROLS, staysAsHigh, (zoom) => {
+      const most = Math.max(ALWAYS, Math.min(LARGEST_CONTROLS, controls.clientWidth / CONTROLS_WIDTH));
+      enlarge(most, staysAsHigh, (zoom) => {
         controls.style.zoom = String(zoom);
       });
     };

@@ -68,7 +68,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
             {kind === "settings" && (
               <>
                 <p class="quiet">A keeps the current settings; the sliders change B.</p>
-                <div class="compare-actions">
+                <div class="actions">
                   <Button
                     kind={compared ? undefined : "primary"}
                     disabled={busy.value}
@@ -107,7 +107,7 @@ export function Compare({ store, session, comparison, isGuest }: CompareProps) {
                 {comparison.mode.value === "blink" && <Blinking comparison={comparison} />}
                 {comparison.mode.value === "difference" && <Legend comparison={comparison} />}
                 {comparison.mode.value === "merge" && <Merge compared={compared} />}
-                <div class="compare-actions">
+                <div class="actions">
                   <Button icon="download" href={`/api/sessions/${encodeURIComponent(session)}/compare.png`} download>
                     Difference (png)
                   </Button>
@@ -145,7 +145,7 @@ function Poses({ others, compared, disabled, onChoose }: ChooseProps & { readonl
   return (
     <>
       <p class="quiet">A is the same log with other poses; both use the same settings.</p>
-      <div class="compare-actions">
+      <div class="actions">
         {others.map((one) => (
           <Button
             key={one.name}
@@ -201,7 +201,7 @@ function Sides({ store, compared }: { readonly store: Store; readonly compared: 
           </Fragment>
         ))}
       </dl>
-      <div class="compare-actions">
+      <div class="actions">
         <Button
           icon="undo"
           onClick={() =>

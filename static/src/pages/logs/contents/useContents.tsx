@@ -2,6 +2,7 @@ import { type Signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Button } from "../../../ui/Button";
+import { ProgressBar } from "../../../ui/ProgressBar";
 import { progressText } from "../../../ui/Working";
 import { type Contents, contentsAddress, fetchJson } from "./contents";
 
@@ -99,9 +100,7 @@ export function WhenKnown({
           {progressText({ fraction: now.progress, elapsed_s: (performance.now() - now.since) / 1000 })}
         </span>
       </p>
-      <div class={now.progress > 0 ? "progress wide" : "progress waiting wide"} aria-hidden="true">
-        <span style={now.progress > 0 ? { transform: `scaleX(${now.progress})` } : undefined} />
-      </div>
+      <ProgressBar fraction={now.progress > 0 ? now.progress : null} isWide />
       <Button onClick={cancel}>Cancel</Button>
     </div>
   );

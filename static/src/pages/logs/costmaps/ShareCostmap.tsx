@@ -28,6 +28,7 @@ export function ShareCostmap({ store, session, sharedView }: ShareCostmapProps) 
       <label class="share-address">
         <span>For everyone who may open the recording on this service, its address:</span>
         <input
+          class="field-text"
           readOnly
           aria-label="Address of this view"
           value={address}

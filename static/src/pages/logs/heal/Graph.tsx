@@ -191,7 +191,7 @@ function Why({ store, healing, isGuest }: Omit<GraphProps, "graph">) {
   );
 }
 
-/** The robust kernel, which the graph is solved again with under the hand. */
+/** The robust kernel; the graph is solved again while its scale is dragged. */
 function Solving({ healing, graph }: { readonly healing: Healing; readonly graph: PoseGraph }) {
   return (
     <>

@@ -6,6 +6,7 @@ import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
 import { trajectoryLabel } from "../describeLog";
 import { ParameterDetails } from "../ParameterDetails";
@@ -100,7 +101,7 @@ function Progress({ job, healing }: { readonly job: SlamState; readonly healing:
   const percent = Math.floor(100 * job.fraction);
   return (
     <div class="heal-progress">
-      <progress max={1} value={job.fraction} aria-label="Healing" />
+      <ProgressBar fraction={job.fraction} label="Healing" />
       <p role="status">
         {job.state === "queued"
           ? `Waiting${job.ahead > 0 ? ` for ${job.ahead} other ${job.ahead === 1 ? "job" : "jobs"}` : ""} …`

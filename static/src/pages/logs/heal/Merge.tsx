@@ -6,6 +6,7 @@ import type { Store } from "../../../store/store";
 import type { Comparison } from "../../../tools/compare/comparison";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
+import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
 import { type ChosenLog, LogChoice } from "../LogChoice";
 import { cancelMerge, type MergeState, mergeState, mergeWith } from "./api";
@@ -108,7 +109,7 @@ export function Merge({ store, session, comparison }: MergeProps) {
         )}
         {now && isUnderWay(now) && (
           <div class="heal-progress">
-            <progress max={1} value={now.fraction} aria-label="Merging" />
+            <ProgressBar fraction={now.fraction} label="Merging" />
             <p role="status">
               {now.state === "queued" ? "Waiting" : (STAGES[now.stage ?? ""] ?? "Preparing")} …{" "}
               {Math.floor(100 * now.fraction)} %{now.elapsed_s !== null && ` · ${Math.floor(now.elapsed_s)} s`}

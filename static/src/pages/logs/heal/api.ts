@@ -6,7 +6,7 @@ import type { Candidate, Edge, Place, PoseGraph } from "../../../tools/heal/mode
 import type { Parameter, Values } from "../../../wire/protocol";
 import { request } from "../request";
 
-/** SLAM of a log: what is under way, or what came of it. */
+/** SLAM of a log: its progress or its result. */
 export interface SlamState {
   readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly fraction: number;
@@ -48,7 +48,7 @@ export const cancelSlam = (id: string): Promise<SlamState> => request(healing(id
 export const poseGraph = async (id: string): Promise<PoseGraph | null> =>
   (await request<{ graph: PoseGraph | null }>(`${session(id)}/graph`)).graph;
 
-/** Two logs of one place brought into one frame: what is under way, or what came of it. */
+/** The merge of two logs of one place: its progress or its result. */
 export interface MergeState {
   readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly other: string | null;

@@ -83,7 +83,7 @@ export class Healing {
     });
   }
 
-  /** Find out whether a job is under way, or what came of the last one. */
+  /** Ask whether a job is running, or for the result of the last one. */
   async look(): Promise<void> {
     try {
       const job = await api.slamState(this.session);

@@ -41,7 +41,7 @@ export function InitialPose({ localizing }: { readonly localizing: Localizing })
                   {name}, {unit}
                 </span>
                 <input
-                  class="localize-input"
+                  class="field-text number"
                   type="number"
                   step="any"
                   value={pose ? Number(((pose[i] ?? 0) * factor).toFixed(2)) : ""}

@@ -10,6 +10,7 @@ import { SensorCurve } from "../../../tools/localization/SensorCurve";
 import { Button } from "../../../ui/Button";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
+import { ProgressBar } from "../../../ui/ProgressBar";
 import { Toggle } from "../../../ui/Toggle";
 import type { Values } from "../../../wire/protocol";
 import { trajectoryLabel } from "../describeLog";
@@ -83,7 +84,7 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             <MapChoice store={store} localizing={localizing} />
             {doing !== null && (
               <div class="heal-progress">
-                <progress aria-label={doing} />
+                <ProgressBar fraction={null} label={doing} />
                 <p role="status">{doing} …</p>
               </div>
             )}
@@ -294,7 +295,7 @@ function Progress({ localizing }: { readonly localizing: Localizing }) {
           : "The particles do not agree yet";
   return (
     <div class="heal-progress">
-      <progress max={1} value={job.fraction} aria-label="Localizing" />
+      <ProgressBar fraction={job.fraction} label="Localizing" />
       <p role="status">{words} …</p>
       <p class="quiet">
         {Math.floor(100 * job.fraction)} % · {job.scans} of {count} scans · {job.n_particles.toLocaleString("en")}{" "}

@@ -16,7 +16,7 @@ export interface GivenMap {
   readonly notes: readonly string[];
 }
 
-/** A localization: what is under way, or what came of it. */
+/** A localization: its progress or its result. */
 export interface LocalizationState {
   readonly state: "none" | "queued" | "running" | "done" | "failed" | "cancelled";
   readonly fraction: number;

@@ -91,7 +91,7 @@ export class Localizing {
       this.job.value = await api.cancelLocalization(this.session);
     });
 
-  /** Find out whether a job is under way, or what came of the last one. */
+  /** Ask whether a job is running, or for the result of the last one. */
   async look(): Promise<void> {
     try {
       const job = await api.localizationState(this.session);

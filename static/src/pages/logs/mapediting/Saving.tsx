@@ -62,7 +62,7 @@ export function Saving({ store, session }: SavingProps) {
           <label class="mapediting-field">
             <span class="field-label">Name</span>
             <input
-              class="mapediting-name"
+              class="field-text"
               type="text"
               maxLength={100}
               required
@@ -99,7 +99,7 @@ export function Saving({ store, session }: SavingProps) {
       </Panel>
       <Panel title="Download">
         <div class="mapediting">
-          <div class="mapediting-files">
+          <div class="actions">
             {files.map(([file, label]) => (
               <Button key={file} icon="download" href={`${address}/${file}`} download>
                 {label}

@@ -150,6 +150,7 @@ function Editor({ store, state, note, onDone }: EditorProps) {
     >
       <label for={id}>{note ? "Change the note" : "New note"}</label>
       <textarea
+        class="field-text"
         id={id}
         rows={3}
         maxLength={2000}

@@ -15,7 +15,7 @@ export interface NotesState {
   readonly remove: (id: string) => Promise<boolean>;
 }
 
-/** The notes on the log of a session, fetched again whenever somebody has changed one. */
+/** The notes on the log of a session, fetched again whenever one has changed. */
 export function useNotes(session: string, store: Store): NotesState {
   const notes = useSignal<readonly Note[] | null>(null);
   const chosen = useSignal<string | null>(null);

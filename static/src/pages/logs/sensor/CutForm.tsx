@@ -99,7 +99,7 @@ function Field({ row, value, onInput }: FieldProps) {
       <label for={id}>{row.label}</label>
       <input
         id={id}
-        class="cut-input"
+        class="field-text number"
         type="number"
         step="any"
         min={low}

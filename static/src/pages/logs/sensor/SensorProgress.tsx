@@ -1,4 +1,5 @@
 import { Button } from "../../../ui/Button";
+import { ProgressBar } from "../../../ui/ProgressBar";
 import { progressText } from "../../../ui/Working";
 import type { SensorState } from "./useSensor";
 
@@ -20,9 +21,7 @@ export function SensorProgress({ sensor }: { readonly sensor: SensorState }) {
                 </span>
               )}
             </p>
-            <div class={fraction === null ? "progress waiting wide" : "progress wide"} aria-hidden="true">
-              <span style={fraction === null ? undefined : { transform: `scaleX(${fraction})` }} />
-            </div>
+            <ProgressBar fraction={fraction} />
             <Button onClick={cancel}>Cancel</Button>
           </>
         )}

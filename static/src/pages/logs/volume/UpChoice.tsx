@@ -14,8 +14,8 @@ export function UpChoice({ store, onUp }: UpChoiceProps) {
   if (!now?.has_scans) return null;
   return (
     <Panel title="Up">
-      <label class="volume-up">
-        <span>Axis of the file that points up</span>
+      <label class="field">
+        <span class="field-label">Axis of the file that points up</span>
         <select class="select" value={now.up} onChange={(event) => onUp(event.currentTarget.value)}>
           {AXES.map((axis) => (
             <option key={axis} value={axis}>

@@ -9,7 +9,7 @@ export function VolumeDownloads({ store, session }: { readonly store: Store; rea
   const hasSurface = (store.surface.message.value?.table.length ?? 0) > 0;
   return (
     <Panel title="Download">
-      <div class="downloads">
+      <div class="actions downloads">
         <Button icon="download" href={address("volume.bt")} download>
           bt
         </Button>

@@ -1,0 +1,78 @@
+/** A small picture of a page: its document as an SVG image, see the element foreignObject of SVG 2, section 12.4. */
+
+/** The rules of all style sheets. Fonts are left out: an SVG image fetches nothing. */
+function rulesOf(page: Document): string {
+  const rules = [...page.styleSheets].flatMap((sheet) => [...sheet.cssRules]);
+  return rules
+    .map((rule) => rule.cssText)
+    .filter((text) => !text.startsWith("@font-face"))
+    .join("\n");
+}
+
+/** A copy of what an element shows, without what `omitted` selects: canvases have their picture as background. */
+function stillCopy(root: HTMLElement, omitted: string): HTMLElement {
+  const copy = root.cloneNode(true) as HTMLElement;
+  const drawn = root.querySelectorAll("canvas");
+  const view = root.ownerDocument.defaultView;
+  copy.querySelectorAll("canvas").forEach((canvas, i) => {
+    const from = drawn[i];
+    if (!from || !view || from.closest(omitted) || from.width === 0 || from.height === 0) return;
+    const { display, width, height } = view.getComputedStyle(from);
+    canvas.style.display = display === "inline" ? "inline-block" : display;
+    canvas.style.width = width;
+    canvas.style.height = height;
+    canvas.style.background = `url(${from.toDataURL()}) 0 0 / 100% 100% no-repeat`;
+  });
+  for (const one of copy.querySelectorAll(omitted)) one.remove();
+  return copy;
+}
+
+const escaped = (text: string): string => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
+
+/**
+ * An SVG image of a document of `width` × `height` CSS pixels, in the light or dark colours. Its text is put together
+ * here: in a document of this page, the Content-Security-Policy would forbid the styles.
+ */
+function imageSource(page: Document, width: number, height: number, dark: boolean, omitted: string): string {
+  const root = page.documentElement;
+  const { fontSize } = (page.defaultView as Window).getComputedStyle(root);
+  const content = new XMLSerializer().serializeToString(stillCopy(root, `script, link, style, iframe, ${omitted}`));
+  // The root of the image, to which rem and the design tokens refer, is not that of the page.
+  const style = `font-size: ${fontSize}; color-scheme: ${dark ? "dark" : "light"}`;
+  const image =
+    `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" style="${style}">` +
+    `<style>${escaped(rulesOf(page))}</style>` +
+    `<foreignObject width="100%" height="100%">${content}</foreignObject></svg>`;
+  return `data:image/svg+xml;charset=utf-8,${encodeURIComponent(image)}`;
+}
+
+interface SnapshotOptions {
+  /** The size of the page, CSS pixels. */
+  readonly width: number;
+  readonly height: number;
+  /** The width of the picture, pixels. */
+  readonly to: number;
+  readonly dark: boolean;
+  /** Selects what is not drawn. */
+  readonly omitted: string;
+}
+
+/** Draw a document of this origin; returns the address of the picture. Rejects where the browser does not allow it. */
+export async function snapshotOf(
+  page: Document,
+  { width, height, to, dark, omitted }: SnapshotOptions,
+): Promise<string> {
+  const image = new Image(width, height);
+  image.src = imageSource(page, width, height, dark, omitted);
+  await image.decode();
+  const canvas = document.createElement("canvas");
+  canvas.width = to;
+  canvas.height = Math.round((to * height) / width);
+  const context = canvas.getContext("2d");
+  if (!context) throw new Error("no canvas");
+  context.imageSmoothingQuality = "high";
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
+  if (!blob) throw new Error("no picture");
+  return URL.createObjectURL(blob);
+}
