@@ -228,7 +228,7 @@ class OccupancyVolume:
 
     def stop_masks(self) -> StopMasks:
         """Return which voxels end a cast ray, of the blocks in the order of their slots."""
-        return self._stops.masks_of(self.belief, self.blocks.count, float(self.config.log_odds_occupied))
+        return self._stops.masks_of(self.belief, self.blocks.codes, float(self.config.log_odds_occupied))
 
     def log_odds_at(self, points: ArrayLike) -> Float32Array:
         """Return the log-odds (n,) of the voxels that hold points (n, 3), NaN where unknown or outside the lattice."""
