@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon } from "../../ui/Icon";
+import { plural } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
@@ -14,9 +15,6 @@ const PAGE = 120;
 const quietly = (work: Promise<void>): void => {
   work.catch((error: Error) => toast(error.message));
 };
-
-const plural = (count: number, noun: string): string =>
-  `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
 
 /** All logs, each read, examined and mapped once, and a wall of their maps. */
 export function Fleet() {
