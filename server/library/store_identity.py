@@ -21,15 +21,15 @@ def check_store_identity(database: Database, blobs: Blobs) -> None:
 
     A store whose id cannot be read now is accepted. Blocks.
     """
-    try:
-        identity = blobs.identity()
-    except StorageError:
-        _log.warning("the id of the store of blobs cannot be read: whether the records belong to it is not checked")
-        return
 
     def belong(connection: Connection) -> bool:
         if connection.dialect.name == "postgresql":  # as SQLite does: a second service waits
             connection.execute(text("SELECT pg_advisory_xact_lock(1196574019)"))
+        try:  # a new store gets its id behind the lock: not every one refuses the second of two that come at once
+            identity = blobs.identity()
+        except StorageError:
+            _log.warning("the id of the store of blobs cannot be read: whether the records belong to it is not checked")
+            return True
         known = connection.execute(store.select()).scalars().all()
         if not known:
             connection.execute(store.insert().values(id=identity))

@@ -16,6 +16,7 @@ from server.library.blobs import Blobs
 from server.library.database import Database
 from server.library.store_identity import check_store_identity
 from server.settings import Settings
+from tests.server.library.postgresql import Cluster
 from tests.server.library.small_logs import carmen, in_pieces
 
 
@@ -117,3 +118,21 @@ def test_of_two_stores_that_claim_a_database_concurrently_one_is_refused(url: st
         forget(url, tmp_path)
     for database in databases:
         database.close()
+
+
+def test_a_new_store_gets_its_id_from_one_service_at_a_time(postgresql: Cluster, tmp_path: Path) -> None:
+    """Some stores accept both of two writes that are to create a file."""
+    database = Database.open(postgresql.new_database(), tmp_path)
+    beside = Database.open(database.address, tmp_path)
+    held = text("SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND objid = 1196574019 AND granted")
+    found: list[int] = []
+
+    class Store(Blobs):
+        def identity(self) -> str:
+            found.append(beside.now(lambda connection: connection.execute(held).scalar_one()))
+            return super().identity()
+
+    check_store_identity(database, Store(MemoryStore(), None, tmp_path))
+    assert found == [1]
+    for one in (database, beside):
+        one.close()
