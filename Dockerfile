@@ -17,21 +17,32 @@ COPY mapper mapper
 COPY server server
 RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels .
 
-# What runs: the service and its dependencies in an environment of their own, no compiler, no Node, no packages' tests.
+# The service and its dependencies in an environment of their own, without pip, packages' tests, and what linkers and
+# debuggers read of extension modules. strip damages files that were rewritten when their wheel was made: libraries below
+# *.libs, and numba's thread pools, are left as they are, and all others are loaded once.
+FROM ${BASE} AS environment
+RUN apt-get update && apt-get install --yes --no-install-recommends binutils && rm -r /var/lib/apt/lists
+COPY requirements/runtime.txt requirements/
+RUN python -m venv --without-pip /opt/gridbloom \
+    && pip --python /opt/gridbloom/bin/python install --no-cache-dir --require-hashes --requirement requirements/runtime.txt \
+    && find /opt/gridbloom -type d -name tests -prune -exec rm -r {} + \
+    && find /opt/gridbloom -type f -name '*.so' -not -path '*.libs/*' -not -path '*/numba/np/ufunc/*' \
+        -exec strip --strip-unneeded {} + \
+        -exec /opt/gridbloom/bin/python -c "import ctypes, sys; [ctypes.CDLL(path) for path in sys.argv[1:]]" {} +
+RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
+    pip --python /opt/gridbloom/bin/python install --no-cache-dir --no-deps /wheels/gridbloom-*.whl
+
+# What runs: no compiler, no Node.
 FROM ${BASE} AS runtime
 RUN useradd --system --create-home --uid 10001 gridbloom \
     && install --directory --owner gridbloom --group gridbloom /data /blobs /var/cache/gridbloom
+COPY --from=environment /opt/gridbloom /opt/gridbloom
 ENV VIRTUAL_ENV=/opt/gridbloom \
     PATH=/opt/gridbloom/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     NUMBA_CACHE_DIR=/var/cache/gridbloom \
     GRIDBLOOM_PORT=8000 \
     GRIDBLOOM_LOG_FORMAT=json
-RUN --mount=type=bind,source=requirements/runtime.txt,target=/requirements.txt \
-    python -m venv "$VIRTUAL_ENV" && pip install --no-cache-dir --require-hashes --requirement /requirements.txt \
-    && find "$VIRTUAL_ENV" -type d -name tests -prune -exec rm -r {} +
-RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
-    pip install --no-cache-dir --no-deps /wheels/gridbloom-*.whl
 USER gridbloom
 WORKDIR /data
 # Compiles every kernel. On a processor of another kind than the builder's numba compiles them again at first use.

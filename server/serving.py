@@ -34,6 +34,7 @@ from server.network_address import reachable
 from server.sessions import KINDS, Kind
 from server.settings import Settings
 from server.stream.frames import EXTENSION
+from server.warm_up import WarmUp
 
 BACKLOG = 2048
 UNGUARDED = "no token is required: everyone who can reach the service may upload logs and use all functions."
@@ -140,15 +141,23 @@ class Socket(WebSocketsSansIOProtocol):
 
 
 class Server(uvicorn.Server):
-    """A uvicorn server that limits its number of ``connections``."""
+    """A uvicorn server that limits its number of ``connections``. While it runs, ``warm_up`` may compile kernels."""
 
-    def __init__(self, config: uvicorn.Config, connections: Connections) -> None:
+    def __init__(self, config: uvicorn.Config, connections: Connections, warm_up: WarmUp | None = None) -> None:
         super().__init__(config)
-        self.connections = connections
+        self.connections, self.warm_up = connections, warm_up
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen on the sockets."""
         await super().startup([Listener(one, self.connections) for one in sockets or ()])
+        if self.warm_up is not None and not self.should_exit:
+            self.warm_up.begin()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Close all connections and end what was begun."""
+        if self.warm_up is not None:
+            self.warm_up.end()
+        await super().shutdown(sockets)
 
 
 def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server:
@@ -172,6 +181,7 @@ def make_server(settings: Settings, kinds: Mapping[str, Kind] = KINDS) -> Server
             timeout_graceful_shutdown=2,
         ),
         connections,
+        WarmUp() if settings.compile_ahead else None,
     )
 
 

@@ -121,6 +121,11 @@ class Settings(BaseSettings):
         ge=1,
         description="Number of threads that compute maps.",
     )
+    compile_ahead: bool = Field(
+        default=True,
+        description="Whether a process of the lowest priority compiles all kernels after the start, where that was not "
+        "done before; else each is compiled when it is first used.",
+    )
     log_format: Literal["console", "json"] = Field(default="console", description="Format of log lines.")
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         default="info", description="Lowest level that is logged."

@@ -16,6 +16,7 @@ from tests.programs import in_ci
 # Speed is never asserted, so examples have no deadline; CI must not fail by the luck of the draw.
 settings.register_profile("gridbloom", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("ci", settings.get_profile("gridbloom"), derandomize=True, print_blob=True)
+os.environ.setdefault("GRIDBLOOM_COMPILE_AHEAD", "false")  # services of tests: `make test` has compiled the kernels
 settings.load_profile("ci" if in_ci() else "gridbloom")
 
 

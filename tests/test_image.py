@@ -36,6 +36,7 @@ PACKAGES = "ca-certificates,python-is-python3,python3,python3-pip,python3-venv"
 SETTINGS = ("/etc/pip.conf", "/root/.config/pip/pip.conf", "/etc/npmrc", "/root/.npmrc")
 CERTIFICATES = "/etc/ssl/certs/ca-certificates.crt"
 MOST_BYTES = 450_000_000  #: on top of the base, as a host fetches it
+MOST_UNPACKED_MB = 550
 OCCUPIED = 100  #: of `OccupancyGrid.classify`
 TOKEN = "a-token-of-the-tests-0123456789"
 
@@ -132,6 +133,7 @@ def test_the_image_is_built_serves_and_maps_a_log(tmp_path: Path) -> None:
     added = (unpacked[0] - unpacked[1]) / 1e6
     print(f"on top of its base the image has {added:.0f} MB, {fetched / 1e6:.0f} MB compressed")
     assert fetched < MOST_BYTES
+    assert added < MOST_UNPACKED_MB
 
     log, config = sample_log(40), MappingConfig()
     with (tmp_path / "run.mcap").open("wb") as file:

@@ -1,6 +1,7 @@
 """``python -m mapper.tools.precompile``: compile every kernel, so that the first visitor does not wait for it.
 
-With ``--lab``, compile only those that a new simulated world needs.
+With ``--lab``, compile only those that a new simulated world needs; with ``--background``, all at the lowest priority
+until standard input ends, unless that was done before or another process is at it.
 
 numba keeps what it compiles (in NUMBA_CACHE_DIR, or next to the sources), and an image or a machine that ran this once
 starts at full speed. It exits with 1 and names the kernel if one was left out.
@@ -8,13 +9,19 @@ starts at full speed. It exits with 1 and names the kernel if one was left out.
 
 from __future__ import annotations
 
+import fcntl
 import importlib
 import itertools
+import os
 import pkgutil
 import re
 import sys
+import threading
 import time
+from contextlib import suppress
 from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,6 +121,9 @@ def precompile() -> None:
     reflected_away(world, np.full(2, 1.0), np.zeros(2), world.start)
     measure_3d(world, Sensor3D(), world.start, np.random.default_rng(0))
     replay = Replay(recording.as_log(), MappingConfig(resolution=0.1))
+    replay.advance_to(replay.log.n_scans)
+    _localize(replay.log, replay.grid)
+    _plan(replay.grid.geometry)
     for model, update, traversal, no_return in itertools.product(
         *(BY_NAME[name].choices for name in ("model", "update", "traversal", "no_return"))
     ):
@@ -129,8 +139,6 @@ def precompile() -> None:
     _draw(grid)
     compare(grid, grid)
     map_metrics(grid)
-    _localize(replay.log, grid)
-    _plan(grid.geometry)
     _match(replay.log)
     _close_a_loop(replay.log)
     _map_in_3d()
@@ -265,6 +273,44 @@ def kernels() -> dict[str, bool]:
     return found
 
 
+def _mark() -> Path:
+    """Return the path of the empty file that says that all present kernels are compiled for this processor."""
+    import llvmlite  # noqa: PLC0415 - imports numba, which `--lab` does later
+    from llvmlite.binding import get_host_cpu_features, get_host_cpu_name  # noqa: PLC0415
+
+    from mapper.core.compile_cache import cache_folder  # noqa: PLC0415
+
+    folders = [cache_folder(package) for package in sorted({name.split(".")[1] for name in kernels()})]
+    made_by = llvmlite.__version__, get_host_cpu_name(), get_host_cpu_features().flatten()
+    text = "\n".join([*made_by, *(folder.name for folder in folders)])
+    return folders[0].parent / f"compiled-{sha256(text.encode()).hexdigest()[:16]}"
+
+
+def _end_with_input() -> None:
+    """End this process when its standard input ends, as it does when the process at its other end has ended."""
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
+    os._exit(0)
+
+
+def _background_turn(mark: Path) -> bool:
+    """Make way for all other processes; return whether there is something to compile and no other one is at it."""
+    os.nice(19)
+    with suppress(OSError):  # Linux: where memory runs out, it is this process that ends
+        Path("/proc/self/oom_score_adj").write_text("1000")
+    threading.Thread(target=_end_with_input, daemon=True).start()
+    if mark.exists():
+        return False
+    try:
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        fcntl.flock(os.open(mark.parent, os.O_RDONLY), fcntl.LOCK_EX | fcntl.LOCK_NB)  # until this process ends
+    except BlockingIOError:
+        return False
+    except OSError:  # there is no such folder: numba keeps the kernels in one of the user's own
+        return True
+    return not mark.exists()
+
+
 def main() -> int:
     """Compile the kernels and print how long it took; return the exit status."""
     began = time.perf_counter()
@@ -272,12 +318,21 @@ def main() -> int:
         precompile_lab()
         print(f"the lab's kernels ready in {time.perf_counter() - began:.1f} s")
         return 0
+    mark = _mark()
+    if sys.argv[1:] == ["--background"]:
+        if not _background_turn(mark):
+            return 0
+        precompile_lab()
     precompile()
     done = kernels()
     cold = [name for name, compiled in done.items() if not compiled]
     for name in cold:
         print(f"{name} was not compiled: mapper/tools/precompile.py does not use it.", file=sys.stderr)
     print(f"{len(done) - len(cold)} of {len(done)} kernels ready in {time.perf_counter() - began:.1f} s")
+    if not cold:
+        with suppress(OSError):  # where it cannot be written, the next run finds the kernels compiled one by one
+            mark.parent.mkdir(parents=True, exist_ok=True)
+            mark.touch()
     return 1 if cold else 0
 
 

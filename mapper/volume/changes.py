@@ -35,7 +35,7 @@ def changes_between(first: OccupancyVolume, second: OccupancyVolume) -> Changes:
             f"{second.config.resolution:g} m.",
         )
     _, slots, others = np.intersect1d(first.blocks.codes, second.blocks.codes, return_indices=True)
-    before, after = first.values[slots], second.values[others]
+    before, after = first.values_of(slots), second.values_of(others)
     known = ~np.isnan(before) & ~np.isnan(after)
     was, is_now = before >= first.config.log_odds_occupied, after >= second.config.log_odds_occupied
     corners = first.blocks.corners[slots]

@@ -9,10 +9,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mapper.core.array_types import BoolArray, Float32Array, Int32Array, Int64Array
+from mapper.core.array_types import BoolArray, Float32Array, Int32Array, Int64Array, UInt16Array
 from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.parallel import cores, in_parallel, scratch, shares
+from mapper.volume.block_parts import BlockParts
 from mapper.volume.blocks import BLOCK, BlockHash
 from mapper.volume.kernels.rays import CENTRE, distinct_voxels, key_bounds, mark_ends, mark_rays, pack_keys, voxel_keys
 from mapper.volume.kernels.types import Belief, Box, StopMasks, Updates
@@ -45,20 +46,24 @@ class OccupancyVolume:
     def __init__(self, config: VolumeConfig | None = None, limits: Limits = DEFAULT_LIMITS) -> None:
         self.config = VolumeConfig() if config is None else config
         self.blocks = BlockHash(limits)
-        self._values = np.empty((0, BLOCK, BLOCK, BLOCK), dtype=np.float32)
+        self._parts = BlockParts()
         self._maxima = np.empty(0, dtype=np.float32)
         self._known = np.empty(0, dtype=np.int32)
         self._stops = StopMaskCache()
 
     @property
     def values(self) -> Float32Array:
-        """The log-odds (n, 8, 8, 8), z y x, of the blocks in the order of their slots; NaN where unknown."""
-        return self._values[: self.blocks.count]
+        """A copy of the log-odds (n, 8, 8, 8), z y x, of the blocks in the order of their slots; NaN where unknown."""
+        return self._parts.blocks(slice(0, self.blocks.count))
+
+    def values_of(self, slots: Int32Array | Int64Array) -> Float32Array:
+        """Return a copy of the log-odds (n, 8, 8, 8), z y x, of blocks by their slots (n,)."""
+        return self._parts.blocks(slots)
 
     @property
     def belief(self) -> Belief:
         """The map as kernels take it."""
-        return Belief(self.blocks.table, self._values, self._maxima, self._known)
+        return Belief(self.blocks.table, self._parts.numbers, self._parts.values, self._maxima, self._known)
 
     @property
     def n_known(self) -> int:
@@ -67,14 +72,13 @@ class OccupancyVolume:
 
     def count_states(self) -> tuple[int, int]:
         """Return how many voxels are occupied and how many are free."""
-        full = self._maxima[: self.blocks.count] >= self.config.log_odds_occupied
-        occupied = int((self.values[full] >= self.config.log_odds_occupied).sum())
+        occupied = int((self._parts.known_values >= self.config.log_odds_occupied).sum())
         return occupied, self.n_known - occupied
 
     @property
     def n_bytes(self) -> int:
         """Bytes that the map takes: those of its blocks and of the hash."""
-        blocks = self.blocks.count * (self._values[:0].itemsize * BLOCK**3 + 16) + self._stops.n_bytes
+        blocks = self.blocks.count * 16 + self._parts.n_bytes(self.blocks.count) + self._stops.n_bytes
         return blocks + self.blocks.table.codes.nbytes + self.blocks.table.slots.nbytes
 
     @property
@@ -169,48 +173,41 @@ class OccupancyVolume:
             )
             mark_ends(hits, box, marks)
             found = [_found(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
-            codes = np.concatenate([codes for codes, _ in found])
-            corners = np.concatenate([corners for _, corners in found])
+            codes, corners, parts = (np.concatenate(some) for some in zip(*found, strict=True))
             try:
                 slots = self._add(codes)
             except LimitError:
                 words[:] = 0
                 raise
-            config = self.config
+            self._parts.add(slots, parts)
+            config, belief = self.config, self.belief
             updates = Updates(config.log_odds_miss, config.log_odds_hit, config.log_odds_min, config.log_odds_max)
             in_parallel(
                 [
-                    partial(apply_marks, marks, words, box, corners[a:b], slots[a:b], updates, *self._arrays)
+                    partial(apply_marks, marks, words, box, corners[a:b], slots[a:b], updates, belief)
                     for a, b in shares(len(slots), n)
                 ]
             )
         self._stops.mark_stale(slots)
         return slots
 
-    @property
-    def _arrays(self) -> tuple[Float32Array, Float32Array, Int32Array]:
-        return self._values, self._maxima, self._known
-
     def _add(self, codes: Int64Array) -> Int32Array:
         """Return the slots of blocks; new ones are unknown."""
         before = self.blocks.count
         slots = self.blocks.add(codes)
-        if self.blocks.capacity > len(self._values):
-            values, maxima, known = self._arrays
-            n = self.blocks.capacity
-            self._values = np.empty((n, BLOCK, BLOCK, BLOCK), dtype=np.float32)
+        if self.blocks.capacity > len(self._known):
+            maxima, known, n = self._maxima, self._known, self.blocks.capacity
+            self._parts.reserve(n, before)
             self._maxima, self._known = np.empty(n, dtype=np.float32), np.empty(n, dtype=np.int32)
-            self._values[:before], self._maxima[:before], self._known[:before] = (
-                values[:before], maxima[:before], known[:before],
-            )  # fmt: skip
+            self._maxima[:before], self._known[:before] = maxima[:before], known[:before]
         new = slice(before, self.blocks.count)
-        self._values[new], self._maxima[new], self._known[new] = np.nan, -np.inf, 0
+        self._maxima[new], self._known[new] = -np.inf, 0
         return slots
 
     def set_blocks(self, codes: Int64Array, values: Float32Array) -> None:
         """Give the voxels (n, 8, 8, 8) of blocks these log-odds; the codes (n,) are all different."""
         slots = self._add(codes)
-        self._values[slots] = values
+        self._parts.set_blocks(slots, values)
         self._summarise()
 
     def decay(self, elapsed: float) -> None:
@@ -222,17 +219,16 @@ class OccupancyVolume:
         if self.config.half_life == 0.0:
             return
         factor = np.float32(0.5 ** (elapsed / self.config.half_life))
-        decay_blocks(self.values, factor, np.float32(FORGET_BELOW))
+        decay_blocks(self._parts.known_values, factor, np.float32(FORGET_BELOW))
         self._summarise()
 
     def _summarise(self) -> None:
-        n = self.blocks.count
-        summarise_blocks(self.values, self._maxima[:n], self._known[:n])
+        summarise_blocks(self.belief, self.blocks.count)
         self._stops.mark_stale(slice(None))
 
     def stop_masks(self) -> StopMasks:
         """Return which voxels end a cast ray, of the blocks in the order of their slots."""
-        return self._stops.masks_of(self.values, self.blocks.capacity, float(self.config.log_odds_occupied))
+        return self._stops.masks_of(self.belief, self.blocks.codes, float(self.config.log_odds_occupied))
 
     def log_odds_at(self, points: ArrayLike) -> Float32Array:
         """Return the log-odds (n,) of the voxels that hold points (n, 3), NaN where unknown or outside the lattice."""
@@ -245,13 +241,16 @@ class OccupancyVolume:
         slots = self.blocks.find(z // BLOCK << 26 | y // BLOCK << 13 | x // BLOCK)
         there = slots >= 0 if where is None else where & (slots >= 0)
         out = np.full(len(keys), np.nan, dtype=np.float32)
-        out[there] = self._values[slots[there], z[there] % BLOCK, y[there] % BLOCK, x[there] % BLOCK]
+        x, y, z = x[there], y[there], z[there]
+        parts = self._parts.numbers[slots[there], z // 2 % 4 * 4 + y // 2 % 4]
+        out[there] = self._parts.values[parts, z % 2, y % 2, x % BLOCK]
         return out
 
     def voxels(self, least: float = -np.inf) -> tuple[Int64Array, Float32Array]:
         """Return the keys (n, 3) and the log-odds (n,) of the known voxels whose log-odds are at least ``least``."""
-        slot, z, y, x = np.nonzero(self.values >= least)
-        return self.blocks.corners[slot] + np.stack([x, y, z], axis=1), self.values[slot, z, y, x]
+        values = self.values
+        slot, z, y, x = np.nonzero(values >= least)
+        return self.blocks.corners[slot] + np.stack([x, y, z], axis=1), values[slot, z, y, x]
 
 
 def keys_of(points: Float32Array, resolution: float) -> tuple[Int64Array, BoolArray]:
@@ -287,8 +286,9 @@ def _tiles(low: Int64Array, high: Int64Array) -> list[Box]:
     return [Box(*a, *(high - low for low, high in zip(a, b, strict=True))) for a, b in boxes]
 
 
-def _found(words: Int64Array, box: Box, z0: int, z1: int) -> tuple[Int64Array, Int64Array]:
+def _found(words: Int64Array, box: Box, z0: int, z1: int) -> tuple[Int64Array, Int64Array, UInt16Array]:
     most = (z1 - z0) * (box.ny // BLOCK) * (box.nx // BLOCK)
     codes, corners = np.empty(most, dtype=np.int64), np.empty(most, dtype=np.int64)
-    n = marked_blocks(words, box, z0, z1, codes, corners)
-    return codes[:n], corners[:n]
+    parts = np.empty(most, dtype=np.uint16)
+    n = marked_blocks(words, box, z0, z1, codes, corners, parts)
+    return codes[:n], corners[:n], parts[:n]

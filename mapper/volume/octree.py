@@ -34,6 +34,14 @@ def _voxels_in_morton_order() -> Int64Array:
     return order
 
 
+def _parts_in_morton_order() -> Int64Array:
+    """Return where in the parts of a block, see :class:`Belief`, the voxel of each Morton code is (512,)."""
+    order = _voxels_in_morton_order()
+    x, y, z = order & 7, order >> 3 & 7, order >> 6
+    place: Int64Array = (z >> 1 << 2 | y >> 1) << 5 | (z & 1) << 4 | (y & 1) << 3 | x
+    return place
+
+
 @dataclass(frozen=True, slots=True)
 class Octree:
     """Nodes in depth-first order: log-odds ``values`` (n,) float32 and the bits of the children ``masks`` (n,) uint8.
@@ -57,9 +65,10 @@ class Octree:
         codes = np.empty(n, dtype=np.int64)
         morton_codes(volume.blocks.corners, codes)
         order = np.argsort(codes)
-        values = volume.values.reshape(n, _VOXELS)
+        belief = volume.belief
+        values = belief.values.reshape(-1, 32)
         grown, masks = np.empty(n * 600, dtype=np.float32), np.empty(n * 600, dtype=np.uint8)
-        n = grow_tree(codes[order], order, values, _voxels_in_morton_order(), grown, masks)
+        n = grow_tree(codes[order], order, belief.parts, values, _parts_in_morton_order(), grown, masks)
         tree = cls(config.resolution, grown[:n], masks[:n])
         return tree.max_likelihood(config) if max_likelihood else tree.pruned()
 

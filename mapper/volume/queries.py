@@ -22,6 +22,7 @@ from mapper.volume.occupancy import OccupancyVolume
 
 __all__ = ["HIT", "OUTSIDE", "TOO_FAR", "UNKNOWN", "Casts", "cast", "distance_to_obstacle", "project", "voxels_in_box"]
 
+_ALL_OF_A_ROW = np.uint64(0x0101010101010101)  # eight true bytes
 _SHARE = 1024  # rays or points from which a second thread is worth its start
 
 
@@ -97,7 +98,7 @@ def voxels_in_box(volume: OccupancyVolume, low: ArrayLike, high: ArrayLike) -> t
         raise ConfigError("volume.box", f"A box has two corners of three numbers, not {low!r} and {high!r}.")
     corners = volume.blocks.corners
     near = np.flatnonzero(((corners + BLOCK > first) & (corners <= last)).all(axis=1))
-    values = volume.values[near]
+    values = volume.values_of(near)
     slot, z, y, x = np.nonzero(~np.isnan(values))
     keys = corners[near][slot] + np.stack([x, y, z], axis=1)
     inside = ((keys >= first) & (keys <= last)).all(axis=1)
@@ -119,9 +120,11 @@ def project(volume: OccupancyVolume, low: float = -np.inf, high: float = np.inf)
     first, last = (np.floor(a), np.floor(a)) if low == high else (np.ceil(a - 0.5), np.floor(b - 0.5))
     first, last = int(first) + CENTRE, int(last) + CENTRE
     corners = volume.blocks.corners
-    known = ~np.isnan(volume.values)
+    parts, values = volume.belief.parts[: len(corners)], volume.belief.values
+    rows = np.isnan(values).view(np.uint64)[..., 0] != _ALL_OF_A_ROW  # with a known voxel, of each part (2, 2)
+    layers = (rows[:, :, 0] | rows[:, :, 1])[parts].reshape(-1, 4, 4, 2).any(axis=2).reshape(-1, BLOCK)
     levels = corners[:, 2, None] + np.arange(BLOCK)
-    some = (known.any(axis=(2, 3)) & (levels >= first) & (levels <= last)).any(axis=1)
+    some = (layers & (levels >= first) & (levels <= last)).any(axis=1)
     if not some.any():
         raise ConfigError("volume.band", f"Nothing is known between {low:g} and {high:g} m of height.")
     corners = corners[some]
@@ -130,7 +133,7 @@ def project(volume: OccupancyVolume, low: float = -np.inf, high: float = np.inf)
     origin = (float((x0 - CENTRE) * resolution), float((y0 - CENTRE) * resolution), 0.0)
     grid = OccupancyGrid(GridGeometry(resolution, int(rows), int(cols), origin))
     columns = np.full((rows, cols), np.nan, dtype=np.float32)
-    project_columns(corners, volume.values[some], first, last, int(x0), int(y0), columns)
+    project_columns(corners, parts[some], values, first, last, int(x0), int(y0), columns)
     seen = ~np.isnan(columns)
     grid.log_odds[seen] = columns[seen]
     grid.observed[seen] = True

@@ -71,6 +71,9 @@ def costmap(
             files.append(mcap)
     counts = np.bincount(costs.ravel(), minlength=256)
     outline = built.costmap.footprint
+    unknown_as_free = 0
+    if not parameters.general.track_unknown_space:
+        unknown_as_free = int(((loaded.values < 0) & (costs < LETHAL)).sum())
     facts: dict[str, Any] = {
         "map": str(map_yaml),
         "node": parameters.node,
@@ -82,6 +85,7 @@ def costmap(
         "inflated": int(counts[1:INSCRIBED].sum()),
         "free": int(counts[0]),
         "no_information": int(counts[NO_INFORMATION]),
+        "unknown_as_free": unknown_as_free,
         "without_effect": list(parameters.unused),
         "filters": [one.name for one in parameters.filters],
         "without_mask": list(built.unmasked),
@@ -101,6 +105,8 @@ def costmap(
         f"  {facts['lethal']} lethal, {facts['inscribed']} inscribed, {facts['inflated']} inflated, "
         f"{facts['free']} free, {facts['no_information']} no information"
     )
+    if unknown_as_free:
+        typer.echo(f"  {unknown_as_free} cells are unknown in the map and count as free: track_unknown_space is off")
     if parameters.unused:
         typer.echo(f"  parameters that change no cost here: {', '.join(parameters.unused)}")
     if built.speed:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mapper.sensors.scan import ScanLog
 
 COVARIANCE = ".covariance.csv"
+LEAST_CONVERGED = 0.5  #: of the scans since the filter first converged: a smaller share is said
 
 
 @app.command()
@@ -72,6 +73,11 @@ def localize(
             from mapper.localization.map_model import check_pose  # noqa: PLC0415 - start-up
 
             check_pose(loaded.grid.geometry, begin)
+    if out is not None:
+        try:
+            out.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            fail(f"{out}: the file cannot be written: {error.strerror}.")
     topics = list(dict.fromkeys(topic or ()))
     scans = read_joint(log, topics) if len(topics) > 1 else read_log(log, topics[0] if topics else None)
     with progress_bar("Localizing") as bar:
@@ -86,6 +92,8 @@ def localize(
     if ignored:
         notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(ignored)}.")
     first = found.first_converged
+    if first is not None and (uncertain := doubt(found, first)):
+        notes.append(uncertain)
     facts: dict[str, Any] = {
         "log": scans.name,
         "map": map_file.name,
@@ -110,12 +118,25 @@ def localize(
     else:
         typer.echo(f"  converged at scan {first}; it had converged at {facts['scans_converged']} scans")
     x, y, yaw = facts["last_pose"]
-    typer.echo(f"  last pose {x:.3f} m, {y:.3f} m, {yaw:.4f} rad")
+    not_there = "" if facts["last_converged"] else ", not certain: the filter had not converged there"
+    typer.echo(f"  last pose {x:.3f} m, {y:.3f} m, {yaw:.4f} rad{not_there}")
+    typer.echo(f"  median fit {facts['median_fit']:.2f}; 1 is the greatest")
     typer.echo(f"  {found.cpu_seconds:.1f} s of processor time")
     for path in written:
         typer.echo(f"  wrote {path}")
     for note in notes:
         typer.echo(f"  note: {note}")
+
+
+def doubt(found: Localized, first: int) -> str | None:
+    """Return a sentence where the filter, once converged, was mostly uncertain; ``first`` is where it converged."""
+    since = found.is_converged[first:]
+    if since.mean() >= LEAST_CONVERGED:
+        return None
+    return (
+        f"From scan {first} on the filter had converged at {int(since.sum())} of {len(since)} scans only: "
+        "this may not be the map of where the log was recorded."
+    )
 
 
 def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationConfig, tuple[str, ...]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from numpy.typing import NDArray
@@ -11,7 +12,9 @@ from numpy.typing import NDArray
 from mapper.core.errors import MapperError
 from server.http.routes.trajectories import update_sessions
 from server.library import Library
+from server.library.localize_jobs import NAME as LOCALIZED
 from server.library.pose_jobs import PoseJobs
+from server.library.slam_job import NAME as SLAM
 from server.sessions import SessionRegistry
 from server.stream.protocol import ProtocolError
 
@@ -37,7 +40,7 @@ R = TypeVar("R", bound=Report)
 T = TypeVar("T")
 
 
-def follow(
+def _follow(
     session: SessionHost,
     jobs: PoseJobs[R, T],
     log_id: str,
@@ -56,6 +59,38 @@ def follow(
             session.enqueue({"type": "poses_so_far", "poses": report.poses, **more(report)})
 
     session.on_close.append(jobs.listen(session.owner, log_id, notify))
+
+
+def join_jobs(library: Library, sessions: SessionRegistry, session: SessionHost) -> None:
+    """Have a new session follow the jobs on its log that are under way: its owner had another one when they began.
+
+    That one may have been lost with its service.
+    """
+    recording = session.model.recording
+    if recording is None or session.link is not None:
+        return
+    owner, log_id = session.owner, recording.log_id
+
+    def is_under_way(jobs: PoseJobs[R, T]) -> bool:
+        return jobs.state(owner, log_id)["state"] in ("queued", "running")
+
+    with suppress(MapperError):  # the log was deleted meanwhile
+        if is_under_way(library.slam):
+            follow_slam(session, library, log_id)
+            tell_at_end(library, sessions, library.slam, owner, log_id)
+        if is_under_way(library.localization):
+            follow_localization(session, library, log_id)
+            tell_at_end(library, sessions, library.localization, owner, log_id)
+
+
+def follow_slam(session: SessionHost, library: Library, log_id: str) -> None:
+    """Have a session show the map along the poses so far of SLAM of its log."""
+    _follow(session, library.slam, log_id, SLAM)
+
+
+def follow_localization(session: SessionHost, library: Library, log_id: str) -> None:
+    """Have a session show the map along the poses so far of the localization of its log, and the particles."""
+    _follow(session, library.localization, log_id, LOCALIZED, lambda report: {"report": report})
 
 
 def tell_at_end(library: Library, sessions: SessionRegistry, jobs: PoseJobs[R, T], owner: str, log_id: str) -> None:

@@ -244,7 +244,7 @@ class Catalogue:
                 self._remove_derived(log_id)
                 await self._store.delete(log_id)
             self._records.pop(log_id, None)
-            await self._common.delete(self.pack(log_id), self.picture(log_id))
+            await self._common.delete(self.pack(log_id).name, self.picture(log_id).name)
             if sha256 is not None:
                 await self._delete_unused_blob(sha256)
         await self._forget(log_id)

@@ -1,4 +1,4 @@
-"""The packs and pictures of logs in the store of blobs, where every service finds what one of them has read.
+"""Files of logs in the store of blobs, where every service finds them: packs, pictures, and maps to localize in.
 
 A service that has its database and its store for itself keeps them in its data folder only.
 """
@@ -65,11 +65,22 @@ class CommonFiles:
                 with contextlib.suppress(StorageError):
                     await self._files.copy_in(path, path.name)
 
-    async def delete(self, *paths: Path) -> None:
+    async def replace(self, path: Path, name: str) -> None:
+        """Copy a file into the store, in the place of an older one of this name. Raises :class:`StorageError`."""
+        if self._files is not None:
+            await self._files.copy_in(path, name)
+
+    async def update(self, path: Path, name: str) -> None:
+        """Replace a file here by that of this name in the store, where the store has one and can be reached."""
+        if self._files is not None:
+            with contextlib.suppress(StorageError):
+                await self._files.copy_out(name, path)
+
+    async def delete(self, *names: str) -> None:
         """Remove the files of these names from the store."""
         if self._files is not None:
-            for path in paths:
-                await self._files.delete(path.name)
+            for name in names:
+                await self._files.delete(name)
 
     async def remove_unreferenced(self, log_ids: Collection[str]) -> None:
         """Remove the files of other logs from the store."""

@@ -1,4 +1,7 @@
-"""The maps that visitors' logs are localized in: one for each visitor and log, made in a process with limits."""
+"""The maps that visitors' logs are localized in: one for each visitor and log, made in a process with limits.
+
+Services that share their store have the newest of each from it.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from pathlib import Path
 from typing import Protocol
 
 from mapper.core.errors import LimitError
+from server.library.common_files import CommonFiles
 from server.library.given_map import GivenMap, read_given_map
 from server.library.given_map_job import GivenMapJob
 from server.library.log_reader import outcome_of
@@ -32,10 +36,12 @@ class MapLogs(Logs, Protocol):
 
 
 class GivenMaps:
-    """All of them, as files in ``folder``. Used from the event loop only."""
+    """All of them, as files in ``folder`` and in the store of ``common``. Used from the event loop only."""
 
-    def __init__(self, logs: MapLogs, worker: Callable[[], Worker], folder: Path, room: Callable[[], int]) -> None:
-        self._logs, self._make_worker, self._folder, self._room = logs, worker, folder, room
+    def __init__(
+        self, logs: MapLogs, worker: Callable[[], Worker], folder: Path, room: Callable[[], int], common: CommonFiles
+    ) -> None:
+        self._logs, self._make_worker, self._folder, self._room, self._common = logs, worker, folder, room, common
         self._worker: Worker | None = None
         self._turns = FairLock()
         private_folder(folder)
@@ -59,7 +65,15 @@ class GivenMaps:
     async def get(self, owner: str, log_id: str) -> GivenMap:
         """Return that map. Raises :class:`ConfigError` where there is none."""
         self._logs.get(owner, log_id)
-        return await asyncio.to_thread(read_given_map, self.path(owner, log_id))
+        return await asyncio.to_thread(read_given_map, await self.newest(owner, log_id))
+
+    async def newest(self, owner: str, log_id: str) -> Path:
+        """Return :meth:`path`, at which the newest map is that another service may have chosen since."""
+        path = self.path(owner, log_id)
+        before = _bytes_of(path)
+        await self._common.update(path, _common_name(log_id, path))
+        self._bytes += _bytes_of(path) - before
+        return path
 
     async def of_log(self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None) -> GivenMap:
         """Choose the map of the log ``other`` along one of its trajectories, None: its first; or ``other``, a map.
@@ -101,7 +115,7 @@ class GivenMaps:
             await asyncio.to_thread(source.unlink, missing_ok=True)
 
     async def _made(self, owner: str, log_id: str, source: Path, title: str, trajectory: str | None) -> GivenMap:
-        out, fresh = self.path(owner, log_id), self._folder / f"{secrets.token_hex(10)}.new"
+        fresh = self._folder / f"{secrets.token_hex(10)}.new"
         job = GivenMapJob(
             str(source), str(fresh), title, trajectory, LIMITS.timeout_s, LIMITS.cpu_s, LIMITS.memory_bytes
         )
@@ -109,8 +123,7 @@ class GivenMaps:
             async with self._turns.of(owner):
                 worker = self._worker = self._worker or self._make_worker()
                 made = await outcome_of(worker, worker.submit(job), job.timeout_s)
-            self._logs.get(owner, log_id)  # it may have been deleted meanwhile
-            self._put(fresh, out)
+            await self._put(owner, log_id, fresh)
             return made
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
@@ -120,27 +133,47 @@ class GivenMaps:
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
         try:
             await asyncio.to_thread(given.write, fresh)
-            self._logs.get(owner, log_id)
-            self._put(fresh, self.path(owner, log_id))
+            await self._put(owner, log_id, fresh)
         finally:
             await asyncio.to_thread(fresh.unlink, missing_ok=True)
         return given
 
-    def _put(self, fresh: Path, out: Path) -> None:
+    async def _put(self, owner: str, log_id: str, fresh: Path) -> None:
+        """Keep the file ``fresh`` as the map that was chosen, here and in the store."""
+        self._logs.get(owner, log_id)  # it may have been deleted meanwhile
+        out = self.path(owner, log_id)
+        self._replace(fresh, out)
+        await self._common.replace(out, _common_name(log_id, out))
+
+    def _replace(self, fresh: Path, out: Path) -> None:
         """Replace the file ``out`` by a new one."""
-        size = fresh.stat().st_size
+        size = _bytes_of(fresh)
         if size > self._room():
             raise LimitError("library.full", "The server's room for logs is used up; try again later.")
-        self._bytes += size - (out.stat().st_size if out.exists() else 0)
+        self._bytes += size - _bytes_of(out)
         fresh.replace(out)
 
-    def forget_log(self, log_id: str) -> None:
+    async def forget_log(self, log_id: str) -> None:
         """Remove the maps that were chosen for a log."""
         for file in self._folder.glob(f"{hashlib.sha256(log_id.encode()).hexdigest()[:16]}-*.npz"):
-            self._bytes -= file.stat().st_size
+            self._bytes -= _bytes_of(file)
             file.unlink(missing_ok=True)
+            await self._common.delete(_common_name(log_id, file))
 
     async def close(self) -> None:
         """End the process."""
         if self._worker is not None:
             await asyncio.to_thread(self._worker.close)
+
+
+def _common_name(log_id: str, path: Path) -> str:
+    """Return the name of a map in the store, where the files of logs begin with the log's id."""
+    return f"{log_id}.{path.name}"
+
+
+def _bytes_of(path: Path) -> int:
+    """Return the size of a file, 0 for none."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0

@@ -116,7 +116,7 @@ class Library:
         places = Places(self._limits, settings.max_upload_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
         self.slam = PoseJobs(self._database, leases, self, new_worker, root / "slam", SlamKind())
-        self.maps = GivenMaps(self, new_worker, root / "maps", self._room)
+        self.maps = GivenMaps(self, new_worker, root / "maps", self._room, common)
         kind = LocalizationKind(self.maps)
         self.localization = PoseJobs(self._database, leases, self, new_worker, root / "localization", kind)
         self.merges = MergeJobs(self._database, leases, self, new_worker, root / "merges")
@@ -195,7 +195,7 @@ class Library:
         """Remove what was added to a log that was deleted."""
         for queue in self._job_queues:
             await queue.forget_log(log_id)
-        self.maps.forget_log(log_id)
+        await self.maps.forget_log(log_id)
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
         self.puzzles.drop(log_id)

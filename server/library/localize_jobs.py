@@ -49,7 +49,7 @@ class LocalizationKind:
         """Return the job on the log in ``pack``. Raises :class:`ConfigError` where no map was chosen."""
         given = pack.with_name("map.npz")
         try:
-            await asyncio.to_thread(shutil.copyfile, self._maps.path(record.owner, record.log_id), given)
+            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(record.owner, record.log_id), given)
         except FileNotFoundError:
             raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None
         pose = record.parameters["initial_pose"]

@@ -17,10 +17,23 @@ from server.scenes.shapes import Mesh, boxes
 MAX_SIDE = 1024  #: most cells along a side that are drawn; of a larger grid, blocks of cells are drawn
 STEPS = np.asarray(log_odds([OCCUPIED_THRESHOLD, 0.8, 0.9, 0.95]), dtype=np.float32)  #: log-odds of each level
 HEIGHTS = np.array([0.0, 0.2, 0.35, 0.45, 0.5])  #: metres of a column of level 0 … 4
-# The floor's colours at p_occ = 0, 0.5 and 1: free, undecided, occupied.
+# The floor at p_occ = 0, 0.5 and 1, free, undecided, occupied: its colours on a light page, and how opaque it is. One
+# scene serves pages of both schemes, so what is free lets the page's background through and is dark on a dark page.
 _FLOOR_P = (0.0, 0.5, 1.0)
-_FLOOR_RGB = np.array([(191, 220, 243), (241, 238, 230), (201, 104, 42)], dtype=np.float64)
-_FLOOR = np.column_stack([np.interp(np.linspace(0, 1, 256), _FLOOR_P, _FLOOR_RGB[:, i]) for i in range(3)])
+_FLOOR_RGBA = ((191, 220, 243, 0.4), (241, 238, 230, 0.4), (201, 104, 42, 1.0))
+LIGHT_BACKGROUND = (250, 248, 242)  #: of a page's 3D view, see :mod:`server.scenes.proxy`
+
+
+def _floor_colours() -> NDArray[np.uint8]:
+    """Return the colour (256, 4), RGBA, of each step of p_occ, which over the light background is that of the list."""
+    steps = np.linspace(0, 1, 256)
+    shown = np.column_stack([np.interp(steps, _FLOOR_P, channel) for channel in zip(*_FLOOR_RGBA, strict=True)])
+    opacity = shown[:, 3:]
+    through = (shown[:, :3] - (1.0 - opacity) * np.array(LIGHT_BACKGROUND)) / opacity
+    return np.round(np.column_stack([through, 255.0 * opacity])).clip(0, 255).astype(np.uint8)
+
+
+_FLOOR = _floor_colours()
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +71,8 @@ def map_levels(geometry: GridGeometry, values: NDArray[np.float32], observed: ND
     unseen = np.isneginf(seen)
     # Unobserved cells are transparent, in the colour of free ones, so that smoothing gives the floor no dark edge.
     p_occ = 1.0 / (1.0 + np.exp(-np.where(unseen, np.float32(-8.0), seen)))
-    floor = np.empty((*seen.shape, 4), dtype=np.uint8)
-    floor[..., :3] = _FLOOR.astype(np.uint8)[(p_occ * 255.0).astype(np.uint8)]
-    floor[..., 3] = np.where(unseen, 0, 255)
+    floor = _FLOOR[(p_occ * 255.0).astype(np.uint8)]
+    floor[unseen, 3] = 0
     return MapLevels(levels, floor, geometry.resolution * block)
 
 

@@ -1,7 +1,7 @@
 """axe-core finds no violation on any page in any state, and every slider has a name and a value text.
 
-``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages in one of the two, and
-``make test-long`` at all pairs.
+``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages and the lab in one of
+the two, and ``make test-long`` at all pairs.
 
 axe-core is read from node_modules: nothing is downloaded.
 """
@@ -91,11 +91,14 @@ def dressed(page: Page, request: pytest.FixtureRequest) -> Page:
 
 
 LOOKS = (("desktop", "light"), ("phone", "dark"), ("desktop", "dark"), ("phone", "light"))
-each_look = pytest.mark.parametrize(
-    ("context", "dressed"),
-    [pytest.param(*look, marks=pytest.mark.long if i > 1 else ()) for i, look in enumerate(LOOKS)],
-    indirect=True,
-)
+
+
+def each_look(in_make_test: int) -> pytest.MarkDecorator:
+    """Run a test in each look; ``make test`` does so in the first ones only."""
+    looks = [pytest.param(*look, marks=pytest.mark.long if i >= in_make_test else ()) for i, look in enumerate(LOOKS)]
+    return pytest.mark.parametrize(("context", "dressed"), looks, indirect=True)
+
+
 each_page = pytest.mark.parametrize(
     ("path", "context", "dressed"),
     [
@@ -120,7 +123,7 @@ def test_axe_finds_nothing(dressed: Page, server: str, path: str) -> None:
     nothing_wrong(page)
 
 
-@each_look
+@each_look(in_make_test=2)
 @pytest.mark.usefixtures("mapped_logs")
 def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
     dressed.goto(f"{server}/fleet.html")
@@ -130,7 +133,7 @@ def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
     nothing_wrong(dressed)
 
 
-@each_look
+@each_look(in_make_test=1)
 def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) -> None:
     page = dressed
     open_lab(scans=15)

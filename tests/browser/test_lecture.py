@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import SIZES
-from tests.browser.lecturing import open_section
+from tests.browser.lecturing import never_idle
 from tests.browser.looking import await_true, until
 
 # On a phone innerWidth grows with a page that is too wide, clientWidth does not.
@@ -30,9 +30,9 @@ MISPLACED = """() => [...document.querySelectorAll(".lesson")].flatMap(section =
 })"""
 
 
-#: A size and a colour scheme: `make test` opens the lecture twice, `make test-long` in all other pairs.
+#: A size and a colour scheme: `make test` opens the lecture in one pair, `make test-long` in all others.
 LOOKS = [
-    pytest.param(*look, marks=() if look in (("desktop", "dark"), ("phone", "light")) else pytest.mark.long)
+    pytest.param(*look, marks=() if look == ("phone", "light") else pytest.mark.long)
     for look in product(SIZES, ("light", "dark"))
 ]
 
@@ -40,7 +40,7 @@ LOOKS = [
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
 def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)
-    page.add_init_script("window.requestIdleCallback = () => 0")  # a browser that is never idle
+    never_idle(page)
     page.goto(f"{server}/lecture.html")
     sections = page.locator(".lesson")
     expect(sections.first).to_be_visible()
@@ -79,7 +79,9 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
         " for (const shift of list.getEntries()) window.moved += shift.value;"
         "}).observe({ type: 'layout-shift', buffered: true });"
     )
-    section = open_section(page, server, "sonar")
+    page.goto(f"{server}/lecture.html#sonar")
+    section = page.locator("#sonar")
+    expect(section).to_be_in_viewport()
     # The figures around it come, and then all others, without anybody going there. The anchor is where it belongs.
     expect(page.locator(".figure-awaited")).to_have_count(0)
     at = "e => e.getBoundingClientRect().top - parseFloat(getComputedStyle(e).scrollMarginTop)"

@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
+from tests.browser.lecturing import never_idle
 from tests.browser.looking import await_true, centre, still
 
 # What each place of the lecture makes visible to a reader who only scrolls.
@@ -92,6 +93,7 @@ def to_scene(page: Page, name: str) -> None:
 @pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
 def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
+    never_idle(page)
     page.goto(f"{server}/lecture.html")
     stage = stage_of(page)
     caption = stage.locator(".world-stage-caption > p").first
@@ -108,6 +110,7 @@ def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str
 
 
 def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, server: str) -> None:
+    never_idle(page)
     page.goto(f"{server}/lecture.html")
     to_scene(page, "grid")
     still(stage_of(page).get_by_role("slider", name="Robot"))
@@ -132,6 +135,7 @@ def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, ser
 
 def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
+    never_idle(page)
     page.goto(f"{server}/lecture.html")
     stage = stage_of(page)
     robot = stage.get_by_role("slider", name="Robot")
@@ -166,6 +170,7 @@ def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, serv
 
 def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
+    never_idle(page)
     page.goto(f"{server}/lecture.html")
     caption = stage_of(page).locator(".world-stage-caption > p").first
     to_scene(page, "window")

@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, open_groups
+from tests.marks import also_long
 
 LEAST = 24
 
@@ -43,7 +44,7 @@ def small(page: Page) -> list[object]:
 
 
 @pytest.mark.usefixtures("mapped_logs")
-@pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
+@pytest.mark.parametrize("context", ["phone", *also_long("desktop")], indirect=True)
 def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page]) -> None:
     page.emulate_media(reduced_motion="reduce")
     found: dict[str, list[object]] = {}

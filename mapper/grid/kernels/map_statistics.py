@@ -60,16 +60,19 @@ def sum_map(
     values = zeros(SLOTS, dtype=float32)
     keys = values.view(uint32)
     cells = zeros(SLOTS, dtype=int64)
-    for start in range(0, n, 8):
-        if start < whole and eights[start // 8] == 0:
+    for eight in range(len(eights)):
+        if eights[eight] == 0:
             continue
-        for i in range(start, min(start + 8, n)):
-            key = bits[i]
-            slot = _slot(key)
-            if keys[slot] != key:
+        # Apart from the rest of the cells: eight turns, a number known to the compiler, take a quarter less time.
+        for k in range(8):
+            i = 8 * eight + k
+            slot = _slot(bits[i])
+            if keys[slot] != bits[i]:
                 _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)
-                keys[slot], cells[slot] = key, 0
+                keys[slot], cells[slot] = bits[i], 0
             cells[slot] += observed[i]  # without a branch: a cell that is not observed adds nothing
+    for i in range(whole, n):
+        _add_value(float64(log_odds[i]), int(observed[i]), unset, free_below, occupied_above, counts, sums)
     for slot in range(SLOTS):
         if cells[slot]:
             _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)

@@ -15,39 +15,72 @@ from math import sqrt
 
 import numpy as np
 
-from mapper.core.array_types import BoolArray, Float32Array, Int64Array, UInt8Array, UInt64Array
+from mapper.core.array_types import BoolArray, Float32Array, Int32Array, Int64Array, UInt8Array, UInt64Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.kernels.rays import CENTRE, _crossing
-from mapper.volume.kernels.types import Belief, CastRule, StopMasks
+from mapper.volume.kernels.types import Belief, BlockTable, CastRule, StopMasks
 
 HIT, UNKNOWN, TOO_FAR, OUTSIDE = 1, 2, 3, 4  #: how a cast ray ends
 _LAST, _BLOCKS = 2 * CENTRE - 1, 8191  # the greatest key, and the greatest place of a block along an axis
 # A sum of n distances is wrong by at most n times half the last place of the greatest: 5e-7 voxels for 65,536 of them
 # along the longest ray in the lattice.
 _TIE = 1e-5
+_LAYER = np.uint64(0xFFFF)  # the bits of the lower layer of a part
+_ABSENT = -2  # no block: its slot is negative, and it is searched for what is occupied or unknown
 
 
 @jit
-def stop_masks(values: Float32Array, occupied: float, stale: BoolArray, words: UInt64Array, found: UInt8Array) -> None:
+def stop_masks(
+    parts: Int32Array, values: Float32Array, occupied: float, stale: BoolArray, words: UInt64Array, found: UInt8Array
+) -> None:
     """Write the arrays of :class:`StopMasks` for those of the blocks (n,) that are ``stale``.
 
-    ``values`` (n, 8, 8, 8) are log-odds, z y x; a voxel is occupied from ``occupied``.
+    ``parts`` (n, 16) are their parts in ``values``, as in :class:`Belief`; a voxel is occupied from ``occupied``.
     """
-    for i in range(values.shape[0]):
+    for i in range(parts.shape[0]):
         if not stale[i]:
             continue
         any_occupied, any_stop = np.uint64(0), np.uint64(0)
-        for z in range(8):
-            layer = values[i, z].reshape(64)
+        words[i] = 0
+        for p in range(16):
+            part, z, shift = values[parts[i, p]].reshape(32), p >> 2 << 1, np.uint64((p & 3) << 4)
             full, stop = np.uint64(0), np.uint64(0)
-            for k in range(64):
-                full |= np.uint64(layer[k] >= occupied) << np.uint64(k)
-                stop |= np.uint64(not layer[k] < occupied) << np.uint64(k)  # of NaN too
-            words[i, 0, z], words[i, 1, z] = full, stop
+            for k in range(32):
+                full |= np.uint64(part[k] >= occupied) << np.uint64(k)
+                stop |= np.uint64(not part[k] < occupied) << np.uint64(k)  # of NaN too
+            words[i, 0, z] |= (full & _LAYER) << shift
+            words[i, 1, z] |= (stop & _LAYER) << shift
+            words[i, 0, z + 1] |= full >> np.uint64(16) << shift
+            words[i, 1, z + 1] |= stop >> np.uint64(16) << shift
             any_occupied |= full
             any_stop |= stop
         found[i] = (1 if any_occupied else 0) + (2 if any_stop else 0)
+
+
+@jit
+def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, out: Int32Array) -> None:
+    """Write the index of :class:`StopMasks`, from the block at (``x``, ``y``, ``z``); it holds all blocks (n,)."""
+    out[:] = _ABSENT
+    for slot in range(codes.shape[0]):
+        code = codes[slot]
+        out[(code >> 26) - z, (code >> 13 & _BLOCKS) - y, (code & _BLOCKS) - x] = slot << 2 | found[slot]
+
+
+@jit
+def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int:
+    """Return 4 · slot + found of the block at (x, y, z), :data:`_ABSENT` where there is none."""
+    if masks.index.size > 0:
+        # Unsigned: what lies before the box is also beyond it.
+        i, j, k = np.uint64(x - masks.x), np.uint64(y - masks.y), np.uint64(z - masks.z)
+        depth, height, width = masks.index.shape
+        if (i < np.uint64(width)) & (j < np.uint64(height)) & (k < np.uint64(depth)):
+            return int(masks.index[k, j, i])
+        return _ABSENT
+    if (x | y | z) & ~_BLOCKS != 0:
+        return _ABSENT
+    slot = slot_of(table, z << 26 | y << 13 | x)
+    return slot << 2 | int(masks.found[slot]) if slot >= 0 else _ABSENT
 
 
 @jit
@@ -93,7 +126,8 @@ def _cast_by_voxels(
         here = block_code(x, y, z)
         if here != code:
             code, slot = here, slot_of(belief.table, here)
-        value = belief.values[slot, z & 7, y & 7, x & 7] if slot >= 0 else np.float32(np.nan)
+        part = belief.parts[slot, (z >> 1 & 3) << 2 | y >> 1 & 3] if slot >= 0 else 0
+        value = belief.values[part, z & 1, y & 1, x & 7]
         if value >= rule.occupied:
             return x, y, z, HIT
         if np.isnan(value) and not rule.through_unknown:
@@ -148,8 +182,9 @@ def cast_rays(
         while end == 0:
             leaves = min(out_x, out_y, out_z)
             inside = (bx | by | bz) & ~_BLOCKS == 0
-            slot = slot_of(belief.table, bz << 26 | by << 13 | bx) if inside else -1
-            search = masks.found[slot] & wanted != 0 if slot >= 0 else not (through and inside)
+            held = _indexed(belief.table, masks, bx, by, bz)
+            slot = held >> 2
+            search = (held & wanted != 0) | (not inside)
             if search or leaves > near:
                 # The voxel where the ray enters the block; the first one is that of the origin.
                 nx, at_x = _crossed(entered, first_x, per_x)

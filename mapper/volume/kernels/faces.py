@@ -38,15 +38,16 @@ def fill_chunk(belief: Belief, x0: int, y0: int, z0: int, rule: FaceRule, out: U
                 slot = slot_of(belief.table, block_code(bx, by, bz))
                 if slot < 0 or (belief.maxima[slot] < rule.occupied and not rule.seen_only):
                     continue
-                block = belief.values[slot]
+                parts = belief.parts[slot]
                 for z in range(max(0, z0 - 1 - bz), min(8, z0 + CHUNK + 1 - bz)):
                     key = bz + z
                     if key < rule.first or key > rule.last:
                         continue
                     height = 1 + min(max((key - rule.base) // rule.band, 0), rule.colours - 1)
                     for y in range(max(0, y0 - 1 - by), min(8, y0 + CHUNK + 1 - by)):
+                        line = belief.values[parts[z >> 1 << 2 | y >> 1], z & 1, y & 1]
                         for x in range(max(0, x0 - 1 - bx), min(8, x0 + CHUNK + 1 - bx)):
-                            value = block[z, y, x]
+                            value = line[x]
                             k, j, i = key - z0 + 1, by + y - y0 + 1, bx + x - x0 + 1
                             if not value >= rule.occupied:
                                 if not np.isnan(value):

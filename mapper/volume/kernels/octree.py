@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mapper.core.array_types import Float32Array, Int64Array, UInt8Array
+from mapper.core.array_types import Float32Array, Int32Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
 
 DEPTH = 16
@@ -52,19 +52,20 @@ def morton_keys(codes: Int64Array, out: Int64Array) -> None:
 
 @jit
 def grow_tree(
-    blocks: Int64Array, slots: Int64Array, values: Float32Array, within: Int64Array, out_values: Float32Array,
-    out_masks: UInt8Array,
+    blocks: Int64Array, slots: Int64Array, parts: Int32Array, values: Float32Array, within: Int64Array,
+    out_values: Float32Array, out_masks: UInt8Array,
 ) -> int:  # fmt: skip
     """Write the tree, not pruned, of all known voxels; return the number of nodes.
 
-    ``blocks`` (n,) are the Morton codes of the first voxels of blocks, ascending, ``slots`` (n,) theirs in ``values``
-    (slots, 512). ``within`` (512,) is where in a block the voxel of each Morton code is. Values of inner nodes are 0.
+    ``blocks`` (n,) are the Morton codes of the first voxels of blocks, ascending, ``slots`` (n,) theirs in ``parts``
+    (slots, 16), which with ``values`` (parts, 32) is as in :class:`Belief`. ``within`` (512,) is where in a block the
+    voxel of each Morton code is: 32 times the number of its part, and its place there. Values of inner nodes are 0.
     """
     path = np.zeros(DEPTH + 1, dtype=np.int64)
     n, last = 0, np.int64(-1)
     for b in range(blocks.shape[0]):
         for k in range(512):
-            value = values[slots[b], within[k]]
+            value = values[parts[slots[b], within[k] >> 5], within[k] & 31]
             if np.isnan(value):
                 continue
             code = blocks[b] | k

@@ -9,7 +9,7 @@ from math import sqrt
 
 import numpy as np
 
-from mapper.core.array_types import Float32Array, Float64Array, Int64Array
+from mapper.core.array_types import Float32Array, Float64Array, Int32Array, Int64Array
 from mapper.core.jit import jit
 from mapper.volume.kernels.blocks import block_code, slot_of
 from mapper.volume.kernels.types import Belief
@@ -28,8 +28,9 @@ def _nearest_in_block(
         dz = z0 + z + 0.5 - at[2]
         for y in range(8):
             dy = y0 + y + 0.5 - at[1]
+            line = belief.values[belief.parts[slot, z >> 1 << 2 | y >> 1], z & 1, y & 1]
             for x in range(8):
-                if belief.values[slot, z, y, x] >= occupied:
+                if line[x] >= occupied:
                     dx = x0 + x + 0.5 - at[0]
                     best = min(best, dx * dx + dy * dy + dz * dz)
     return best
@@ -79,19 +80,21 @@ def nearest_occupied(
 
 @jit
 def project_columns(
-    corners: Int64Array, values: Float32Array, low: int, high: int, x0: int, y0: int, out: Float32Array
-) -> None:
+    corners: Int64Array, parts: Int32Array, values: Float32Array, low: int, high: int, x0: int, y0: int,
+    out: Float32Array,
+) -> None:  # fmt: skip
     """Raise ``out`` (rows, cols) to the greatest log-odds of the voxels of each column with key z ``low`` … ``high``.
 
-    ``corners`` (n, 3) and ``values`` (n, 8, 8, 8) are of blocks; cell (0, 0) is the column of key (``x0``, ``y0``).
-    ``out`` is NaN where nothing is known so far.
+    ``corners`` (n, 3) and ``parts`` (n, 16) are of blocks, with parts in ``values`` as in :class:`Belief`; cell (0, 0)
+    is the column of key (``x0``, ``y0``). ``out`` is NaN where nothing is known so far.
     """
     for b in range(corners.shape[0]):
         for z in range(max(low - corners[b, 2], 0), min(high - corners[b, 2] + 1, 8)):
             for y in range(8):
                 row = corners[b, 1] - y0 + y
+                line = values[parts[b, z >> 1 << 2 | y >> 1], z & 1, y & 1]
                 for x in range(8):
-                    value = values[b, z, y, x]
+                    value = line[x]
                     if not np.isnan(value):
                         col = corners[b, 0] - x0 + x
                         old = out[row, col]

@@ -31,9 +31,14 @@ class Box(NamedTuple):
 
 
 class Belief(NamedTuple):
-    """The log-odds of voxels (slots, 8, 8, 8), z y x, NaN where unknown; of each block their greatest and how many."""
+    """The log-odds of voxels, NaN where unknown; of each block (slots,) their greatest and how many are known.
+
+    ``values`` (parts, 2, 2, 8), z y x, are parts of blocks and ``parts`` (slots, 16) their numbers: the voxel (x, y, z)
+    of a block is ``values[parts[slot, z >> 1 << 2 | y >> 1], z & 1, y & 1, x]``. Part 0 is unknown everywhere.
+    """
 
     table: BlockTable
+    parts: Int32Array
     values: Float32Array
     maxima: Float32Array
     known: Int32Array
@@ -44,10 +49,18 @@ class StopMasks(NamedTuple):
 
     Words ``words[:, 0]`` (slots, 8), z, have bit 8 y + x of occupied voxels, ``words[:, 1]`` of those that are occupied
     or unknown. ``found`` (slots,) has bit 0 where a block has any of the first kind, bit 1 any of the second.
+
+    ``index`` (nz, ny, nx) has 4 · slot + found of each block in the box around all, and −2, which has bit 1 too, where
+    there is none. Its first block is at (``x``, ``y``, ``z``), in blocks. It is empty where the box would be much
+    larger than the map; blocks are then found by the hash.
     """
 
     words: UInt64Array
     found: UInt8Array
+    index: Int32Array
+    x: int
+    y: int
+    z: int
 
 
 class CastRule(NamedTuple):

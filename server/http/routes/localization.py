@@ -12,12 +12,12 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from starlette.requests import ClientDisconnect
 
 from mapper.core.errors import LimitError, MapperError
-from server.http.following import follow, tell_at_end
+from server.http.following import follow_localization, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions
 from server.http.session_access import session_of_log, writable_session
-from server.library.localize_jobs import NAME, parameter_table
+from server.library.localize_jobs import parameter_table
 
 if TYPE_CHECKING:
     from server.library.given_map import GivenMap
@@ -161,7 +161,7 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
     values = {"values": wanted.parameters, "initial_pose": wanted.initial_pose}
     view = of_log.recording.view()
     state = await library.localization.begin(owner, log_id, view.topic, wanted.odometry, values, view.cut)
-    follow(session, library.localization, log_id, NAME, lambda report: {"report": report})
+    follow_localization(session, library, log_id)
     tell_at_end(library, sessions, library.localization, owner, log_id)
     return state
 

@@ -15,6 +15,7 @@ from fastapi.responses import JSONResponse, Response
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import PARAMETERS
 from mapper.sensors.planar.options import PARAMETERS as CUT_PARAMETERS
+from server.http.following import join_jobs
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
@@ -54,6 +55,7 @@ def creating(kinds: Mapping[str, Kind]) -> APIRouter:
         where = {"address": client_address(request), "place": chosen_place(request)}
         work = sessions.create(kinds[wanted.kind], wanted, visitor, library, **where)
         session = await while_connected(request, work)
+        join_jobs(library, sessions, session)
         return JSONResponse(public(session), status_code=201, headers={"Location": f"/api/sessions/{session.id}"})
 
     body = reduce(or_, (kind.request for kind in kinds.values()))

@@ -9,12 +9,11 @@ from fastapi import APIRouter, Body, Query
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import ConfigError, MapperError
-from server.http.following import follow, tell_at_end
+from server.http.following import follow_slam, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
-from server.library.slam_job import NAME
 from server.library.slam_jobs import parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
@@ -108,7 +107,7 @@ async def heal(
     values = {} if wanted is None else wanted.parameters
     view = recording.view()
     state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut)
-    follow(session, library.slam, log_id, NAME)
+    follow_slam(session, library, log_id)
     tell_at_end(library, sessions, library.slam, owner, log_id)
     return state
 

@@ -46,7 +46,7 @@ class VolumeComparison:
         """Compare with a copy of a map as it is now."""
         self.end()
         kept = ReplayedVolume(now.source, now.config, self._limits)
-        kept.volume.set_blocks(now.volume.blocks.codes.copy(), now.volume.values.copy())
+        kept.volume.set_blocks(now.volume.blocks.codes.copy(), now.volume.values)
         kept.index = kept.count  # it is not made again
         self._map, self._title, self.is_stale = kept, f"the map of {now.index} scans", True
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mapper.core.errors import ConfigError
-from mapper.volume import OccupancyVolume, VolumeConfig, cast, textbook
+from mapper.volume import OccupancyVolume, VolumeConfig, cast, stop_masks, textbook
 from mapper.volume.queries import HIT, OUTSIDE, TOO_FAR, UNKNOWN
 
 CONFIG = VolumeConfig(resolution=0.1)
@@ -36,8 +36,13 @@ def textbook_casts(
 
 @pytest.mark.parametrize("through_unknown", [True, False])
 @pytest.mark.parametrize("snapped", [False, True], ids=["any directions", "borders met at one distance"])
-def test_casts_are_the_textbooks(*, through_unknown: bool, snapped: bool) -> None:
+@pytest.mark.parametrize("most_places", [stop_masks.MOST_PLACES, 0], ids=["blocks by index", "blocks by hash"])
+def test_casts_are_the_textbooks(
+    monkeypatch: pytest.MonkeyPatch, *, through_unknown: bool, snapped: bool, most_places: int
+) -> None:
+    monkeypatch.setattr(stop_masks, "MOST_PLACES", most_places)
     volume, rng = room(), np.random.default_rng(4)
+    assert (volume.stop_masks().index.size > 0) == (most_places > 0)
     origins, directions = rng.uniform([-3, -2, -1], [3, 2, 1], (150, 3)), rng.normal(size=(150, 3))
     if snapped:
         origins, directions = np.round(origins / 0.05) * 0.05, np.round(2.0 * directions)
@@ -73,6 +78,19 @@ def test_casts_see_what_a_later_scan_changes() -> None:
     assert cast(volume, [0.05, 0.05, 0.05], ahead).points[0, 0] == np.float32(4.05)
     volume.insert_scan(np.tile([[4.05, 30.05, 0.05]], (3, 1)), None)  # in a new block
     assert cast(volume, [4.05, 20.05, 0.05], [[0.0, 1.0, 0.0]]).ends[0] == HIT
+
+
+def test_a_map_of_two_far_places_has_no_large_index() -> None:
+    volume = OccupancyVolume(CONFIG)
+    for x in (0.05, 2000.05):
+        volume.insert_scan([[x + 1.0, 0.05, 0.05]], [x, 0.05, 0.05])
+    casts = cast(volume, [[0.05, 0.05, 0.05], [2000.05, 0.05, 0.05]], [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    assert casts.ends.tolist() == [HIT, HIT]
+    np.testing.assert_allclose(casts.points[:, 0], [1.05, 2001.05], rtol=1e-6)
+    per_block = (2 * 8 * 8 + 1 + 1) * volume.blocks.capacity  # bits of both kinds, a byte and a flag
+    bare = OccupancyVolume(CONFIG)
+    bare.set_blocks(volume.blocks.codes, volume.values)
+    assert volume.n_bytes <= bare.n_bytes + per_block + 4 * stop_masks.MOST_PLACES * volume.blocks.count
 
 
 @pytest.mark.parametrize("length", [1e-30, 1e30])

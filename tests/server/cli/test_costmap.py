@@ -35,6 +35,13 @@ def small_map(folder: Path) -> Path:
     return save_map(grid, folder / "room")[0]
 
 
+def test_unknown_cells_that_count_as_free_are_said(run: Run, tmp_path: Path) -> None:
+    yaml_path = small_map(tmp_path)
+    status, out, err = run("costmap", yaml_path, "--out", tmp_path / "costs")
+    assert status == 0, err
+    assert "30 cells are unknown in the map and count as free: track_unknown_space is off" in out
+
+
 def test_the_pixels_are_nav2s_costs(run: Run, tmp_path: Path) -> None:
     yaml_path = small_map(tmp_path)
     params = tmp_path / "nav2.yaml"

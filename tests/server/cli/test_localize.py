@@ -12,8 +12,9 @@ from mapper.grid import OccupancyGrid
 from mapper.io.export import write_mcap
 from mapper.io.maps import save_map
 from mapper.io.trajectories import read_tum
-from mapper.localization import LocalizationConfig, amcl_yaml
+from mapper.localization import LocalizationConfig, Localized, amcl_yaml
 from mapper.sensors.scan import ScanLog
+from server.cli.localize import doubt
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.running import Run
 from tests.server.cli.test_slam import carmen
@@ -31,7 +32,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, ScanLog
 
 def test_writes_a_pose_for_each_scan_and_how_certain_it_is(run: Run, files, tmp_path: Path):
     log, grid, drive = files
-    out = tmp_path / "poses.tum"
+    out = tmp_path / "new" / "poses.tum"
     status, printed, err = run("localize", log, "--map", grid, "--out", out, "--json", "--seed", "1", *FEW)
     assert status == 0, err
     facts = json.loads(printed)
@@ -41,14 +42,24 @@ def test_writes_a_pose_for_each_scan_and_how_certain_it_is(run: Run, files, tmp_
     true = drive.trajectory("true").poses
     assert len(poses) == drive.n_scans
     assert np.hypot(*(poses - true)[-10:, :2].T).max() < 0.4
-    with (tmp_path / "poses.covariance.csv").open() as table:
+    with out.with_name("poses.covariance.csv").open() as table:
         rows = list(csv.DictReader(table))
     assert [int(row["scan"]) for row in rows] == list(range(drive.n_scans))
     first = facts["converged_at_scan"]
     assert [row["converged"] for row in rows[: first + 1]] == ["0"] * first + ["1"]
     assert float(rows[0]["xx"]) > 1.0
     assert float(rows[-1]["xx"]) < 0.25
-    assert facts["files"] == [str(out), str(tmp_path / "poses.covariance.csv")]
+    assert facts["files"] == [str(out), str(out.with_name("poses.covariance.csv"))]
+
+
+def test_a_filter_that_was_mostly_uncertain_is_said() -> None:
+    poses = np.zeros((10, 3))
+    converged = np.isin(np.arange(10), (2, 3, 9))
+    flat, whole = np.zeros(10), np.zeros(10, dtype=np.int64)
+    localized = Localized(poses, np.zeros((10, 3, 3)), converged, flat, flat, whole, flat, converged, "odom", 0.0)
+    assert "From scan 2 on the filter had converged at 3 of 8 scans only" in str(doubt(localized, 2))
+    mostly = replace(localized, is_converged=np.arange(10) >= 2)
+    assert doubt(mostly, 2) is None
 
 
 def test_with_a_hint_and_an_amcl_yaml(run: Run, files, tmp_path: Path):
@@ -126,7 +137,7 @@ def test_a_map_without_free_cells(run: Run, files, tmp_path: Path):
     grid = OccupancyGrid(office()[0].geometry)
     grid.log_odds[:], grid.observed[:] = 3.5, True
     full = save_map(grid, tmp_path / "full", "trinary")[0]
-    out = tmp_path / "poses.tum"
+    out = tmp_path / "new" / "poses.tum"
     status, printed, err = run("localize", files[0], "--map", full, "--out", out)
     assert (status, printed) == (2, "")
     assert "The map has no free cells" in err

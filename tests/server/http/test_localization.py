@@ -111,7 +111,8 @@ def test_a_map_of_the_library_is_the_terrain_of_the_costmap(service: Service, se
 def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Service, session: str) -> None:
     """Of a flat floor around the robot with a wall of 1 m on it, the floor is safe and the wall lethal."""
     http, address = service.http, f"/api/sessions/{session}/costmap/terrain"
-    at = np.array(recording_of(service, session).robot_state().pose[:2])
+    host: Any = service.state.sessions.get(session)
+    at = np.array(host.model.recording.robot_state().pose[:2])
     steps = np.arange(-2.0, 2.0, 0.04)
     floor = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
     heights = np.where(np.abs(floor[:, 0] - 1.0) < 0.3, 1.0, 0.0)
@@ -127,7 +128,6 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
     np.testing.assert_allclose(found["origin"][:2], at - 2.0, atol=0.01)
 
     only = dict.fromkeys(("static_layer", "obstacle_layer", "dynamic_layer", "inflation_layer"), False)
-    host = service.state.sessions.get(session)
     host.enqueue({"type": "costmap", "values": only | {"terrain_layer": True}})
     until(lambda: host.model.costed.present_costs() is not None)
     wall, free = at + np.array([1.0, 0.5]), at + np.array([-1.0, 0.5])
@@ -139,12 +139,12 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
     until(lambda: cost(host, wall) == 254)
     assert cost(host, free) < 128
     token = http.post("/api/links", json={"session": session}).json()["token"]
-    opened = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
+    opened: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
     until(lambda: opened.model.costed.present_costs() is not None)
     until(lambda: cost(opened, wall) == 254)
     # Without the cloud the link opens without terrain.
     assert http.delete(f"/api/logs/{cloud}").status_code in (200, 204)
-    bare = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
+    bare: Any = service.state.sessions.get(http.post(f"/api/shared/{token}/sessions").json()["id"])
     until(lambda: bare.model.costed.present_costs() is not None)
     assert "terrain_layer" not in [layer.name for layer in bare.model.layers]
     http.put(address, json={"log": None})

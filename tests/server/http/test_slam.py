@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import httpx
 import pytest
 
+from server.library.slam_job import SlamJob, SlamOutcome
 from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for, until
@@ -152,6 +154,26 @@ def test_after_a_cancelled_job_the_map_is_the_one_from_before(
     assert recording is not None
     until(lambda: [*recording.log.trajectories] == ["scan"])
     assert http.get(f"/api/sessions/{session}/graph").json() == {"graph": None}
+
+
+def test_a_session_that_is_begun_during_the_job_follows_it(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    may_end = threading.Event()
+
+    def slow(job: SlamJob) -> SlamOutcome:
+        may_end.wait(PATIENCE_S)
+        return stand_ins.quick(job)
+
+    monkeypatch.setattr("server.library.slam_job.do_slam_job", slow)
+    http = service.http
+    log = http.put("/api/logs", params={"name": "again.log"}, content=carmen(6) + b"# again\n").json()["id"]
+    once_read(http, log)
+    first = service.begin(kind="log", log=log, playing=False)
+    assert http.post(f"/api/sessions/{first}/heal").status_code == 202
+    assert http.delete(f"/api/sessions/{first}").status_code == 204
+    second = service.begin(kind="log", log=log, playing=False)
+    assert shown(service, second)[0] != "SLAM"
+    may_end.set()
+    until(lambda: shown(service, second) == ("SLAM", 6))
 
 
 def test_who_has_the_address_of_a_session_can_heal_its_log(service: Service) -> None:

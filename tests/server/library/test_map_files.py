@@ -17,9 +17,11 @@ from mapper.io.costmaps import RecordedCostmap
 from mapper.io.costmaps.reading import CostmapStream
 from server.downloads import file_stem
 from server.library import LogNotFoundError, StorageError
+from server.library.common_files import CommonFiles
 from server.library.costmap_pack import costmap_codes
 from server.library.given_map import GivenMap, read_given_map
 from server.library.given_maps import GivenMaps
+from server.library.leases import Leases
 from server.library.map_files import archived, is_map, read_map
 from server.library.map_pack import map_codes, summarise_map
 from server.library.standing import Standing
@@ -159,7 +161,7 @@ async def test_no_map_is_kept_for_a_log_that_was_deleted_meanwhile(tmp_path: Pat
             self.is_deleted = True
             return GivenMap("room", GEOMETRY, VALUES)
 
-    maps = GivenMaps(Logs(), lambda: None, tmp_path / "maps", lambda: 1 << 20)  # type: ignore[arg-type,return-value]
+    maps = GivenMaps(Logs(), lambda: None, tmp_path / "maps", lambda: 1 << 20, CommonFiles(Leases(None, 5.0), None))  # type: ignore[arg-type,return-value]
     with pytest.raises(LogNotFoundError):
         await maps.of_log("somebody", "log", "map", None, None)
     assert (maps.total_bytes, [*(tmp_path / "maps").iterdir()]) == (0, [])

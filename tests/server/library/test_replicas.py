@@ -7,20 +7,29 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import pytest_asyncio
 from sqlalchemy import Connection, select, text
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import ConfigError, MapperError
+from mapper.editing import EditedMap
+from mapper.editing.files import map_files
+from mapper.grid import GridGeometry
 from mapper.simulation import sample_log
 from server.library import Library, LibraryLimits, StorageError
 from server.library import leases as leasing
 from server.library.database import Database
 from server.library.fleet_job import FleetJob
+from server.library.given_map import GivenMap, read_given_map
+from server.library.job_record import put_job_record
 from server.library.lease_rows import LeaseRows
 from server.library.leases import Lease, LeaseLostError, Leases, Once
+from server.library.localize_job import LocalizeJob, LocalizeOutcome
+from server.library.map_files import archived
+from server.library.pose_job_record import PoseJobRecord
 from server.library.slam_job import SlamJob
-from server.library.tables import leases, logs
+from server.library.tables import leases, localization_jobs, logs
 from server.settings import Settings
 from server.work.fair_lock import FairLock
 from tests.server.library import slam_stand_ins as stand_ins
@@ -159,6 +168,51 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
     await eventually(lambda: two.first.slam.state("ann", ids[0])["state"] == "done")
     stored = [two.now(lambda c, t=t: c.execute(text(f"SELECT state, attempts FROM {t}")).all()) for t in rows.values()]
     assert stored == [[("done", 0)]] * 3
+
+
+async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_over(
+    two: Two, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[GivenMap] = []
+
+    def quickly(job: LocalizeJob) -> LocalizeOutcome:
+        given.append(read_given_map(Path(job.given)))
+        raise ConfigError("test.enough", "This is enough.")
+
+    monkeypatch.setattr("server.library.localize_job.do_localize_job", quickly)
+    for library in (two.first, two.second):
+        monkeypatch.setattr(library.localization, "_make_worker", stand_ins.ThreadWorker)
+    record = await two.first.put("ann", "a.log", chunks(carmen(9)))
+    assert (await settled(two.first, "ann", record.id)).state == "ready"
+    await eventually(lambda: known(two.second, "ann", record.id) == "ready")
+    chosen = await two.first.maps.of_log("ann", record.id, record.id, None, None)
+
+    # What a service that was killed in the middle leaves: the row of a job that runs, and a lease that nobody renews.
+    asked: dict[str, Any] = {"values": {}, "initial_pose": None}
+    job = PoseJobRecord(
+        log_id=record.id, owner="ann", topic=None, state="running", created_s=1.0, attempts=1, parameters=asked
+    )
+    held = "INSERT INTO leases SELECT :name, 'gone', extract(epoch from now()) + 0.3, 0.5"
+
+    def leave(connection: Connection) -> None:
+        connection.execute(text(held), {"name": f"localization {record.id} ann"})
+        put_job_record(connection, localization_jobs, record, job)
+
+    two.now(leave)
+    await two.second.localization.follow(None)
+    await eventually(lambda: two.second.localization.state("ann", record.id)["state"] == "failed")
+    error = two.second.localization.state("ann", record.id)["error"]
+    assert error["code"] == "test.enough", error
+    assert (given[0].values == chosen.values).all()
+
+    # The one that was chosen last is valid for all, whoever had another one before.
+    plain = EditedMap(GridGeometry(0.1, 2, 3), np.zeros((2, 3), np.int8))
+    await two.second.choose_map("ann", record.id, "plain", chunks(archived(map_files(plain, "plain"))))
+    assert (await two.first.maps.get("ann", record.id)).values.shape == (2, 3)
+    await two.first.delete("ann", record.id)
+    await eventually(lambda: two.second.maps.total_bytes == 0)
+    assert two.first.maps.total_bytes == 0
+    assert [path.name for path in (two.folder / "bucket").rglob(f"*{record.id}*")] == []
 
 
 async def test_a_job_is_cancelled_where_it_runs(two: Two, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -55,11 +55,23 @@ def test_a_vertical_wall_is_one_box_as_a_horizontal_one_is() -> None:
 def test_the_floor_shows_what_was_observed() -> None:
     grid = grid_of(64, 64)
     floor = map_levels(grid.geometry, grid.log_odds, grid.observed).floor
-    np.testing.assert_array_equal(floor[..., 3] == 255, grid.observed)
+    np.testing.assert_array_equal(floor[..., 3] > 0, grid.observed)
     free, occupied = grid.log_odds < -1.5, grid.log_odds > 3.0
-    blue, orange = floor[grid.observed & free], floor[grid.observed & occupied]
-    assert (blue[:, 2] > blue[:, 0]).all()
-    assert (orange[:, 0] > orange[:, 2]).all()
+    on_light, on_dark = (shown_over(floor, background) for background in ((0xFA, 0xF8, 0xF2), (0x11, 0x15, 0x1D)))
+    for colours in (on_light, on_dark):
+        blue, orange = colours[grid.observed & free], colours[grid.observed & occupied]
+        assert (blue[:, 2] > blue[:, 0] + 25.0).all()
+        assert (orange[:, 0] > orange[:, 2] + 40.0).all()
+    # What is free is light on a light page and dark on a dark one, and differs from the page itself.
+    assert (on_light[grid.observed & free].mean(axis=1) > 200.0).all()
+    assert (on_dark[grid.observed & free].mean(axis=1) < 110.0).all()
+    assert (on_dark[grid.observed & free].mean(axis=1) > 50.0).all()
+
+
+def shown_over(colours: np.ndarray, background: tuple[int, int, int]) -> np.ndarray:
+    """The colours (..., 3) that a picture (..., 4) has over a background."""
+    opacity = colours[..., 3:] / 255.0
+    return np.asarray(opacity * colours[..., :3] + (1.0 - opacity) * np.array(background))
 
 
 def test_only_changed_tiles_are_sent_again() -> None:

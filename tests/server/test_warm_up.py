@@ -1,0 +1,80 @@
+"""All kernels are compiled beside a running service, at the lowest priority."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from server.serving import make_server
+from server.warm_up import COMMAND, WarmUp
+from tests.server.service import running, settings_for, until
+
+
+@pytest.fixture
+def compiling(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[WarmUp]:
+    """A process that has begun to compile all kernels into a new folder."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    warm_up = WarmUp()
+    warm_up.begin()
+    try:
+        until(lambda: any(tmp_path.glob("*-kernels-*/*/*.nbi")))
+        yield warm_up
+    finally:
+        warm_up.end()
+
+
+def process_of(warm_up: WarmUp) -> subprocess.Popen[bytes]:
+    assert warm_up.process is not None
+    return warm_up.process
+
+
+def said_by_another() -> bytes:
+    """Run the command while its standard input stays open; return what it prints: something if it compiled."""
+    with subprocess.Popen(COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        said = process.stdout.read()
+        assert process.wait() == 0
+    return said
+
+
+def test_a_process_of_the_lowest_priority_compiles_until_it_is_ended(compiling: WarmUp) -> None:
+    process = process_of(compiling)
+    assert os.getpriority(os.PRIO_PROCESS, process.pid) == 19
+    compiling.end()
+    assert process.poll() not in (None, 0)
+
+
+def test_it_ends_with_the_process_that_began_it(compiling: WarmUp) -> None:
+    """The system closes the other end of its standard input then."""
+    process = process_of(compiling)
+    assert process.stdin is not None
+    process.stdin.close()
+    until(lambda: process.poll() is not None)
+
+
+def test_one_process_compiles_at_a_time(compiling: WarmUp) -> None:
+    assert said_by_another() == b""
+    assert process_of(compiling).poll() is None
+
+
+def test_nothing_is_compiled_where_all_kernels_are() -> None:
+    """As they are after `make kernels`, with which `make test` begins."""
+    said_by_another()
+    assert said_by_another() == b""
+
+
+def test_a_service_begins_and_ends_it_where_the_setting_says_so(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    happened: list[str] = []
+    monkeypatch.setattr(WarmUp, "begin", lambda _: happened.append("begin"))
+    monkeypatch.setattr(WarmUp, "end", lambda _: happened.append("end"))
+    assert make_server(settings_for(tmp_path / "without")).warm_up is None
+    with running(settings_for(tmp_path / "with", compile_ahead=True)) as service:
+        assert service.http.get("/readyz").status_code == 200
+        assert happened == ["begin"]
+    assert happened == ["begin", "end"]
