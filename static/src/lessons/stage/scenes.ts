@@ -174,7 +174,7 @@ export const SCENES = {
       resolution: 0.2,
       marks: ["lines", "reading"],
       view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
-      caption: "One reading on its way into the map; it ends as a change of the numbers of a few cells.",
+      caption: "The steps of one reading: the last one is a change of the numbers of a few cells.",
     }),
   characters: () =>
     scene({

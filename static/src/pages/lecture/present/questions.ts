@@ -129,7 +129,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     options: ["As narrow as possible", "As wide as the noise", "As wide as possible"],
     right: 1,
     answer: "Too narrow: the hits fall into different cells and the wall is broken. Too wide: the wall is thick.",
-    notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall tears.",
+    notes: "Press the three presets, then raise the noise slowly with the window at 0: the wall breaks up.",
   },
   endpoint: {
     question: "A scan holds distances only. How does one of them become a row and a column?",

@@ -78,9 +78,9 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
         {!isUnderWay && (
           <>
             <p class="quiet">
-              A particle filter gets a map, the odometry and the scans of this log, and finds where in the map the robot
-              was. The poses become one more trajectory of this log.
+              A particle filter finds the robot of this log in a map. Its poses become one more trajectory of the log.
             </p>
+            <Outcome store={store} localizing={localizing} />
             <MapChoice store={store} localizing={localizing} />
             {doing !== null && (
               <div class="heal-progress">
@@ -133,7 +133,6 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
           </>
         )}
         {isUnderWay && <Progress localizing={localizing} />}
-        {!isUnderWay && <Outcome store={store} localizing={localizing} />}
         {localizing.failure.value !== null && (
           <p class="heal-failed" role="alert">
             {localizing.failure.value}
