@@ -74,6 +74,13 @@ class GridGeometry:
         return f"{self.cols} × {self.rows}"
 
     @property
+    def span_text(self) -> str:
+        """Least and greatest x and y of the cells' centres in the frame of the map, metres, for sentences."""
+        corners = self.cell_to_world([[r, c] for r in (0, self.rows - 1) for c in (0, self.cols - 1)])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        return f"goes from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g}) m"
+
+    @property
     def shape(self) -> tuple[int, int]:
         """``(rows, cols)``."""
         return (self.rows, self.cols)

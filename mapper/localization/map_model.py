@@ -35,12 +35,9 @@ def check_pose(geometry: GridGeometry, pose: ArrayLike) -> NDArray[np.float64]:
             "localization.pose", f"A pose must be three finite numbers, x, y and yaw, not {found.tolist()!r:.80}."
         )
     if not geometry.contains(geometry.world_to_cell(found[:2])):
-        corners = geometry.cell_to_world([[r, c] for r in (0, geometry.rows - 1) for c in (0, geometry.cols - 1)])
-        low, high = corners.min(axis=0), corners.max(axis=0)
         raise ConfigError(
             "localization.pose_outside",
-            f"The pose ({found[0]:g}, {found[1]:g}) m is outside the map, which goes from ({low[0]:g}, {low[1]:g}) to "
-            f"({high[0]:g}, {high[1]:g}) m.",
+            f"The pose ({found[0]:g}, {found[1]:g}) m is outside the map, which {geometry.span_text}.",
         )
     return found
 

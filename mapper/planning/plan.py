@@ -175,7 +175,7 @@ def _cell(geometry: GridGeometry, place: Sequence[float] | Float64Array, what: s
         raise ConfigError(f"path.{what}", f"The {what} must be two finite numbers, x and y in m, not {xy.tolist()}.")
     row, col = (int(k) for k in geometry.world_to_cell(xy))
     if not geometry.contains((row, col)):
-        message = f"The {what} ({xy[0]:g}, {xy[1]:g}) is outside the map of {geometry.size_text} cells."
+        message = f"The {what} ({xy[0]:g}, {xy[1]:g}) is outside the map, which {geometry.span_text}."
         raise ConfigError(f"path.{what}_outside", message)
     return row, col
 

@@ -335,8 +335,8 @@ def slam_log(
         notes.append(f"Of {log.n_scans} scans {len(matched)} were matched; the poses of the others lie between.")
     if blind := _unseen_way(graph):
         notes.append(
-            f"Along {blind:.0f} m of the way the scans show nothing that tells how far the robot came, as in a "
-            f"corridor: there {'the motion before' if name is None else 'the odometry'} counts."
+            f"Along {blind:.0f} m of the path the scans do not determine how far the robot moved, as in a corridor; "
+            f"there {'the motion before' if name is None else 'the odometry'} is used."
         )
     unaligned = slam.n_unaligned
     if unaligned:

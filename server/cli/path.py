@@ -95,6 +95,7 @@ def path(
     if out is not None:
         lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in found.points)
         try:
+            out.parent.mkdir(parents=True, exist_ok=True)
             with atomic_write(out) as file:
                 file.write(f"x,y\n{lines}".encode())
         except OSError as error:

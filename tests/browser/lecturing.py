@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 
-def never_idle(page: Page) -> None:
-    """Have the pages that are opened from now on set up only the figures near the window.
+def never_idle(opener: Page | BrowserContext) -> None:
+    """Have the lectures that are opened there from now on set up only the figures near the window.
 
     All others are set up when the browser is idle, which takes half of the processor time of an opened lecture.
     """
-    page.add_init_script("window.requestIdleCallback = () => 0")
+    opener.add_init_script("window.requestIdleCallback = () => 0")
 
 
 def open_section(page: Page, server: str, name: str) -> Locator:

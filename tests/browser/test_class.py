@@ -14,6 +14,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 from tests.browser.conftest import WatchedPage, standing_world, visiting
 from tests.browser.cutting_proxy import cutting_proxy
+from tests.browser.lecturing import never_idle
 from tests.browser.looking import await_map, await_true, map_digest, open_group, settled_digest, until
 from tests.browser.test_axe import nothing_wrong
 from tests.browser.test_targets import small
@@ -121,6 +122,8 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
 def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is_where_the_class_is(
     page: Page, visitor: BrowserContext, server: str
 ) -> None:
+    never_idle(page)
+    never_idle(visitor)
     code = opened(page, server, "/lecture.html")
     port = urlsplit(server).port or 0
     with cutting_proxy(port) as proxy:
@@ -260,6 +263,8 @@ PREDICTIONS = {
 def test_the_predictions_of_the_lecture_are_asked_of_the_class(
     page: Page, visitor: BrowserContext, server: str
 ) -> None:
+    never_idle(page)
+    never_idle(visitor)
     code = opened(page, server, "/lecture.html")
     phone = visitor.new_page()
     phone.goto(f"{server}/class/{code}")

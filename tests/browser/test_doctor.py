@@ -52,8 +52,11 @@ def is_cancelled_and_offered_again(page: Page, doctor: Locator) -> None:
     page.route("**/doctor?*", lambda _: None)  # the answer never comes
     open_group(page, "Trajectories")
     page.get_by_label("Poses from").get_by_text("ground truth").click()
+    note = page.locator(".viewer-head .examination-note")  # in view, whichever group is open
+    expect(note).to_contain_text("Examining …")
     open_group(page, "Findings")
     doctor.get_by_role("button", name="Cancel the examination").click()
+    expect(note).to_have_count(0)
     expect(doctor).to_contain_text("Cancelled.")
     page.unroute("**/doctor?*")
     doctor.get_by_role("button", name="Examine this log").click()

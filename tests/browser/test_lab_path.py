@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,6 +30,34 @@ def drag(page: Page, *places: tuple[float, float]) -> None:
     for one in places[1:]:
         page.mouse.move(*one, steps=3)
     page.mouse.up()
+
+
+def check_the_sheet_in_front(page: Page) -> None:
+    """The layer whose name is under the pointer is painted in front of the others; a dragged sheet follows."""
+    picture = page.locator(".sheets-picture canvas")
+    pixels = "canvas => canvas.toDataURL()"
+    static = page.get_by_role("switch", name="Static")
+    static.hover()
+    expect(static).to_have_class(re.compile("in-front"))
+    of_static = picture.evaluate(pixels)
+    dynamic = page.get_by_role("switch", name="Dynamic")
+    dynamic.hover()
+    expect(dynamic).to_have_class(re.compile("in-front"))
+    expect(static).not_to_have_class(re.compile("in-front"))
+    assert picture.evaluate(pixels) != of_static
+    box, before = picture.bounding_box(), dynamic.bounding_box()
+    assert box is not None
+    assert before is not None
+    x, y = box["x"] + box["width"] / 2, before["y"] + before["height"] + 30
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 12, steps=3)
+    expect(picture).to_have_class("dragged")
+    page.mouse.up()
+    expect(picture).not_to_have_class("dragged")
+    after = dynamic.bounding_box()
+    assert after is not None
+    assert after["y"] != before["y"]
 
 
 def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Page], tmp_path: Path) -> None:
@@ -72,6 +101,7 @@ def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Pa
     expect(page.get_by_text("There is no path to the goal: it would have to pass where the robot")).to_be_visible()
     # The layers as sheets: one is switched off; a handle of the curve is moved; a corner that crosses is refused.
     open_group(page, "Costmap")
+    check_the_sheet_in_front(page)
     page.get_by_role("switch", name="Inflation").click()
     await_true(page, f"() => {_PATH}?.reaches_goal")
     page.get_by_role("slider", name="Inflation radius").first.press("ArrowLeft")

@@ -4,24 +4,48 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.looking import await_end, await_true, open_group, until
+from tests.marks import also_long
 
 _STORE = "gridbloom.connection.store"
 
 
-def test_the_sample_is_localized_in_its_own_map(page: Page, server: str) -> None:
+def amcl_yaml(tmp_path: Path, *lines: str) -> Path:
+    """Write parameters of an AMCL, one line for each."""
+    yaml = tmp_path / "amcl.yaml"
+    yaml.write_text("".join(f"{line}\n" for line in ("amcl:", "  ros__parameters:", *(f"    {one}" for one in lines))))
+    return yaml
+
+
+#: In `make test` a filter with few particles, in `make test-long` with as many as by default.
+@pytest.mark.parametrize(
+    "parameters",
+    [("max_particles: 500", "# gridbloom: global_particles: 2000"), *also_long(())],
+    ids=["few particles", "defaults"],
+)
+def test_the_sample_is_localized_in_its_own_map(
+    page: Page, server: str, tmp_path: Path, parameters: tuple[str, ...]
+) -> None:
     page.emulate_media(reduced_motion="reduce")  # the log stands at its end: most of the time would go to its drawing
     page.goto(f"{server}/logs.html")
     page.get_by_role("button", name="Open map").first.click()
     await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
     panel = open_group(page, "Localize")
-    panel.get_by_label("Mapped along").select_option("true")
+    # The map is proposed along the poses that the page shows.
+    for name in ("odometry", "true"):
+        page.evaluate(f"name => {_STORE}.send({{ type: 'trajectory', name }})", name)
+        expect(panel.get_by_label("Mapped along")).to_have_value(name)
     panel.get_by_role("button", name="Use this map").click()
     find = panel.get_by_role("button", name="Find the robot")
     expect(find).to_be_enabled()
     await_true(page, f"() => {_STORE}.layers.grid('given_map').map.peek() !== null")
+    panel.get_by_text("Parameters of the filter").click()
+    yaml = amcl_yaml(tmp_path, "laser_model_type: likelihood_field_prob", *parameters, "scan_topic: front")
+    panel.get_by_label("Yaml of an AMCL").set_input_files(yaml)
+    expect(panel.get_by_text("Without effect here, and kept where you save: scan_topic.")).to_be_visible()
     # A click says where the robot starts, a second one where it looks.
     panel.get_by_text("At a pose").click()
     expect(find).to_be_disabled()
@@ -66,14 +90,12 @@ def test_what_cannot_be_used_is_said(visitor: BrowserContext, server: str, tmp_p
     expect(panel.get_by_role("button", name="Find the robot")).to_be_enabled()
     # A yaml with a wrong value and one with a wrong name; one that is right keeps what is of no use here.
     panel.get_by_text("Parameters of the filter").click()
-    yaml = tmp_path / "amcl.yaml"
-    for line, said in (
-        ("z_hit: .nan", "(z_hit) must be a finite number"),
-        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
-        ("z_hit: 0.7\n    scan_topic: front", "Without effect here, and kept where you save: scan_topic."),
+    for lines, said in (
+        (["z_hit: .nan"], "(z_hit) must be a finite number"),
+        (["z_hot: 0.5"], "AMCL has no parameter 'z_hot'"),
+        (["z_hit: 0.7", "scan_topic: front"], "Without effect here, and kept where you save: scan_topic."),
     ):
-        yaml.write_text(f"amcl:\n  ros__parameters:\n    {line}\n")
-        panel.get_by_label("Yaml of an AMCL").set_input_files(yaml)
+        panel.get_by_label("Yaml of an AMCL").set_input_files(amcl_yaml(tmp_path, *lines))
         expect(panel.get_by_text(said)).to_be_visible()
     with page.expect_download() as download:
         panel.get_by_role("button", name="Save as AMCL yaml").click()

@@ -169,6 +169,22 @@ def test_an_uploaded_log_becomes_a_map_and_can_be_deleted(
     expect(card).to_have_count(0)
 
 
+def test_the_reading_of_a_log_is_in_view_on_a_small_screen(page: Page, server: str) -> None:
+    facts: dict[str, Any] = dict.fromkeys(("error", "scans", "beams", "duration_s", "format", "time", "mount"))
+    record = facts | {
+        "id": "a", "name": "is-read.bag", "source": "upload", "state": "reading", "bytes": 4_200_000, "progress": 0.4,
+        "has_picture": False, "upside_down": False, "tags": [], "topics": [], "trajectories": [], "notes": [],
+    }  # fmt: skip
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.route("**/api/logs?*", lambda route: route.fulfill(json={"logs": [record], "total": 1, "tags": {}}))
+    page.goto(f"{server}/logs.html")
+    bar = page.get_by_role("progressbar", name="Reading is-read.bag")
+    expect(bar).to_have_attribute("aria-valuenow", "40")
+    expect(bar).to_be_in_viewport(ratio=1)
+    expect(page.get_by_role("heading", name="is-read.bag")).to_be_in_viewport(ratio=1)
+    page.unroute("**/api/logs?*")
+
+
 def test_an_interrupted_upload_resumes(context: BrowserContext, server: str) -> None:
     page = context.new_page()  # unwatched: the console rightly tells of the cut
     line = FrayedLine(int(server.rsplit(":", 1)[1]), 300_000)

@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
+import httpx
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
@@ -26,16 +27,23 @@ from tests.server.service import PATIENCE_S
 from tests.server.service import until as eventually
 
 BUCKET = "gridbloom"
+TOKEN = "a-token-of-the-tests-0123456789"
 FOLLOWERS = 4
 S3 = {"AWS_ACCESS_KEY_ID": "tests", "AWS_SECRET_ACCESS_KEY": "tests", "AWS_REGION": "us-east-1", "AWS_ALLOW_HTTP": "1"}
 
 
 def answers(address: str) -> bool:
+    request = urllib.request.Request(address, headers={"Authorization": f"Bearer {TOKEN}"})
     try:
-        with urllib.request.urlopen(address, timeout=60):
+        with urllib.request.urlopen(request, timeout=60):
             return True
     except OSError:
         return False
+
+
+def status_for(address: str, cookies: dict[str, str]) -> int:
+    """The status of the answer to a browser that has these cookies."""
+    return httpx.get(address, cookies=cookies, timeout=60).status_code
 
 
 @contextmanager
@@ -82,9 +90,9 @@ class Replicas:
         killed.wait()
 
 
-@pytest.fixture(scope="module")
-def services(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
-    folder = tmp_path_factory.mktemp("replicas")
+@contextmanager
+def two_services(folder: Path, **environment: str) -> Iterator[Replicas]:
+    """Two services behind a proxy, which have not begun yet."""
     with ExitStack() as stack:
         try:
             cluster = stack.enter_context(running_postgresql())
@@ -103,9 +111,16 @@ def services(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
 
         def start(port: int) -> subprocess.Popen[bytes]:
             command = [gridbloom, "serve", "--port", str(port), "--data-dir", str(folder / str(port)), *stores]
-            return stack.enter_context(process(command, folder / f"{port}.log", AWS_ENDPOINT=endpoint, **S3))
+            known = S3 | {"AWS_ENDPOINT": endpoint} | environment
+            return stack.enter_context(process(command, folder / f"{port}.log", **known))
 
         yield Replicas(address, ports, start)
+
+
+@pytest.fixture(scope="module")
+def services(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replicas]:
+    with two_services(tmp_path_factory.mktemp("replicas")) as services:
+        yield services
 
 
 @pytest.fixture
@@ -113,6 +128,14 @@ def replicas(services: Replicas) -> Replicas:
     """All services, also those that the test before has killed."""
     services.complete()
     return services
+
+
+@pytest.fixture
+def guarded(tmp_path: Path) -> Iterator[Replicas]:
+    """Services that need a token."""
+    with two_services(tmp_path, GRIDBLOOM_TOKEN=TOKEN) as services:
+        services.complete()
+        yield services
 
 
 def session_of(page: Page) -> str:
@@ -172,6 +195,7 @@ def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_
     lecturer = context.new_page()
     lecturer.goto(f"{replicas.address}/lab.html")
     await_map(lecturer)
+    lecturer.get_by_role("button", name="Pause").click()  # five pages that draw a robot's drive take half of the time
     lecturer.get_by_role("button", name="Class", exact=True).click()
     code = lecturer.locator(".class-code-small").text_content() or ""
     lecturer.get_by_role("dialog").get_by_role("button", name="Close").click()
@@ -201,3 +225,66 @@ def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_
         expect(again).not_to_have_text(code)
         phones[0].goto(f"{replicas.address}/class/{again.text_content()}")
         await_map(phones[0])
+
+
+def test_an_attempt_at_a_puzzle_ends_with_its_service_and_is_begun_again(
+    context: BrowserContext, replicas: Replicas
+) -> None:
+    page = context.new_page()
+    page.goto(f"{replicas.address}/puzzles.html")
+    page.get_by_role("button", name="Open The closed doors").click()
+    score = page.locator(".case-score")
+    case = page.get_by_role("tabpanel", name="Case")
+    for attempt in range(2):
+        await_map(page)
+        expect(score).to_have_text("0 points")
+        case.get_by_role("radio", name="The cells are too large").check()
+        case.get_by_role("button", name="This is the cause").click()
+        expect(score).to_have_text("40 points")
+        if attempt == 0:
+            replicas.kill(replicas.of_session(session_of(page)))
+            page.get_by_role("button", name="Begin again").click()
+
+
+def test_who_has_signed_out_is_refused_by_the_other_service(
+    browser: Browser, context: BrowserContext, server: str, guarded: Replicas
+) -> None:
+    entrance, worlds = f"{guarded.address}/?token={TOKEN}", f"{guarded.address}/api/worlds"
+    with visiting(browser, server) as other:
+        assert other.request.get(entrance).status == 200
+        stays = {one["name"]: one["value"] for one in other.cookies()}
+    page = context.new_page()
+    page.goto(entrance)
+    ends = {one["name"]: one["value"] for one in context.cookies()}
+    assert [status_for(worlds, stays), status_for(worlds, ends)] == [200, 200]
+    made = context.request.post(f"{guarded.address}/api/sessions", data={"kind": "simulation", "world": "office"})
+    its_service = guarded.of_session(made.json()["id"])
+    page.goto(f"{guarded.address}/sign-out")
+    page.get_by_role("button", name="Sign out here").click()
+    until("the service to refuse the cookie", lambda: status_for(worlds, ends) == 401)
+    guarded.kill(its_service)
+    until("the other service to refuse the cookie", lambda: status_for(worlds, ends) == 401)
+    assert status_for(worlds, stays) == 200
+
+
+def test_a_localization_is_finished_by_the_other_service(
+    context: BrowserContext, replicas: Replicas, tmp_path: Path
+) -> None:
+    (tmp_path / "drive.log").write_bytes(carmen(50))
+    page = context.new_page()
+    page.goto(f"{replicas.address}/logs.html")
+    page.set_input_files("input[type=file]", tmp_path / "drive.log")
+    await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
+    panel = open_group(page, "Localize")
+    panel.get_by_role("button", name="Use this map").click()
+    panel.get_by_role("button", name="Find the robot").click()
+    panel.locator("progress").wait_for()
+    before = session_of(page)
+    replicas.kill(replicas.of_session(before))
+    # The other one begins with it when the lease ends that the killed service has, and knows the map that was chosen.
+    await_true(
+        page,
+        """() => gridbloom.connection.store.hello.peek()?.log?.trajectories.some(({ name }) => name === "localized")""",
+    )
+    assert session_of(page) != before
+    expect(open_group(page, "Localize").get_by_role("button", name="Find the robot again")).to_be_enabled()

@@ -36,13 +36,14 @@ from mapper.grid import (
 from mapper.io.maps.bee import is_bee_map, read_bee_map
 from mapper.io.maps.description import MapDescription, image_path, parse_description
 from mapper.io.maps.pixels import GREY_UNKNOWN
-from mapper.io.maps.plain_images import open_plain_image
+from mapper.io.maps.plain_images import PLAIN, open_plain_image
 
 #: First bytes → the reader. Not by Image.open, which refuses what has more than 179 million pixels: the cap is ours.
 _READERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImagePlugin.PngImageFile),
     (b"BM", BmpImagePlugin.BmpImageFile),
 )
+_IMAGES = (*PLAIN, b"P4", b"P5", b"P6", *(first for first, _ in _READERS))  #: first bytes of the images of maps
 _T = TypeVar("_T", bound=np.generic)
 _PIXELS_PER_BYTE = 8 * 1032  #: of one bit each, in a PNG that zlib cannot compress further
 _ROWS = 256
@@ -79,6 +80,8 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ReadError("map.unreadable", f"The file {path.name!r} cannot be read: {reason}.") from error
+    if data.startswith(_IMAGES):
+        raise ReadError("map.no_yaml", f"The file {path.name!r} is an image: choose the yaml that names it.")
     description = parse_description(data, limits)
     sums, n_channels, opaque = _shades(image_path(path, description.image), description, limits)
     in_image_order = _values(sums, n_channels, opaque, description)

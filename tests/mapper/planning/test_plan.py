@@ -165,7 +165,7 @@ def wall(value: int) -> np.ndarray:
     [
         (wall(0), (math.nan, 0.0), at(20, 40), PlannerConfig(), "path.start", "start must be two finite numbers"),
         (wall(0), at(20, 10), (math.inf, 0.0), PlannerConfig(), "path.goal", "goal must be two finite numbers"),
-        (wall(0), (99.0, 0.0), at(20, 40), PlannerConfig(), "path.start_outside", "is outside the map of 60 × 40"),
+        (wall(0), (99.0, 0.0), at(20, 40), PlannerConfig(), "path.start_outside", "the map, which goes from"),
         (wall(0), at(20, 10), (0.0, -99.0), PlannerConfig(), "path.goal_outside", r"goal \(0, -99\) is outside"),
         (wall(0), at(3, 30), at(20, 40), PlannerConfig(), "path.start_blocked", "start: its cell is lethal"),
         (wall(255), at(20, 30), at(20, 40), PlannerConfig(allow_unknown=False), "path.start_blocked", "is unknown"),

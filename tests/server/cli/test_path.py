@@ -23,11 +23,11 @@ def walled_map(folder: Path) -> Path:
 
 
 def test_the_path_goes_around_the_wall(run: Run, tmp_path: Path) -> None:
-    yaml_path = walled_map(tmp_path)
-    status, out, err = run("path", yaml_path, "--from", "1,1", "--to", "5,1", "--out", tmp_path / "way.csv", "--json")
+    yaml_path, way = walled_map(tmp_path), tmp_path / "new" / "way.csv"
+    status, out, err = run("path", yaml_path, "--from", "1,1", "--to", "5,1", "--out", way, "--json")
     assert status == 0, err
     facts = json.loads(out)
-    points = np.loadtxt(tmp_path / "way.csv", delimiter=",", skiprows=1)
+    points = np.loadtxt(way, delimiter=",", skiprows=1)
     assert facts["points"] == len(points)
     np.testing.assert_allclose(points[[0, -1]], [[1.0, 1.0], [5.0, 1.0]])
     assert facts["length"] == round(float(np.hypot(*np.diff(points, axis=0).T).sum()), 3)
@@ -38,7 +38,10 @@ def test_the_path_goes_around_the_wall(run: Run, tmp_path: Path) -> None:
 def test_what_is_refused(run: Run, tmp_path: Path) -> None:
     yaml_path = walled_map(tmp_path)
     for options, said in (
-        (("--from", "1,1", "--to", "99,1"), "The goal (99, 1) is outside the map"),
+        (
+            ("--from", "1,1", "--to", "99,1"),
+            "(99, 1) is outside the map, which goes from (0.05, 0.05) to (5.95, 5.95) m",
+        ),
         (("--from", "3.05,1", "--to", "5,1"), "The robot cannot be at the start: its cell is lethal."),
         (("--from", "1", "--to", "5,1"), "--from needs two numbers"),
         (("--from", "1,1", "--to", "5,nan"), "The goal must be two finite numbers"),
@@ -47,6 +50,9 @@ def test_what_is_refused(run: Run, tmp_path: Path) -> None:
         done = run("path", yaml_path, *options)
         assert done.status == 2
         assert said in done.err
+    done = run("path", yaml_path.with_suffix(".pgm"), "--from", "1,1", "--to", "5,1")
+    assert done.status == 2
+    assert "'room.pgm' is an image: choose the yaml that names it." in done.err
     near = run("path", yaml_path, "--from", "1,1", "--to", "3.05,1")
     assert near.status == 0
     assert "the nearest place to the goal" in near.out

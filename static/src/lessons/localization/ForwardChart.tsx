@@ -47,7 +47,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
       name: "z_hit",
       label: "z_hit",
       tone: "tone-hit",
-      sentence: "Share of readings of what the map has.",
+      sentence: "Share of readings from surfaces that are in the map.",
       at: z,
       unit: normalPeak(now.sigma_hit),
       anchor: "middle",
@@ -56,7 +56,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
       name: "z_short",
       label: "z_short",
       tone: "tone-beam",
-      sentence: "Share of readings of what stands before it: people, chairs.",
+      sentence: "Share of readings from things before the expected surface: people, chairs.",
       at: SHORT_AT,
       unit: (now.lambda_short * Math.exp(-now.lambda_short * SHORT_AT)) / share,
       anchor: "start",
@@ -144,7 +144,7 @@ export function ForwardChart({ mix, expected }: ForwardChartProps) {
             </Handle>
             <Handle
               label="σ_hit"
-              sentence="Standard deviation of readings of what the map has."
+              sentence="Standard deviation of readings from surfaces that are in the map."
               axis="x"
               tone="tone-hit"
               now={now.sigma_hit}

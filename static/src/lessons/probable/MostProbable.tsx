@@ -135,7 +135,7 @@ export function MostProbable({ uncertainty }: { readonly uncertainty: Signal<Unc
         />
         <Slider
           label="Uncertainty of the odometry"
-          sentence="Standard deviation of the position that it says."
+          sentence="Standard deviation of the position by odometry."
           value={uncertainty.value.odometry}
           initial={UNCERTAINTY.odometry}
           low={0.05}

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
 import { Icon } from "../../ui/Icon";
+import { plural } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
@@ -15,9 +16,6 @@ const quietly = (work: Promise<void>): void => {
   work.catch((error: Error) => toast(error.message));
 };
 
-const plural = (count: number, noun: string): string =>
-  `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
-
 /** All logs, each read, examined and mapped once, and a wall of their maps. */
 export function Fleet() {
   useEffect(watchFleet, []);
@@ -30,7 +28,7 @@ export function Fleet() {
   const found = logs === null ? [] : chosen(logs.values(), words, shown, order);
   return (
     <div class="library fleet">
-      <div class="library-head">
+      <div class="page-head">
         <h1>Map all logs</h1>
         <p class="prose">
           Each of your logs and of those on this server is read, examined and mapped once. Press a map to open its log.

@@ -127,7 +127,7 @@ const GROUPS: readonly Group[] = [
     id: "localize",
     title: "Localize",
     section: "Pose",
-    purpose: "Where the robot is, by a particle filter; kidnap it",
+    purpose: "The robot’s pose by a particle filter; kidnap the robot",
     keeps: true,
     badge: ({ store }) => (store.localization.value?.is_on ? "on" : null),
     content: ({ store }) => <Localization store={store} />,
@@ -151,7 +151,7 @@ const GROUPS: readonly Group[] = [
     id: "costmap",
     title: "Costmap",
     section: "Navigate",
-    purpose: "Layers of costs over the map, as Nav2 has them",
+    purpose: "Layers of costs over the map, as in Nav2",
     content: ({ store }) => <CostmapGroup store={store} />,
   },
   {

@@ -107,7 +107,7 @@ export function ProbableSection({ id, number, title }: SectionHead) {
         is uncertain by{" "}
         <DragNumber
           label="Uncertainty of the odometry"
-          sentence="Standard deviation of the position that it says."
+          sentence="Standard deviation of the position by odometry."
           value={odometry}
           unit="m"
           low={0.05}

@@ -38,10 +38,10 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
     >
       <p>
         A particle’s weight is p(z | x, m): <b>forwards</b>, from a map and a pose to the reading. The <b>beam model</b>{" "}
-        has four parts: the range to what the map has, with noise; shorter ranges, from people and things that are not
-        in the map; beams without a return; and random readings. Drag each part by its handle. The second chart shows
-        the <b>inverse</b> model, as in the first half of this lecture: given one reading, which cells are occupied?
-        Drag z along the beam.
+        has four parts: the range to the surface in the map, with noise; shorter ranges, from people and things that are
+        not in the map; beams without a return; and random readings. Drag each part by its handle. The second chart
+        shows the <b>inverse</b> model, as in the first half of this lecture: given one reading, which cells are
+        occupied? Drag z along the beam.
       </p>
     </Section>
   );

@@ -35,7 +35,13 @@ export function LogCard({ log, onOpen }: LogCardProps) {
   const opens = log.state === "ready" || (moving && !isOwn);
   return (
     <li class={`card log-card ${log.state}`}>
-      {log.state !== "failed" && <LogPicture id={log.id} hasPicture={log.has_picture} isAwaited={moving} alt="" />}
+      {log.state !== "failed" && (
+        <LogPicture id={log.id} hasPicture={log.has_picture && !moving} isAwaited={moving} alt="">
+          {moving && isOwn && (
+            <ProgressBar fraction={log.progress > 0 ? log.progress : null} label={`Reading ${log.name}`} />
+          )}
+        </LogPicture>
+      )}
       <div class="log-head">
         <h3>{log.name}</h3>
         {isOwn && moving && (
@@ -57,9 +63,6 @@ export function LogCard({ log, onOpen }: LogCardProps) {
             Read it again
           </Button>
         </div>
-      )}
-      {moving && isOwn && (
-        <ProgressBar fraction={log.progress > 0 ? log.progress : null} label={`Reading ${log.name}`} />
       )}
       {log.state === "ready" && <LogTags log={log} />}
       {opens && (

@@ -173,7 +173,7 @@ function beamGrips(m: BeamMixture, expected: number, xs: Scale, ys: LogScale): r
     {
       name: "z_hit",
       label: "z_hit",
-      sentence: "Share of readings of what the map has.",
+      sentence: "Share of readings from surfaces that are in the map.",
       axis: "y",
       at: [toPixel(expected, xs), ys.at(peak)],
       tone: "tone-hit",
@@ -184,7 +184,7 @@ function beamGrips(m: BeamMixture, expected: number, xs: Scale, ys: LogScale): r
     {
       name: "sigma_hit",
       label: "sigma_hit",
-      sentence: "Standard deviation of readings of what the map has.",
+      sentence: "Standard deviation of readings from surfaces that are in the map.",
       axis: "x",
       at: [toPixel(expected, xs) + Math.max(14, m.sigma_hit * perMetre), ys.at(0.607 * peak) + 14],
       tone: "tone-hit",
@@ -195,7 +195,7 @@ function beamGrips(m: BeamMixture, expected: number, xs: Scale, ys: LogScale): r
     {
       name: "z_short",
       label: "z_short",
-      sentence: "Share of readings of what stands before it.",
+      sentence: "Share of readings from things before the expected surface.",
       axis: "y",
       at: [toPixel(near, xs), ys.at(shortAt(near))],
       tone: "tone-beam",
@@ -206,7 +206,7 @@ function beamGrips(m: BeamMixture, expected: number, xs: Scale, ys: LogScale): r
     {
       name: "lambda_short",
       label: "lambda_short",
-      sentence: "How fast the likelihood of what stands before falls with the range.",
+      sentence: "How fast the likelihood of unexpected short readings falls with the range.",
       axis: "y",
       at: [toPixel(middle, xs), ys.at(shortAt(middle))],
       tone: "tone-beam",
@@ -246,7 +246,7 @@ function fieldGrips(m: BeamMixture, reach: number, xs: Scale, ys: LogScale): rea
     {
       name: "z_hit",
       label: "z_hit",
-      sentence: "Share of readings of what the map has.",
+      sentence: "Share of readings from surfaces that are in the map.",
       axis: "y",
       at: [toPixel(0, xs), ys.at(m.z_hit + floor)],
       tone: "tone-hit",
@@ -257,7 +257,7 @@ function fieldGrips(m: BeamMixture, reach: number, xs: Scale, ys: LogScale): rea
     {
       name: "sigma_hit",
       label: "sigma_hit",
-      sentence: "Standard deviation of readings of what the map has.",
+      sentence: "Standard deviation of readings from surfaces that are in the map.",
       axis: "x",
       at: [toPixel(m.sigma_hit, xs), ys.at(fieldLikelihood(m.sigma_hit, m, reach))],
       tone: "tone-hit",
@@ -279,7 +279,7 @@ function fieldGrips(m: BeamMixture, reach: number, xs: Scale, ys: LogScale): rea
     {
       name: "laser_likelihood_max_dist",
       label: "Reach of the field",
-      sentence: "End points farther than this from anything occupied count as if they were so far.",
+      sentence: "Larger distances from an end point to the nearest occupied cell count as this distance.",
       axis: "x",
       at: [toPixel(reach, xs), BOTTOM],
       tone: "tone-beam",

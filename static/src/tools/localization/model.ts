@@ -51,7 +51,7 @@ export const SETTINGS: readonly Setting[] = [
   },
   {
     name: "sure",
-    label: "Sensor model too sure of itself",
+    label: "Overconfident sensor model",
     values: { sigma_hit: 0.02, z_hit: 0.99, z_rand: 0.01, least_effective: 0, reset_below: 0 },
     look: "one scan decides: a few particles get all of the weight, and often they are the wrong ones.",
   },

@@ -5,6 +5,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
+import { plural } from "../../ui/numbers";
 import { SwitchChip } from "../../ui/SwitchChip";
 import type { Value } from "../../wire/protocol";
 import { ParameterRows } from "../parameters/ParameterRows";
@@ -105,7 +106,7 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
 }
 
 function Begin({ store }: { readonly store: Store }) {
-  if (!store.map3d.isEnded.value) return <p class="map3d-note">The 3D map begins …</p>;
+  if (!store.map3d.isEnded.value) return <p class="map3d-note">Starting the 3D map …</p>;
   return (
     <Button
       kind="primary"
@@ -129,8 +130,8 @@ function Difference({ store }: { readonly store: Store }) {
       {problem !== null && <p role="alert">{problem}</p>}
       <p role="status">
         <span class="map3d-key" aria-hidden="true" />
-        <b>{cells.toLocaleString("en")}</b> cells are obstacles of the 3D map that the 2D map lacks; they are laid over
-        the belief.
+        <b>{plural(cells, "cell")}</b> {cells === 1 ? "is an obstacle" : "are obstacles"} of the 3D map that the 2D map
+        lacks; the belief shows {cells === 1 ? "it" : "them"} in this colour.
       </p>
       {isElsewhere && (
         <Button kind="quiet" onClick={() => store.chooseWorld(LEVELS)}>

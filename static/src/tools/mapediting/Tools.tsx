@@ -30,7 +30,7 @@ const TOOLS: readonly ToolText[] = [
     icon: "curve",
     hint: "Drag along a wall: the map turns so that it lies level or upright.",
   },
-  { tool: "crop", label: "Crop", icon: "fit", hint: "Drag over what is to be kept." },
+  { tool: "crop", label: "Crop", icon: "fit", hint: "Drag over the part to keep." },
   {
     tool: "origin",
     label: "Origin",

@@ -48,7 +48,7 @@ const isDriven = (store: Store): boolean => KINDS[store.hello.value?.kind ?? ""]
 
 /** A button that begins the costmap after the user has ended it. */
 export function Begin({ store }: { readonly store: Store }) {
-  if (!store.navigation.isEnded.value) return <p class="navigation-note">The costmap is made …</p>;
+  if (!store.navigation.isEnded.value) return <p class="navigation-note">Computing the costmap …</p>;
   const begin = (): void => {
     store.navigation.isEnded.value = false;
   };

@@ -2,10 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { nameOfCost } from "../../grid/costs";
 import { type Cell, cellAt, centreOf } from "../../grid/lattice";
-import { costOfByte } from "../../render/map/costColours";
-import type { MapPicture } from "../../render/map/mapPicture";
 import { pictureColours } from "../../render/picture/pictureColours";
 import type { Store } from "../../store/store";
 import { reducedMotion } from "../../ui/reducedMotion";
@@ -13,18 +10,9 @@ import { Slider } from "../../ui/Slider";
 import { useWidth } from "../../ui/useWidth";
 import { zoomOf } from "../../ui/zoom";
 import type { Geometry, Point } from "../../wire/protocol";
-import { COSTS } from "./palettes";
 import { Sheet } from "./sheetImage";
-import {
-  cellOn,
-  draggedGaps,
-  LEAST_GAP,
-  placeOn,
-  type SheetPlan,
-  sheetPlan,
-  transformOf,
-  type Window,
-} from "./sheetPlan";
+import { paintCell, paintSheets } from "./sheetPaint";
+import { cellOn, draggedGaps, LEAST_GAP, sheetPlan, type Window } from "./sheetPlan";
 import { LAYER_NAMES } from "./WhyCost";
 
 /** The sheets from the bottom up: the layers, and the costs of all of them. */
@@ -71,6 +59,8 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
   const images = useRef<readonly Sheet[]>([]);
   if (images.current.length === 0) images.current = names.map(() => new Sheet());
   const held = useRef<{ sheet: number; y: number; gaps: readonly number[]; moved: boolean } | null>(null);
+  const front = useSignal<number | null>(null);
+  const isDragged = useSignal(false);
 
   useEffect(() => {
     const ends = names.map((name) => layers.subscribe(name));
@@ -101,6 +91,7 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
   const colours = pictureColours.value;
   const values = navigation.values.values.value;
   const isOn = (name: string): boolean => values[name] !== false;
+  const inFront = front.value;
 
   useEffect(() => {
     const element = canvas.current;
@@ -112,8 +103,13 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
     if (!ctx) return;
     ctx.setTransform(1, 0, 0, 1, 0, 0);
     ctx.clearRect(0, 0, element.width, element.height);
-    paintSheets(ctx, ratio, plan, shown, images.current, colours);
-    if (cell) paintCell(ctx, ratio, plan, shown, cell, colours);
+    const sheets = images.current.map((image, n) => ({
+      image,
+      map: shown[n] ?? null,
+      isOn: isOn(names[n] as string),
+    }));
+    paintSheets(ctx, ratio, plan, sheets, inFront, colours);
+    if (cell) paintCell(ctx, ratio, plan, sheets, cell, colours);
   });
 
   const inPicture = (event: PointerEvent): Point => {
@@ -129,18 +125,21 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
       <div class="sheets-picture" style={{ height: `${HEIGHT}px` }}>
         <canvas
           ref={canvas}
+          class={isDragged.value ? "dragged" : undefined}
           role="img"
           aria-label="The layers of the costmap as sheets above each other; the cell under the pointer is marked on each"
           onPointerDown={(event) => {
             const hit = plan && cellOn(plan, ...inPicture(event));
             if (event.button !== 0 || !hit) return;
             held.current = { sheet: hit.sheet, y: event.clientY, gaps: gaps.peek(), moved: false };
+            front.value = hit.sheet;
             event.currentTarget.setPointerCapture(event.pointerId);
           }}
           onPointerMove={(event) => {
             const now = held.current;
             if (now && Math.abs(event.clientY - now.y) > SLOP) now.moved = true;
             if (now?.moved && now.sheet > 0) {
+              isDragged.value = true;
               gaps.value = draggedGaps(
                 now.gaps,
                 now.sheet,
@@ -149,7 +148,9 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
               );
               return;
             }
-            store.pointer.value = point((plan && cellOn(plan, ...inPicture(event)))?.cell);
+            const hit = plan && cellOn(plan, ...inPicture(event));
+            front.value = now ? now.sheet : (hit?.sheet ?? null);
+            store.pointer.value = point(hit?.cell);
           }}
           onPointerUp={(event) => {
             const at = point((plan && cellOn(plan, ...inPicture(event)))?.cell);
@@ -158,12 +159,14 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
               navigation.lastTool.value = navigation.tool.value = "cost";
             }
             held.current = null;
+            isDragged.value = false;
           }}
           onPointerCancel={() => {
             held.current = null;
+            isDragged.value = false;
           }}
           onPointerLeave={() => {
-            store.pointer.value = null;
+            store.pointer.value = front.value = null;
           }}
           style={{ width: "100%", height: `${HEIGHT}px` }}
         />
@@ -171,9 +174,15 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
           names.map((name, n) => {
             const [, y] = plan.corners[n] as Point;
             const style = { top: `${y - plan.height}px` };
+            const show = () => {
+              front.value = n;
+            };
+            const leave = () => {
+              front.value = null;
+            };
             if (name === "costmap")
               return (
-                <span key={name} class="sheets-name" style={style}>
+                <span key={name} class="sheets-name" style={style} onPointerEnter={show} onPointerLeave={leave}>
                   All together
                 </span>
               );
@@ -182,9 +191,13 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
                 key={name}
                 type="button"
                 role="switch"
-                class="sheets-name sheets-switch"
+                class={n === inFront ? "sheets-name sheets-switch in-front" : "sheets-name sheets-switch"}
                 aria-checked={isOn(name)}
                 style={style}
+                onPointerEnter={show}
+                onPointerLeave={leave}
+                onFocus={show}
+                onBlur={leave}
                 onClick={() => store.setNavigation({ [name]: !isOn(name) })}
               >
                 {LAYER_NAMES[name]}
@@ -194,7 +207,7 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
       </div>
       <Slider
         label="Distance between the sheets"
-        sentence="Or drag a sheet up or down; click a cell of a sheet to ask for its cost."
+        sentence="Or drag a sheet up or down; click a cell of a sheet to ask for its cost. The sheet under the pointer is seen whole."
         unit="px"
         value={Math.round(gaps.value.reduce((a, b) => a + b, 0) / gaps.value.length)}
         initial={first}
@@ -207,85 +220,4 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
       />
     </div>
   );
-}
-
-type Colours = typeof pictureColours.value;
-
-function paintSheets(
-  ctx: CanvasRenderingContext2D,
-  ratio: number,
-  plan: SheetPlan,
-  maps: readonly (MapPicture | null)[],
-  images: readonly Sheet[],
-  colours: Colours,
-): void {
-  const { row0, rows, col0, cols } = plan.window;
-  plan.corners.forEach((corner, n) => {
-    const [a, b, c, d, e, f] = transformOf(plan, corner);
-    ctx.setTransform(a * ratio, b * ratio, c * ratio, d * ratio, e * ratio, f * ratio);
-    ctx.globalAlpha = 0.72;
-    ctx.fillStyle = colours.floor;
-    ctx.fillRect(col0, row0, cols, rows);
-    ctx.globalAlpha = 1;
-    const map = maps[n];
-    const image = map && images[n]?.of(map, COSTS, colours);
-    if (image)
-      for (let times = 0; times < 2; times++) ctx.drawImage(image, col0, row0, cols, rows, col0, row0, cols, rows); // twice: thin walls stay visible
-    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
-    ctx.beginPath();
-    for (const [u, v] of [
-      [col0, row0],
-      [col0 + cols, row0],
-      [col0 + cols, row0 + rows],
-      [col0, row0 + rows],
-    ] as const)
-      ctx.lineTo(...placeOn(plan, corner, u, v));
-    ctx.closePath();
-    ctx.lineWidth = 1;
-    ctx.strokeStyle = colours.prior;
-    ctx.stroke();
-  });
-}
-
-/** Mark a cell on all sheets, and write its cost beside each. */
-function paintCell(
-  ctx: CanvasRenderingContext2D,
-  ratio: number,
-  plan: SheetPlan,
-  maps: readonly (MapPicture | null)[],
-  cell: Cell,
-  colours: Colours,
-): void {
-  const { row0, rows, col0, cols } = plan.window;
-  if (cell.row < row0 || cell.col < col0 || cell.row >= row0 + rows || cell.col >= col0 + cols) return;
-  ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
-  const places = plan.corners.map((corner) => placeOn(plan, corner, cell.col + 0.5, cell.row + 0.5));
-  const [bottom, top] = [places[0], places.at(-1)];
-  if (!bottom || !top) return;
-  ctx.strokeStyle = ctx.fillStyle = colours.outline;
-  ctx.lineWidth = 1;
-  ctx.setLineDash([3, 3]);
-  ctx.beginPath();
-  ctx.moveTo(...bottom);
-  ctx.lineTo(...top);
-  ctx.stroke();
-  ctx.setLineDash([]);
-  ctx.font = getComputedStyle(ctx.canvas).font;
-  ctx.textAlign = "right";
-  places.forEach(([x, y], n) => {
-    ctx.fillStyle = ctx.strokeStyle = colours.outline;
-    ctx.lineWidth = 2;
-    ctx.beginPath();
-    ctx.ellipse(x, y, 6, 3, 0, 0, 2 * Math.PI);
-    ctx.stroke();
-    const map = maps[n];
-    if (!map) return;
-    const text = nameOfCost(costOfByte(map.cells.at(cell.row, cell.col)));
-    const [right, low] = placeOn(plan, plan.corners[n] as Point, col0 + cols, row0);
-    const at: Point = [right + 70, low - 4];
-    ctx.lineWidth = 4;
-    ctx.strokeStyle = colours.halo;
-    ctx.strokeText(text, ...at);
-    ctx.fillText(text, ...at);
-  });
 }

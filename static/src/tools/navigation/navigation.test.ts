@@ -3,7 +3,7 @@ import { costAt, factorFor } from "../../grid/costs";
 import vectors from "../../grid/costs.vectors.json";
 import { byteOfCost, costOfByte } from "../../render/map/costColours";
 import { OUTLINES, refusalOf } from "./footprint";
-import { cellOn, draggedGaps, LEAST_GAP, placeOn, sheetPlan } from "./sheetPlan";
+import { cellOn, draggedGaps, LEAST_GAP, paintOrder, placeOn, sheetPlan } from "./sheetPlan";
 
 describe("the cost of a distance", () => {
   it("is that of the server", () => {
@@ -47,6 +47,10 @@ describe("the outline of the robot", () => {
 });
 
 describe("the sheets", () => {
+  it("are painted from the bottom up, the one in front last", () => {
+    expect(paintOrder(4, null)).toEqual([0, 1, 2, 3]);
+    expect(paintOrder(4, 1)).toEqual([0, 2, 3, 1]);
+  });
   const plan = sheetPlan({ row0: 10, rows: 40, col0: 20, cols: 80 }, 400, 300, [50, 50]);
   it("find the cell that they show at a place, topmost first", () => {
     plan.corners.forEach((corner, sheet) => {

@@ -56,6 +56,12 @@ export function placeOn(plan: SheetPlan, corner: Point, u: number, v: number): P
   return [a * u + c * v + e, d * v + f];
 }
 
+/** The numbers of the sheets in the order in which they are painted: from the bottom up, the one in front last. */
+export function paintOrder(count: number, front: number | null): readonly number[] {
+  const others = Array.from({ length: count }, (_, n) => n).filter((n) => n !== front);
+  return front === null ? others : [...others, front];
+}
+
 /** The topmost sheet at a place of the picture, and the cell there; null beside all of them. */
 export function cellOn(plan: SheetPlan, x: number, y: number): { readonly sheet: number; readonly cell: Cell } | null {
   const { row0, rows, col0, cols } = plan.window;

@@ -76,7 +76,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
 }
 
 function Begin({ store }: { readonly store: Store }) {
-  if (!store.terrain.isEnded.value) return <p class="quiet">The 3D sensor measures the first points …</p>;
+  if (!store.terrain.isEnded.value) return <p class="quiet">Waiting for the first points of the 3D sensor …</p>;
   return (
     <Button
       kind="primary"
@@ -117,7 +117,7 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
         {left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
         {kappa !== null &&
           total_error !== null &&
-          ` Against ${truth ?? "the truth"}: κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+          ` Against ${truth ?? "the truth"}: Cohen’s κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
         {isFile && truth === null && " How good is that? Give a file of the true ground points in the tab Compare."}
       </p>
     </div>

@@ -8,8 +8,12 @@ interface HealOfferProps {
   readonly onHeal: () => void;
 }
 
-/** Beside the title of a log whose poses drift, until they are healed: what is wrong, and the button that corrects it. */
+/** Beside the title of a log: that it is examined; if its poses drift, that they do, with the button that corrects it. */
 export function HealOffer({ doctor, healing, onHeal }: HealOfferProps) {
+  if (doctor.state.value.kind === "busy") {
+    const share = doctor.progress.value?.fraction ?? null;
+    return <p class="examination-note quiet">Examining …{share !== null && ` ${Math.floor(100 * share)} %`}</p>;
+  }
   if (!findsDrift(doctor) || healing.isUnderWay.value || healing.job.value?.state === "done") return null;
   return (
     <div class="heal-offer" role="status">

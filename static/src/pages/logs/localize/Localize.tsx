@@ -200,6 +200,10 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
   const chosen = useSignal<ChosenLog | null>(null);
   const names = (log?.trajectories ?? []).map((one) => one.name);
   const along = useSignal("");
+  // The poses that the page shows, but not those of an earlier localization.
+  const shown = store.trajectory.value?.name;
+  const isUsual = shown !== undefined && shown !== localizing.job.value?.result?.trajectory && names.includes(shown);
+  const mappedAlong = along.value || (isUsual ? shown : names[0]) || "";
   const isBusy = localizing.doing.value !== null;
   const source = localizing.source.value;
   return (
@@ -219,7 +223,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
             <span class="field-label">Mapped along</span>
             <select
               class="select"
-              value={along.value || names[0]}
+              value={mappedAlong}
               disabled={isBusy}
               onChange={(event) => {
                 along.value = event.currentTarget.value;
@@ -234,7 +238,7 @@ function MapChoice({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
           </label>
           <Button
             disabled={isBusy}
-            onClick={() => void localizing.chooseLog(log.id, log.topic ?? null, along.peek() || (names[0] ?? null))}
+            onClick={() => void localizing.chooseLog(log.id, log.topic ?? null, mappedAlong || null)}
           >
             Use this map
           </Button>

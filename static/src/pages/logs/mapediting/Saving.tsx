@@ -114,8 +114,8 @@ export function Saving({ store, session }: SavingProps) {
           )}
           <p class="quiet">
             pgm and yaml together are a map for map_server and Nav2; the keepout and speed files are the masks of Nav2’s
-            keepout filter and speed filter, the latter in percent (type 1, base 0, multiplier 1). gridbloom edit
-            carries the edits out again.
+            keepout filter and speed filter, the latter in percent (type 1, base 0, multiplier 1). “gridbloom edit”
+            applies the file of edits to a map.
           </p>
         </div>
       </Panel>
