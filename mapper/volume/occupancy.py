@@ -23,6 +23,9 @@ from mapper.volume.stop_masks import StopMaskCache
 
 FORGET_BELOW = 0.1  #: log-odds nearer to 0 than this are forgotten by a decay
 _TILE_VOXELS = 1 << 27  # marks that are laid out at a time, bytes
+# Steps of rays, and blocks of a scan's box, for each thread. Two threads write the same marks near the sensor, so that
+# a small scan takes longer by two than by one.
+STEPS_A_THREAD, BLOCKS_A_THREAD = 1 << 20, 512
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,17 +164,17 @@ class OccupancyVolume:
     ) -> Int32Array:
         size = box.nx * box.ny * box.nz
         resolution = self.config.resolution
-        n = cores()
         with scratch(size // 8) as memory:
             words = memory[: size // 8]
             marks = words.view(np.uint8)
             in_parallel(
                 [
                     partial(mark_rays, start, rays[a:b], first, keys[a:b], resolution, box, marks)
-                    for a, b in shares(len(rays), n)
+                    for a, b in shares(len(rays), _ray_threads(first, keys))
                 ]
             )
             mark_ends(hits, box, marks)
+            n = min(cores(), 1 + size // (BLOCK**3 * BLOCKS_A_THREAD))
             found = [_found(words, box, z0, z1) for z0, z1 in shares(box.nz // BLOCK, n)]
             codes, corners, parts = (np.concatenate(some) for some in zip(*found, strict=True))
             try:
@@ -271,6 +274,13 @@ def _bounds(first: Int64Array, *keys: Int64Array) -> tuple[Int64Array, Int64Arra
     for some in keys:
         key_bounds(some, low, high)
     return (low - 1) // BLOCK * BLOCK, ((high + 1) // BLOCK + 1) * BLOCK
+
+
+def _ray_threads(first: Int64Array, keys: Int64Array) -> int:
+    """Return how many threads follow rays from the voxel ``first`` (3,) to ``keys`` (n, 3), by every 64th of them."""
+    some = keys[::64]
+    steps = float(np.abs(some - first).sum()) * len(keys) / max(len(some), 1)
+    return min(cores(), 1 + int(steps / STEPS_A_THREAD))
 
 
 def _tiles(low: Int64Array, high: Int64Array) -> list[Box]:

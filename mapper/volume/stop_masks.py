@@ -13,22 +13,22 @@ from mapper.volume.kernels.casts import index_blocks, stop_masks
 from mapper.volume.kernels.types import Belief, StopMasks
 
 _SHARE = 1024  # blocks from which a second thread is worth its start
-_NO_INDEX = np.empty((0, 0, 0), dtype=np.int32)
-MOST_PLACES = 32  #: of the index, for each block of a map: as many bytes as its bits
+_NO_GRID = np.empty((0, 0, 0), dtype=np.int32)
+MOST_PLACES = 32  #: of the grid, for each block of a map: as many bytes as its bits
 
 
 class StopMaskCache:
     """The stop masks of a map's blocks. A map that no ray is cast through has none."""
 
     def __init__(self) -> None:
-        self._masks = StopMasks(*_empty_masks(0), _NO_INDEX, 0, 0, 0)
+        self._masks = StopMasks(*_empty_masks(0), _NO_GRID, 0, 0, 0)
         self._stale = np.empty(0, dtype=np.bool_)  # blocks whose log-odds changed since
 
     @property
     def n_bytes(self) -> int:
         """Bytes that the masks take."""
-        words, found, index, *_ = self._masks
-        return words.nbytes + found.nbytes + index.nbytes + self._stale.nbytes
+        words, found, grid, *_ = self._masks
+        return words.nbytes + found.nbytes + grid.nbytes + self._stale.nbytes
 
     def mark_stale(self, slots: Int32Array | slice) -> None:
         """Note that the log-odds of blocks changed, by their slots."""
@@ -59,7 +59,7 @@ class StopMaskCache:
                 ]
             )
             stale[:n] = False
-            self._masks = _with_index(masks, codes)
+            self._masks = _with_grid(masks, codes)
         return self._masks
 
 
@@ -67,13 +67,13 @@ def _empty_masks(n: int) -> tuple[UInt64Array, UInt8Array]:
     return np.empty((n, 2, 8), dtype=np.uint64), np.empty(n, dtype=np.uint8)
 
 
-def _with_index(masks: StopMasks, codes: Int64Array) -> StopMasks:
-    """Return the masks with the index of blocks (n,), n > 0, or with an empty one where it would be too large."""
+def _with_grid(masks: StopMasks, codes: Int64Array) -> StopMasks:
+    """Return the masks with the grid of blocks (n,), n > 0, or with an empty one where it would be too large."""
     box = [(int(at.min()), int(at.max())) for at in (codes & 8191, codes >> 13 & 8191, codes >> 26)]
     shape = [high - low + 1 for low, high in reversed(box)]
     x, y, z = (low for low, _ in box)
     if math.prod(shape) > MOST_PLACES * len(codes):
-        return StopMasks(masks.words, masks.found, _NO_INDEX, x, y, z)
-    index = np.empty(shape, dtype=np.int32)
-    index_blocks(codes, masks.found, x, y, z, index)
-    return StopMasks(masks.words, masks.found, index, x, y, z)
+        return StopMasks(masks.words, masks.found, _NO_GRID, x, y, z)
+    grid = np.empty(shape, dtype=np.int32)
+    index_blocks(codes, masks.found, x, y, z, grid)
+    return StopMasks(masks.words, masks.found, grid, x, y, z)

@@ -22,7 +22,8 @@ def add_points(points: Float64Array, corner: Float64Array, size: float, out: Flo
     """Add points (n, 3) to the moments of their patches. Heights are above the corner; points outside are left out.
 
     The order of the sums is that of the points. Each :data:`_BATCH` of points is gone through twice: the first loop
-    only reads a number of each patch, so that the memory of many patches is fetched at the same time.
+    only reads a number of each patch, so that the memory of many patches is fetched at the same time. Indices of arrays
+    are unsigned because numba tests signed ones for being negative.
     """
     rows, cols, _ = out.shape
     flat = out.reshape(rows * cols, 10)
@@ -33,18 +34,19 @@ def add_points(points: Float64Array, corner: Float64Array, size: float, out: Flo
     for first in range(0, len(points), _BATCH):
         n = min(_BATCH, len(points) - first)
         for k in range(n):
-            u, v = points[first + k, 0] - x0, points[first + k, 1] - y0
+            point = points[np.uint64(first + k)]
+            u, v = point[0] - x0, point[1] - y0
             col, row = np.floor(u * per_metre), np.floor(v * per_metre)
             inside = (col >= 0.0) & (col < cols) & (row >= 0.0) & (row < rows)
             patch = int(row) * cols + int(col) if inside else -1
             patches[k] = patch
-            xs[k], ys[k], zs[k] = u - (col + 0.5) * size, v - (row + 0.5) * size, points[first + k, 2] - z0
+            xs[k], ys[k], zs[k] = u - (col + 0.5) * size, v - (row + 0.5) * size, point[2] - z0
             if inside:
-                fetched[k] = flat[patch, 0] + flat[patch, 9]
+                fetched[k] = flat[np.uint64(patch), 0] + flat[np.uint64(patch), 9]
         for k in range(n):
             if patches[k] < 0:
                 continue
-            cell, x, y, z = flat[patches[k]], xs[k], ys[k], zs[k]
+            cell, x, y, z = flat[np.uint64(patches[k])], xs[k], ys[k], zs[k]
             cell[0] += 1.0
             cell[1] += x
             cell[2] += y

@@ -60,7 +60,7 @@ def stop_masks(
 
 @jit
 def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, out: Int32Array) -> None:
-    """Write the index of :class:`StopMasks`, from the block at (``x``, ``y``, ``z``); it holds all blocks (n,)."""
+    """Write the grid of :class:`StopMasks`, from the block at (``x``, ``y``, ``z``); it holds all blocks (n,)."""
     out[:] = _ABSENT
     for slot in range(codes.shape[0]):
         code = codes[slot]
@@ -70,12 +70,11 @@ def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, o
 @jit
 def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int:
     """Return 4 · slot + found of the block at (x, y, z), :data:`_ABSENT` where there is none."""
-    if masks.index.size > 0:
-        # Unsigned: what lies before the box is also beyond it.
-        i, j, k = np.uint64(x - masks.x), np.uint64(y - masks.y), np.uint64(z - masks.z)
-        depth, height, width = masks.index.shape
-        if (i < np.uint64(width)) & (j < np.uint64(height)) & (k < np.uint64(depth)):
-            return int(masks.index[k, j, i])
+    if masks.grid.size > 0:
+        i, j, k = x - masks.x, y - masks.y, z - masks.z
+        depth, height, width = masks.grid.shape
+        if ((i | j | k) >= 0) & (i < width) & (j < height) & (k < depth):
+            return int(masks.grid[np.uint64(k), np.uint64(j), np.uint64(i)])
         return _ABSENT
     if (x | y | z) & ~_BLOCKS != 0:
         return _ABSENT

@@ -52,6 +52,8 @@ def test_real_scan_is_octomaps(data_file, tmp_path: Path) -> None:
 
 def test_threads_and_tiles_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     scans, config = room_scans(), CONFIGS["cut points"]
+    monkeypatch.setattr(occupancy_module, "STEPS_A_THREAD", 1)
+    monkeypatch.setattr(occupancy_module, "BLOCKS_A_THREAD", 1)
     expected = octree_file(Octree.of(volume_of(scans, config)), ".ot", config).bytes()
     with single_threaded():
         assert octree_file(Octree.of(volume_of(scans, config)), ".ot", config).bytes() == expected
