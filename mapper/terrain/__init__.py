@@ -4,6 +4,7 @@ from mapper.terrain.consensus import agreeing, fitted
 from mapper.terrain.ground import Ground, agreement, find_ground
 from mapper.terrain.parameters import GROUND_PARAMETERS, PATCH_PARAMETERS, GroundConfig, PatchConfig
 from mapper.terrain.patches import SAFE, UNKNOWN, UNSAFE, Patches, Terrain, assess
+from mapper.terrain.point_index import PointIndex
 
 __all__ = [
     "GROUND_PARAMETERS",
@@ -15,6 +16,7 @@ __all__ = [
     "GroundConfig",
     "PatchConfig",
     "Patches",
+    "PointIndex",
     "Terrain",
     "agreeing",
     "agreement",

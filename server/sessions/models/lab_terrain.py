@@ -22,6 +22,7 @@ from mapper.terrain import (
     GroundConfig,
     PatchConfig,
     Patches,
+    PointIndex,
     Terrain,
     agreement,
     assess,
@@ -114,7 +115,8 @@ class TerrainParameters:
 class Assessed:
     """The terrain of some points: how many, how many are ground, and how that agrees with the truth in percent.
 
-    ``ground_points`` (m, 3) are those that are ground, ``is_fitted`` (m,) says which of them planes are fitted to.
+    ``ground_points`` (m, 3) are those that are ground, ``is_fitted`` (m,) says which of them planes are fitted to,
+    ``index`` finds those of a patch.
     ``level`` and ``reach`` are those of the quadtree and of the window.
     """
 
@@ -122,6 +124,7 @@ class Assessed:
     points: int
     ground_points: Float64Array
     is_fitted: BoolArray
+    index: PointIndex
     level: int
     reach: int
     kappa: float | None
@@ -237,7 +240,7 @@ def assessed(
         every, ground = every.parents(), ground.parents()
     terrain = assess(ground, config, occupied=every, reach=reach)
     return Assessed(
-        terrain, len(points), ground_points, is_fitted, level, reach,
+        terrain, len(points), ground_points, is_fitted, PointIndex(ground_points, terrain.patches), level, reach,
         right.get("kappa"), right.get("total_error"), _costmap_of(terrain),
     )  # fmt: skip
 

@@ -28,13 +28,11 @@ def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:
         raise ConfigError("terrain.outside", f"The place ({x:g}, {y:g}) lies outside of the patches.")
     cx, cy = patches.geometry.cell_to_world((row, col))
     half = (found.reach + 0.5) * patches.size
-    local = found.ground_points - patches.corner
-    places = np.floor(local[:, :2] * (1.0 / patches.size))
-    inside = (np.abs(places - (col, row)) <= found.reach).all(axis=1)
-    inside &= ((places >= 0) & (places < (cols, rows))).all(axis=1)
+    inside = found.index.window(row, col, found.reach)
+    local = found.ground_points[inside] - patches.corner
     # Heights are above the whole metre nearest to the lowest point, so that changes of P are not lost in large sums.
-    base = float(np.round(local[inside, 2].min())) if inside.any() else 0.0
-    mine = local[inside] - (*((np.array([col, row]) + 0.5) * patches.size), base)
+    base = float(np.round(local[:, 2].min())) if len(inside) else 0.0
+    mine = local - (*((np.array([col, row]) + 0.5) * patches.size), base)
     used = mine[found.is_fitted[inside]]
     sent = mine[:: max(1, -(-len(mine) // MOST_SENT))]
     return {

@@ -28,7 +28,7 @@ export function Fleet() {
   const found = logs === null ? [] : chosen(logs.values(), words, shown, order);
   return (
     <div class="library fleet">
-      <div class="library-head">
+      <div class="page-head">
         <h1>Map all logs</h1>
         <p class="prose">
           Each of your logs and of those on this server is read, examined and mapped once. Press a map to open its log.

@@ -26,7 +26,7 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
   const folder = list?.filter((log) => log.source === "folder") ?? [];
   return (
     <div class="library">
-      <div class="library-head">
+      <div class="page-head">
         <h1>Robot logs</h1>
         <p class="prose">
           Open a log and watch its map fill in. When you change a parameter, the whole map is computed again from every

@@ -46,15 +46,15 @@ export function PuzzleList({ onOpen }: { readonly onOpen: (name: string) => void
   const solved = puzzles.filter((one) => one.name in points).length;
   return (
     <div class="puzzles">
-      <header class="puzzles-head">
+      <div class="page-head">
         <h1>Puzzles</h1>
-        <p>Each of these maps has one fault. Find its cause, then repair the map. Hints cost points.</p>
+        <p class="prose">Each of these maps has one fault. Find its cause, then repair the map. Hints cost points.</p>
         {puzzles.length > 0 && (
           <p class="quiet">
             Solved in this browser: {solved} of {puzzles.length}.
           </p>
         )}
-      </header>
+      </div>
       {failure.value && (
         <p role="alert">
           {failure.value}{" "}
