@@ -22,6 +22,13 @@ function want(key: string, isWanted: boolean): void {
   wanted.value = keys;
 }
 
+/** Have the other slides in view drawn before this one. */
+function postpone(key: string): void {
+  if (!wanted.peek().has(key)) return;
+  want(key, false);
+  want(key, true);
+}
+
 /** The picture of a slide in its row, made when the row is first in view. */
 export function Thumbnail({ slide }: { readonly slide: Slide }) {
   const box = useRef<HTMLSpanElement>(null);
@@ -68,7 +75,7 @@ export function ThumbnailMaker() {
       if (!element) return;
       isDrawing.value = true;
       await show(element, key);
-      if (element.contentWindow) await drawThumbnail(key, element.contentWindow);
+      if (element.contentWindow && !(await drawThumbnail(key, element.contentWindow))) postpone(key);
       isDrawing.value = false;
     });
   }, [key, isDrawing]);

@@ -11,6 +11,10 @@ const WIDTH = 320;
 /** How long nothing on the slide changes before it is drawn, and how long that is awaited. */
 const STILL_MS = 250;
 const LONGEST_MS = 4000;
+/** How many times that is awaited: on a slow machine the code of a figure may take longer. */
+const TRIES = 5;
+
+const tries = new Map<string, number>();
 
 /** The address of each picture by the slide's key; empty where there is none. */
 export const thumbnails = signal<ReadonlyMap<string, string>>(new Map());
@@ -40,23 +44,28 @@ function still(page: Document): Promise<boolean> {
   });
 }
 
-/** Whether code of the figure is still fetched. */
+/** Whether code of a figure is still fetched. A derivation's slide does not show its section's figure. */
 const isBusy = (page: Document): boolean =>
-  page.querySelector(".on-slide :is([aria-busy=true], .figure-awaited)") !== null;
+  [...page.querySelectorAll(".on-slide :is([aria-busy=true], .figure-awaited)")].some((one) => one.checkVisibility());
 
-/** Draw the slide that a window of this origin shows, and keep the picture under its key. */
-export async function drawThumbnail(key: string, from: Window): Promise<void> {
+/** Draw the slide that a window of this origin shows, and keep the picture under its key; false: try again later. */
+export async function drawThumbnail(key: string, from: Window): Promise<boolean> {
   let picture = "";
   try {
-    if (await still(from.document))
+    if (await still(from.document)) {
       picture = await snapshotOf(from.document, {
         ...SLIDE,
         to: WIDTH,
         dark: isDark.peek(),
         omitted: ".lesson:not(.on-slide)",
       });
+    } else {
+      tries.set(key, (tries.get(key) ?? 0) + 1);
+      if ((tries.get(key) ?? 0) < TRIES) return false;
+    }
   } catch {
     // This browser does not draw pages: the row stands without a picture.
   }
   thumbnails.value = new Map(thumbnails.peek()).set(key, picture);
+  return true;
 }
