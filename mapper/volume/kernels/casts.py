@@ -70,12 +70,12 @@ def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, o
 @jit
 def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int:
     """Return 4 · slot + found of the block at (x, y, z), :data:`_ABSENT` where there is none."""
-    if masks.index.size > 0:
+    if masks.box_slots.size > 0:
         # Unsigned: what lies before the box is also beyond it.
         i, j, k = np.uint64(x - masks.x), np.uint64(y - masks.y), np.uint64(z - masks.z)
-        depth, height, width = masks.index.shape
+        depth, height, width = masks.box_slots.shape
         if (i < np.uint64(width)) & (j < np.uint64(height)) & (k < np.uint64(depth)):
-            return int(masks.index[k, j, i])
+            return int(masks.box_slots[k, j, i])
         return _ABSENT
     if (x | y | z) & ~_BLOCKS != 0:
         return _ABSENT

@@ -50,14 +50,14 @@ class StopMasks(NamedTuple):
     Words ``words[:, 0]`` (slots, 8), z, have bit 8 y + x of occupied voxels, ``words[:, 1]`` of those that are occupied
     or unknown. ``found`` (slots,) has bit 0 where a block has any of the first kind, bit 1 any of the second.
 
-    ``index`` (nz, ny, nx) has 4 · slot + found of each block in the box around all, and −2, which has bit 1 too, where
-    there is none. Its first block is at (``x``, ``y``, ``z``), in blocks. It is empty where the box would be much
+    ``box_slots`` (nz, ny, nx) has 4 · slot + found of each block in the box around all, and −2, which has bit 1 too,
+    where there is none. Its first block is at (``x``, ``y``, ``z``), in blocks. It is empty where the box would be much
     larger than the map; blocks are then found by the hash.
     """
 
     words: UInt64Array
     found: UInt8Array
-    index: Int32Array
+    box_slots: Int32Array
     x: int
     y: int
     z: int

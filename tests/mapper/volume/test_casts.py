@@ -42,7 +42,7 @@ def test_casts_are_the_textbooks(
 ) -> None:
     monkeypatch.setattr(stop_masks, "MOST_PLACES", most_places)
     volume, rng = room(), np.random.default_rng(4)
-    assert (volume.stop_masks().index.size > 0) == (most_places > 0)
+    assert (volume.stop_masks().box_slots.size > 0) == (most_places > 0)
     origins, directions = rng.uniform([-3, -2, -1], [3, 2, 1], (150, 3)), rng.normal(size=(150, 3))
     if snapped:
         origins, directions = np.round(origins / 0.05) * 0.05, np.round(2.0 * directions)
