@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from contextlib import suppress
@@ -27,6 +28,7 @@ class WarmUp:
             self.process = subprocess.Popen(  # noqa: S603 - nothing of it is anybody's input
                 COMMAND, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet
             )
+            os.setpriority(os.PRIO_PROCESS, self.process.pid, 19)  # it does so itself, after seconds of imports
 
     def end(self) -> None:
         """End the process if it runs."""
