@@ -18,7 +18,7 @@ export function SessionEnded({ what = "session", left, again, onAgain, back, onB
   return (
     <div class="viewer-message" role="alert">
       <h1>This {what} has ended</h1>
-      <p class="prose">The server ends sessions that are idle. {left}</p>
+      <p class="prose">Sessions end when they are idle, and when the server is started again. {left}</p>
       <div class="actions">
         <Button kind="primary" icon="restart" onClick={onAgain}>
           {again}
