@@ -19,9 +19,8 @@ from tests.browser.running import running_chromium, running_server
 
 FILE = Path(__file__).parents[2] / "static" / "src" / "pages" / "lecture" / "figureHeights.json"
 NARROWEST, WIDEST, STEP = 320, 2560, 64  # of the window, CSS pixels; a figure is as wide as it can be before the widest
-MEASURED_WITHIN = (
-    8.0  # between two measured widths the height is the one of the line between them, within so many pixels
-)
+# Between two measured widths the height is the one of the line between them, within so many pixels.
+MEASURED_WITHIN = 8.0
 WITHIN = 24.0  # of the polyline that is written, pixels: a line of text
 
 #: Of each section: the height of its figure, or null while it is awaited.

@@ -75,7 +75,9 @@ class _Loader(yaml.SafeLoader):
 def parse_description(data: bytes, limits: Limits) -> MapDescription:
     """Return what a map's yaml says. Raises :class:`ReadError`, naming the key, and :class:`LimitError`."""
     if len(data) > limits.max_yaml_bytes:
-        raise LimitError("map.yaml_too_large", f"The map's yaml is larger than {limits.max_yaml_bytes} bytes.")
+        raise LimitError(
+            "map.yaml_too_large", f"The file has more than {limits.max_yaml_bytes} bytes: it is no yaml of a map."
+        )
     nodes = _top_level(data)
     missing = [
         key for key in ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh") if key not in nodes
