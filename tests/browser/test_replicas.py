@@ -278,7 +278,7 @@ def test_a_localization_is_finished_by_the_other_service(
     panel = open_group(page, "Localize")
     panel.get_by_role("button", name="Use this map").click()
     panel.get_by_role("button", name="Find the robot").click()
-    panel.get_by_role("progressbar").wait_for()
+    panel.get_by_role("progressbar", name="Localizing").wait_for()
     before = session_of(page)
     replicas.kill(replicas.of_session(before))
     # The other one begins with it when the lease ends that the killed service has, and knows the map that was chosen.
