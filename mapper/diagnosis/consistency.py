@@ -106,9 +106,11 @@ def consistency(seen: Examined, **parameters: object) -> float:
 def _agreement(grid: OccupancyGrid) -> float:
     if grid.cell_statistics is None:
         return 0.0
-    hits, misses = grid.cell_statistics.astype(np.float64)
-    total = hits.sum()
+    hit = grid.cell_statistics[0] > 0.0  # few of the cells: the rest of the grid is not looked at again
+    hits, misses = grid.cell_statistics[:, hit].astype(np.float64)
+    if not len(hits):
+        return 0.0
     # An endpoint alone says nothing of agreement, so each is judged by the others in its cell.
-    others = np.maximum(hits - 1.0, 0.0)
+    others = hits - 1.0
     share = np.divide(others, others + misses, out=np.zeros_like(hits), where=others + misses > 0)
-    return float((hits * share).sum() / total) if total else 0.0
+    return float((hits * share).sum() / hits.sum())

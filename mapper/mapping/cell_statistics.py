@@ -86,7 +86,9 @@ def show(grid: OccupancyGrid, plan: UpdatePlan, box: NDArray[np.int64]) -> None:
         log_odds_prior = grid.prior(part)
         initial = _INITIAL[plan.strategy.statistics](log_odds_prior)
     changed = (occupied != initial[0]) | (empty != initial[1])
-    grid.log_odds[part] = np.where(changed, shown(plan, occupied, empty, log_odds_prior), grid.log_odds[part])
+    if isinstance(log_odds_prior, np.ndarray):
+        log_odds_prior = log_odds_prior[changed]
+    grid.log_odds[part][changed] = shown(plan, occupied[changed], empty[changed], log_odds_prior)
 
 
 def shown(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mapper.core.parallel import in_parallel, shares
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping.bands import draw_in_bands
+from mapper.mapping.bands import Draw, draw_in_bands
 from mapper.mapping.kernels.amanatides_woo import RAY_FIELDS, draw_rays, plan_rays
 from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines
 from mapper.mapping.kernels.negative_zero import decode_observed, encode_unobserved
@@ -23,6 +23,11 @@ from mapper.mapping.turns import Turns
 from mapper.mapping.update_plan import UpdatePlan
 
 _ENCODE_ABOVE_UPDATES_PER_CELL = 2.0  # updates for each cell of the box: below this it is cheaper to note each one
+#: One map counts the hits and one the misses: in each of them one of the two adds 1 and the other 0.
+ONE_MISS, ONE_HIT = (
+    LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
+    for miss in (1.0, 0.0)
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,23 +72,61 @@ def draw_beam_evidence(
     box: NDArray[np.int64],
 ) -> int:
     """Add all scans to ``grid``; return the number of cell updates and widen ``box`` (4,) to hold what was touched."""
-    cells = Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
-    frame = grid.geometry.frame
     count = 0
     for scans, plan in turns.pieces:
-        smooth, evidence = plan.strategy.smooth, plan.evidence
         beams = plan_beams(scans, grid.geometry, plan, threads)
-        if plan.exact_rays:
-            draw = partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update)
-        elif smooth:
-            draw = partial(
-                draw_ramps, cells, beams.planned, scans, frame, plan.reading_filter, evidence, log_odds_update
-            )
-        else:
-            draw = partial(draw_lines, cells, beams.planned, log_odds_update)
-        band = partial(_draw_with_observed, grid, beams, draw)
-        count += draw_in_bands(band, beams.work, (0, len(beams.work)), threads, box)
+        count += _draw_in_bands(grid, beams, _drawer(grid, beams, scans, plan, log_odds_update), threads, box)
     return count
+
+
+def count_beams(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[np.int64]) -> int:
+    """Count the hits and the misses of each cell, as :func:`draw_beam_evidence` with :data:`ONE_HIT` and
+    :data:`ONE_MISS`. The beams are planned once, and hits are counted without walking along the beams.
+    """
+    hits, misses = grid.with_statistic(0), grid.with_statistic(1)
+    count = 0
+    for scans, plan in turns.pieces:
+        beams = plan_beams(scans, grid.geometry, plan, threads)
+        if plan.exact_rays or plan.strategy.smooth:
+            _draw_in_bands(hits, beams, _drawer(hits, beams, scans, plan, ONE_HIT), threads, box)
+        else:
+            draw_in_bands(_hit_drawer(hits, beams), beams.work, (0, len(beams.work)), threads, box)
+        count += _draw_in_bands(misses, beams, _drawer(misses, beams, scans, plan, ONE_MISS), threads, box)
+    return count
+
+
+def _drawer(
+    grid: OccupancyGrid, beams: PlannedBeams, scans: Scans, plan: UpdatePlan, log_odds_update: LogOddsUpdate
+) -> Callable[..., int]:
+    """Return the function of (row_low, row_high, box, mark) that adds planned beams to rows of ``grid``."""
+    cells, frame = _cells(grid), grid.geometry.frame
+    smooth, evidence = plan.strategy.smooth, plan.evidence
+    if plan.exact_rays:
+        return partial(draw_rays, cells, beams.planned, frame.resolution, smooth, evidence, log_odds_update)
+    if smooth:
+        return partial(draw_ramps, cells, beams.planned, scans, frame, plan.reading_filter, evidence, log_odds_update)
+    return partial(draw_lines, cells, beams.planned, log_odds_update, False)
+
+
+def _hit_drawer(grid: OccupancyGrid, beams: PlannedBeams) -> Draw:
+    """Return the function that counts the hits of planned lines. They are few: each cell is marked as it is hit."""
+    cells = _cells(grid)
+
+    def draw(row_low: int, row_high: int, box: NDArray[np.int64]) -> int:
+        return int(draw_lines(cells, beams.planned, ONE_HIT, True, row_low, row_high, box, True))
+
+    return draw
+
+
+def _cells(grid: OccupancyGrid) -> Cells:
+    return Cells(grid.log_odds.reshape(-1), grid.observed.reshape(-1), grid.geometry.cols)
+
+
+def _draw_in_bands(
+    grid: OccupancyGrid, beams: PlannedBeams, draw: Callable[..., int], threads: int, box: NDArray[np.int64]
+) -> int:
+    band = partial(_draw_with_observed, grid, beams, draw)
+    return draw_in_bands(band, beams.work, (0, len(beams.work)), threads, box)
 
 
 def _joined(boxes: NDArray[np.int64], geometry: GridGeometry) -> NDArray[np.int64]:

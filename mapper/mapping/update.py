@@ -16,15 +16,11 @@ from mapper.mapping.kernels.types import LogOddsUpdate
 from mapper.mapping.parameters import Statistics
 from mapper.mapping.per_scan_update import draw_field_evidence
 from mapper.mapping.scan_batch import ScanBatch
-from mapper.mapping.thin_update import draw_beam_evidence
+from mapper.mapping.thin_update import ONE_HIT, ONE_MISS, count_beams, draw_beam_evidence
 from mapper.mapping.turns import Turns
 from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 
 WORTH_SHARING = 1 << 12  #: readings: below this a second thread costs more time than it saves
-_ONE_MISS, _ONE_HIT = (
-    LogOddsUpdate(np.float32(miss), np.float32(1.0 - miss), np.float32(-np.inf), np.float32(np.inf))
-    for miss in (1.0, 0.0)
-)
 
 #: Adds scans, on a number of threads; returns the number of cell updates and widens a box (row0, row1, col0, col1).
 Update = Callable[[OccupancyGrid, Turns, int, NDArray[np.int64]], int]
@@ -62,9 +58,12 @@ def _add_log_odds(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[
 
 
 def _count(grid: OccupancyGrid, turns: Turns, threads: int, box: NDArray[np.int64]) -> int:
-    """Count the hits and the misses of each cell: two maps, in each of which one of them adds 1 and the other 0."""
-    _draw(grid.with_statistic(0), turns, _ONE_HIT, threads, box)
-    return _draw(grid.with_statistic(1), turns, _ONE_MISS, threads, box)
+    """Count the hits and the misses of each cell."""
+    _, plan = turns.sensors[0]
+    if not plan.draws_cones and not plan.per_scan:
+        return count_beams(grid, turns, threads, box)
+    _draw(grid.with_statistic(0), turns, ONE_HIT, threads, box)
+    return _draw(grid.with_statistic(1), turns, ONE_MISS, threads, box)
 
 
 def _add_certainties(

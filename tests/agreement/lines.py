@@ -21,7 +21,7 @@ def line_by_kernel(case: LineCase) -> tuple[Any, ...]:
     line = np.array([[*case.start, *case.end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
     one, nothing, low, high = (np.float32(n) for n in (1, 0, -100, 100))
     cells = Cells(drawn.reshape(-1), observed.reshape(-1), cols)
-    draw_lines(cells, line, LogOddsUpdate(one, nothing, low, high), 0, rows, box, True)
+    draw_lines(cells, line, LogOddsUpdate(one, nothing, low, high), False, 0, rows, box, True)
     return drawn, observed, box if drawn.any() else None
 
 

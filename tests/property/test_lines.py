@@ -18,7 +18,7 @@ def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) 
     line = np.array([[*start, *end, steps + 1, steps + 1, -1, -1, -1]], dtype=np.int32).T.copy()
     update = LogOddsUpdate(np.float32(1), np.float32(0), np.float32(-100), np.float32(100))
     box = np.array([shape[0], 0, shape[1], 0])
-    draw_lines(Cells(visits.reshape(-1), observed.reshape(-1), shape[1]), line, update, 0, shape[0], box, True)
+    draw_lines(Cells(visits.reshape(-1), observed.reshape(-1), shape[1]), line, update, False, 0, shape[0], box, True)
     return visits
 
 

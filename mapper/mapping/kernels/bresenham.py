@@ -205,6 +205,7 @@ def draw_lines(
     cells: Cells,
     lines: Int32Array,
     log_odds_update: LogOddsUpdate,
+    hits_only: bool,
     row_low: int,
     row_high: int,
     box: Int64Array,
@@ -212,6 +213,7 @@ def draw_lines(
 ) -> int:
     """Add what ``lines`` (9, n) say to the rows [row_low, row_high) of the grid; return the number of cell updates.
 
+    With ``hits_only`` the cells that beams passed are left as they are, and neither counted nor marked.
     ``cells.observed`` is written only with ``mark`` (see :mod:`mapper.mapping.kernels.negative_zero`). ``box`` (4,)
     int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched; ``log_odds_update``:
     :mod:`mapper.mapping.kernels.types`.
@@ -235,6 +237,8 @@ def draw_lines(
         if low_row < row_low or high_row >= row_high or min(col, end_col) < 0 or max(col, end_col) >= cols:
             first, stop = _clip(row, s_row, row_low, row_high, major, minor, steep, first, stop)
             first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
+        if hits_only:  # what is passed lies before the step NEAR
+            first = max(first, int(lines[NEAR, j]))
         if first < stop:
             base = row * cols + col
             along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)

@@ -53,4 +53,4 @@ def add_scan(
     scans = Scans(readings, sensors, beams, beams, beams)
     plan_lines(scans, frame, reading_filter, 0, lines, work, reached)
     cells = Cells(log_odds.reshape(-1), observed.reshape(-1), cols)
-    return draw_lines(cells, lines, log_odds_update, 0, rows, box, True)
+    return draw_lines(cells, lines, log_odds_update, False, 0, rows, box, True)
