@@ -87,8 +87,10 @@ def tsdf() -> None:
         np.save(work / "points.npy", some[np.isfinite(some).all(axis=1)])
         for resolution in (0.02, 0.01):
             _row(folder, frames, resolution, work)
-    print("\nFrom a step on the session's page to the last changed triangle at the socket of its 3D view; elapsed ms")
-    print("| voxels | median | greatest | triangles that arrive | kB on the wire |\n|---|---|---|---|---|")
+    print("\nFrom a step on the session's page to the first and the last changed triangles at the socket of its 3D")
+    print("view, elapsed ms: of each step the best of three rounds; least, median and greatest of all steps")
+    print("| voxels | first triangles | last triangles | triangles that arrive | kB on the wire |")
+    print("|---|---|---|---|---|")
     for resolution in (0.02, 0.01):
         print(surface_socket_row(place, resolution), flush=True)
 

@@ -156,8 +156,10 @@ def first_patch(places: NDArray[np.floating[Any]]) -> float:
     """
     if not len(places):
         return FINEST
-    low = places.min(axis=0)
-    extent = places.max(axis=0) - low
+    columns = np.array(places.T, order="C")  # columns that follow each other in memory are gone over faster
+    columns -= columns.min(axis=1, keepdims=True)
+    x, y = columns
+    extent = columns.max(axis=1)
     longest, best = float(extent.max()), None
     for side in SIDES:
         rows, cols = (int(n) for n in np.floor(extent[::-1] / side) + 1.0)
@@ -166,8 +168,10 @@ def first_patch(places: NDArray[np.floating[Any]]) -> float:
         if best is not None and LEAST_ACROSS * side > longest:
             break
         best = side
-        at = np.floor((places - low) / side).astype(np.int64)
-        counts = np.bincount(at[:, 1] * cols + at[:, 0], minlength=rows * cols)
+        at = (y / side).astype(np.int32)  # there are few patches; truncation is the floor, as no place is negative
+        at *= cols
+        at += (x / side).astype(np.int32)
+        counts = np.bincount(at, minlength=rows * cols)
         if counts[counts >= FIRST_POINTS].sum() >= FIRST_SHARE * len(places):
             break
     return SIDES[-1] if best is None else round(best, 3)
