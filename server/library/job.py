@@ -7,6 +7,7 @@ server.
 from __future__ import annotations
 
 import contextlib
+import math
 import multiprocessing
 import multiprocessing.connection
 import os
@@ -138,12 +139,13 @@ def _timed(timeout_s: float, cpu_s: float, over: tuple[LimitError, LimitError]) 
 
     It raises the first of ``over``, or the second.
 
-    What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again.
+    What runs in C for long hears no signal: then the kernel ends the process, after as much processor time again and at
+    least one second, in which a process with little time can still say that it is over.
     """
     alarms = ((signal.SIGALRM, signal.ITIMER_REAL, timeout_s), (signal.SIGPROF, signal.ITIMER_PROF, cpu_s))
     used = resource.getrusage(resource.RUSAGE_SELF)
     with contextlib.suppress(ValueError, OSError):
-        last = int(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1
+        last = math.ceil(used.ru_utime + used.ru_stime + 2.0 * cpu_s) + 1  # whole seconds, as the kernel counts them
         resource.setrlimit(resource.RLIMIT_CPU, (last, resource.getrlimit(resource.RLIMIT_CPU)[1]))
     try:
         for number, timer, seconds in alarms:

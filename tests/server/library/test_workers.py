@@ -95,3 +95,22 @@ print(*(limit >> 30 for limit in resource.getrlimit(resource.RLIMIT_AS)))
     command = [sys.executable, "-c", program]
     done = await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout == "3 3\n"
+
+
+async def test_a_process_with_little_time_can_still_say_that_it_is_over() -> None:
+    """The kernel ends a process at a whole second of processor time, which may be near when the job begins."""
+    program = """
+import time
+from mapper.core.errors import LimitError
+from server.library.job import bounded
+numbers = list(range(30_000_000))  # the sum takes some 0.2 s in C, where no signal is heard
+while time.process_time() % 1.0 < 0.9:
+    pass
+try:
+    bounded(60.0, 0.01, lambda: sum(numbers))
+except LimitError as error:
+    print(error.code)
+"""
+    command = [sys.executable, "-c", program]
+    done = await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert (done.returncode, done.stdout) == (0, "log.time\n"), done.stderr
