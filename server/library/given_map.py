@@ -71,15 +71,19 @@ class GivenMap:
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows."""
-        geometry = self.geometry
-        return {
-            "title": self.title,
-            "rows": geometry.rows,
-            "cols": geometry.cols,
-            "resolution": geometry.resolution,
-            "origin": list(geometry.origin),
-            "notes": list(self.notes),
-        }
+        return public_map(self.title, self.geometry, self.notes)
+
+
+def public_map(title: str, geometry: GridGeometry, notes: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return what the HTTP interface shows of a map."""
+    return {
+        "title": title,
+        "rows": geometry.rows,
+        "cols": geometry.cols,
+        "resolution": geometry.resolution,
+        "origin": list(geometry.origin),
+        "notes": list(notes),
+    }
 
 
 def read_given_map(path: Path) -> GivenMap:

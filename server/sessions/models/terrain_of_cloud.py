@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
+from server.library.given_map import public_map
 from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.lab_terrain import assessed
 from server.sessions.models.volume_start import bounds_of
@@ -56,13 +57,4 @@ class TerrainOfCloud:
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows."""
-        geometry = self.geometry
-        return {
-            "title": self.title,
-            "rows": geometry.rows,
-            "cols": geometry.cols,
-            "resolution": geometry.resolution,
-            "origin": list(geometry.origin),
-            "notes": [],
-            "classes": self.terrain.counts(),
-        }
+        return {**public_map(self.title, self.geometry), "classes": self.terrain.counts()}
