@@ -8,7 +8,8 @@ from mapper.slam.merged_graph import merged_graph
 from mapper.slam.merged_log import MERGED, merged_log
 from mapper.slam.optimise import optimise
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult
-from mapper.slam.slam import Slam, slam_log
+from mapper.slam.slam import Slam
+from mapper.slam.whole_log import slam_log
 
 __all__ = [
     "LOOP",

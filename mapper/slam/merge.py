@@ -34,7 +34,7 @@ from mapper.slam.optimise import optimise
 from mapper.slam.refinement import refine
 from mapper.slam.result import LoopCandidates, SlamProgress, SlamResult
 from mapper.slam.scan_store import ScanStore
-from mapper.slam.slam import slam_log, stored_scans
+from mapper.slam.whole_log import slam_log, stored_scans
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]

@@ -107,7 +107,7 @@ class PlaceRecognizer:
         """Refuse the loops of a group for good."""
         self._waiting = [one for one in self._waiting if one.number not in numbers]
         for number in numbers:
-            tried[number] = _refused(tried[number], reason)
+            tried[number] = refused(tried[number], reason)
 
     def _map(self, submap: int) -> LocalMap:
         """Return the local map of a submap, in the frame of the node in its middle."""
@@ -161,9 +161,9 @@ class PlaceRecognizer:
             loop = try_loop(self._store, self._config, self._rule, place, old.origin, j, guess, WINDOW, TURN)
             if loop.accepted:
                 self._waiting.append(_Waiting(len(tried), loop))
-                tried.append(_refused(loop, "too few other loops agree with it"))
+                tried.append(refused(loop, "too few other loops agree with it"))
             else:
-                tried.append(_refused(loop, loop.reason))
+                tried.append(refused(loop, loop.reason))
 
     def _group(self, poses: Float64Array, way: Float64Array, tried: list[Loop]) -> list[int]:
         """Return the loops that wait and form a group, none where something refuses it, and say what."""
@@ -184,7 +184,7 @@ class PlaceRecognizer:
                 reason = f"{rival} others agree on another place"
         if reason:
             for number in numbers:
-                tried[number] = _refused(tried[number], reason)
+                tried[number] = refused(tried[number], reason)
             return []
         return numbers
 
@@ -261,7 +261,8 @@ def _of_place(information: Float64Array) -> Float64Array:
     return np.asarray(information[:2, :2] - part)
 
 
-def _refused(loop: Loop, reason: str) -> Loop:
+def refused(loop: Loop, reason: str) -> Loop:
+    """Return the loop as one that place recognition refused."""
     return replace(loop, reason=f"{STAGE}{reason}")
 
 

@@ -21,7 +21,8 @@ class SlamCancelled(WorkCancelledError):  # noqa: N818 - a cancelled job is no f
 class SlamProgress:
     """Progress of SLAM: ``fraction`` 0 … 1 of its work.
 
-    ``stage`` is "front end", "loop closure", just after a loop moved the poses, or "refinement". ``scans_done`` is the
+    ``stage`` is "front end", "loop closure", just after a loop moved the poses, "comparison", while all scans are added
+    again without recognized places and ``poses`` are those of before, or "refinement". ``scans_done`` is the
     number k of the scans so far, ``find_poses`` returns their poses; see :attr:`poses`.
     """
 

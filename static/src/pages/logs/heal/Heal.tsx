@@ -87,6 +87,7 @@ const TITLES: Readonly<Record<string, string>> = {
 const STAGES: Readonly<Record<string, string>> = {
   "front end": "Aligning scans",
   "loop closure": "A loop has closed",
+  comparison: "Aligning all scans again without recognized places, to compare both maps",
   refinement: "Aligning all scans together",
 };
 

@@ -1,0 +1,117 @@
+"""Buildings in which many places look alike: recognized places may be wrong, and are then left out."""
+
+import numpy as np
+import pytest
+
+from mapper.core.se2 import compose, inverse
+from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.scan import ScanLog
+from mapper.simulation.lidar import SensorConfig
+from mapper.simulation.shapes import outer_walls, rect
+from mapper.simulation.worlds import World
+from mapper.slam import SlamConfig, SlamProgress, slam_log, whole_log
+from mapper.slam.map_agreement import APART, count_map_agreement, map_score
+from mapper.slam.scan_store import ScanStore
+from tests.mapper.slam.worlds import along, drive
+
+WIDE, DEEP = 52.0, 40.0
+XS, YS = (1.4, 14.0, 26.5, 38.5, 50.6), (1.4, 13.0, 26.0, 38.6)  # the middles of the corridors
+HALF = 1.2
+SENSOR = SensorConfig(n_beams=120, field_of_view=2.0 * np.pi * 119 / 120, range_max=10.0, range_noise=0.02)
+STEP, N_SCANS = 0.25, 1500
+LEFT_OUT = "recognized places are left out"
+
+
+def building(rng: np.random.Generator) -> World:
+    """A grid of corridors between twelve blocks, with 160 things along their walls."""
+    blocks = [
+        (XS[i] + HALF, YS[j] + HALF, XS[i + 1] - HALF, YS[j + 1] - HALF) for i in range(4) for j in range(3)
+    ]  # fmt: skip
+    solids = [*outer_walls(0.0, 0.0, WIDE, DEEP, 0.2), *(rect(*block) for block in blocks)]
+    for _ in range(160):
+        i, j = rng.integers(4), rng.integers(3)
+        x0, y0, x1, y1 = blocks[3 * i + j]
+        size = rng.uniform(0.15, 0.5)
+        if rng.random() < 0.5:
+            x, y = rng.uniform(x0, x1), y0 if rng.random() < 0.5 else y1
+        else:
+            x, y = x0 if rng.random() < 0.5 else x1, rng.uniform(y0, y1)
+        solids.append(rect(x - size, y - 0.7 * size, x + size, y + 0.7 * size))
+    return World("alike", "Alike", (0.0, 0.0, WIDE, DEEP), tuple(solids), (XS[0], YS[0], 0.0))
+
+
+def random_way(rng: np.random.Generator) -> np.ndarray:
+    """Poses along the corridors, with a random turn at each crossing, never back."""
+    i, j, before = 0, 0, None
+    corners = [(XS[0], YS[0])]
+    while len(corners) < N_SCANS // 40 + 3:
+        nearby = [
+            (a, b)
+            for a, b in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
+            if 0 <= a < len(XS) and 0 <= b < len(YS) and (a, b) != before
+        ]
+        before = (i, j)
+        i, j = nearby[rng.integers(len(nearby))]
+        corners.append((XS[i], YS[j]))
+    return along(corners, step=STEP)[:N_SCANS]
+
+
+def drive_with(seed: int) -> ScanLog:
+    world, path = building(np.random.default_rng(seed)), random_way(np.random.default_rng(seed))
+    return drive(world, path, sensor=SENSOR, turn_bias=0.05, seed=seed)
+
+
+def mean_error(log: ScanLog, poses: np.ndarray) -> float:
+    true = log.trajectory("true").poses
+    off = compose(inverse(true[:1]), true) - compose(inverse(poses[:1]), poses)
+    return float(np.hypot(off[:, 0], off[:, 1]).mean())
+
+
+@pytest.fixture(scope="module")
+def alike() -> ScanLog:
+    return drive_with(77)
+
+
+def test_wrongly_recognized_places_are_left_out(alike: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(whole_log, "map_score", lambda *_: 0.0)
+        assert mean_error(alike, slam_log(alike).poses) > 1.0
+    seen: list[SlamProgress] = []
+    found = slam_log(alike, progress=seen.append)
+    assert mean_error(alike, found.poses) < 0.1
+    assert any(LEFT_OUT in note for note in found.notes)
+    left_out = [reason for reason in found.candidates.reason if "agrees better with itself without" in reason]
+    assert len(left_out) >= 5
+    fractions = [one.fraction for one in seen]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] <= 1.0
+    compared = [one for one in seen if one.stage == "comparison"]
+    assert {one.scans_done for one in compared} == {alike.n_scans}
+    alone = slam_log(alike, SlamConfig(place_recognition=False))
+    assert np.array_equal(alone.poses, found.poses)
+
+
+def stored(log: ScanLog) -> ScanStore:
+    store = ScanStore(sensors_of(log), SlamConfig().range_max, SENSOR.n_beams)
+    for k in range(log.n_scans):
+        store.append(log.ranges[k], 0, np.zeros(3), log.mount_of(k))
+    return store
+
+
+def test_the_map_along_the_true_poses_agrees_best(alike: ScanLog) -> None:
+    """Along the true poses no point contradicts the others, along drifting ones many do."""
+    store = stored(alike)
+    true, drifting = (alike.trajectory(name).poses for name in ("true", "odometry"))
+    points, agreeing, contradicting = count_map_agreement(store, true)
+    assert contradicting < 0.001 * points < 0.9 * points < agreeing
+    assert map_score(store, true, 0.12) == agreeing - contradicting / 0.12 > 0.0
+    points, agreeing, contradicting = count_map_agreement(store, drifting)
+    assert contradicting > 0.12 * agreeing
+    assert map_score(store, drifting, 0.12) < 0.0
+
+
+def test_scans_that_never_meet_again_score_nothing(alike: ScanLog) -> None:
+    log = alike.take(slice(0, int(0.9 * APART / STEP)))
+    store, poses = stored(log), log.trajectory("true").poses
+    assert count_map_agreement(store, poses) == (0, 0, 0)
+    assert map_score(store, poses, 0.12) == 0.0
