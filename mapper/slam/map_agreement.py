@@ -1,10 +1,12 @@
-"""Agreement of all scans of a map with one another, by which two graphs of the same scans are compared."""
+"""Agreement of all scans of a map with one another, by which graphs of the same scans are compared."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from mapper.core.array_types import Float64Array
+from mapper.core.array_types import Float64Array, Int64Array
 from mapper.slam.kernels.agreement import count_agreement
 from mapper.slam.loop_test import GATE
 from mapper.slam.scan_store import ScanStore
@@ -12,33 +14,73 @@ from mapper.slam.way_test import AROUND, EVERY, OTHERS, spread
 
 APART = 20.0  #: metres of the way: scans nearer than this agree whatever the loops are
 MOST_SCANS = 2_000  #: that are compared with others, so that the time grows with the number of scans
+#: The share of points that contradict scans far away on the way, in those that contradict scans near on it, from which
+#: on a map is inconsistent; and what is added to it, for the scans near may agree perfectly.
+RATIO, MORE = 2.5, 0.01
 
 
-def count_map_agreement(store: ScanStore, poses: Float64Array) -> tuple[int, int, int]:
-    """Return how many points were compared, how many lie on a wall of other scans, and how many in their free space.
+@dataclass(frozen=True, slots=True)
+class MapAgreement:
+    """Points compared with other scans: ``far`` (3,) with those far away on the way, ``near`` (3,) with those near.
 
-    ``poses`` (n, 3), ``T_map_base``, are those of the scans of the store. Every metre of the way a scan is compared
-    with those taken near its pose at least :data:`APART` metres of the way before or after it, as
-    :func:`mapper.slam.kernels.agreement.count_agreement` counts.
+    Each has the number of points that were compared, of those on a wall of the others, and of those in free space of
+    the others.
+    """
+
+    far: tuple[int, int, int]
+    near: tuple[int, int, int]
+
+    @property
+    def contradicted(self) -> float:
+        """The share of points that contradict scans far away on the way, 0 where there are none."""
+        return self.far[2] / max(self.far[0], 1)
+
+    @property
+    def contradicted_near(self) -> float:
+        """The share of points that contradict scans near on the way: what moves, glass, and noise."""
+        return self.near[2] / max(self.near[0], 1)
+
+    @property
+    def is_consistent(self) -> bool:
+        """Whether about as many points contradict scans far away as scans near on the way."""
+        return self.contradicted <= RATIO * self.contradicted_near + MORE
+
+    def score(self, loop_contradicted: float) -> float:
+        """Return the score by which two graphs of the same scans are compared: the greater, the better.
+
+        It is the number of points that agree with scans far away on the way, less those that contradict them, each of
+        which counts as 1 / ``loop_contradicted`` points: a map in which that share contradicts scores less than one
+        whose scans never meet again.
+        """
+        return self.far[1] - self.far[2] / max(loop_contradicted, 1e-3)
+
+
+def map_agreement(store: ScanStore, poses: Float64Array) -> MapAgreement:
+    """Return how the scans of a store agree with one another at ``poses`` (n, 3), ``T_map_base``.
+
+    Every metre of the way a scan is compared with those taken near its pose, as
+    :func:`mapper.slam.kernels.agreement.count_agreement` counts: with those within :data:`APART` metres of the way
+    before or after it, and with those farther away.
     """
     way = np.r_[0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))]
     step = max(EVERY, float(way[-1]) / MOST_SCANS)
-    counts, total = np.empty(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    counts = np.empty(3, dtype=np.int64)
+    far, near = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
     for k in np.unique(np.searchsorted(way, np.arange(0.0, way[-1], step))).tolist():
-        near = np.hypot(*(poses[:, :2] - poses[k, :2]).T) < AROUND
-        others = np.flatnonzero(near & (np.abs(way - way[k]) > APART))
-        if len(others):
-            count_agreement(store.arrays, k, poses[k], spread(others, OTHERS), poses, GATE, 2, counts)
-            total += counts
-    points, agreeing, contradicting = total.tolist()
-    return points, agreeing, contradicting
+        around = np.hypot(*(poses[:, :2] - poses[k, :2]).T) < AROUND
+        around[k] = False
+        is_far = np.abs(way - way[k]) > APART
+        if (around & is_far).any():
+            others = spread(np.flatnonzero(around & is_far), OTHERS)
+            count_agreement(store.arrays, k, poses[k], others, poses, GATE, 2, counts)
+            far += counts
+        if (around & ~is_far).any():
+            others = spread(np.flatnonzero(around & ~is_far), OTHERS)
+            count_agreement(store.arrays, k, poses[k], others, poses, GATE, 2, counts)
+            near += counts
+    return MapAgreement(_three(far), _three(near))
 
 
-def map_score(store: ScanStore, poses: Float64Array, loop_contradicted: float) -> float:
-    """Return the score by which two graphs of the same scans are compared: the greater, the better.
-
-    It is the number of points that agree, less those that contradict, each of which counts as 1 / ``loop_contradicted``
-    points: a map in which that share of the points contradicts scores less than one whose scans never meet again.
-    """
-    _, agreeing, contradicting = count_map_agreement(store, poses)
-    return agreeing - contradicting / max(loop_contradicted, 1e-3)
+def _three(counts: Int64Array) -> tuple[int, int, int]:
+    first, second, third = counts.tolist()
+    return first, second, third

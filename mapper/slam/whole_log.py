@@ -1,11 +1,13 @@
-"""SLAM of a log as a whole: all its scans in turn, with and without recognized places, then the refinement."""
+"""SLAM of a log as a whole: its scans in turn, again with other rules where the map contradicts itself, refinement."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
-from mapper.slam.map_agreement import map_score
+from mapper.slam.map_agreement import APART, MapAgreement, map_agreement
 from mapper.slam.odometry import carry, matched_scans, motions, odometry_name, sweep_velocities, velocities_along
 from mapper.slam.place_recognition import refused
 from mapper.slam.refinement import refine
@@ -28,7 +30,13 @@ from mapper.slam.slam import Slam
 UNSEEN = 0.03  #: of the information of a step's position
 LEAST_UNSEEN = 5.0  #: m of the way; shorter ones are not reported
 EVERY = 25  #: scans between two reports
-BEFORE_REFINEMENT = 0.8  #: of the work
+BEFORE_REFINEMENT, COMPARISON = 0.8, 0.1  #: of the work, and of that the share of passes with other rules
+#: parameters with which the map of a log agreed best in turn, where wrong loops had been accepted
+STRICTER: Mapping[str, float] = MappingProxyType(
+    {"loop_window": 2.0, "loop_inliers": 0.75, "loop_score": 0.7, "loop_contradicted": 0.05}
+)
+SMALLER_IS_STRICTER = ("loop_window", "loop_contradicted")
+LARGE = 10_000  #: nodes, from which on stricter rules are not tried: each pass takes minutes
 WORSE = "the map agrees better with itself without the loops at recognized places"
 
 Report = Callable[[float, str, int, Callable[[], Float64Array]], None]
@@ -108,19 +116,114 @@ class _Pass:
         return carry(known, node_poses, np.array(self._track[:n]), self._times[self.matched[:n]])
 
 
-class _Fractions:
-    """The fraction 0 … 1 of the work that is done; it never falls, though a second pass is only known later."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outcome:
+    """A pass, its graph, optimised, the agreement of its map, and the parameters that were changed for it."""
 
-    def __init__(self, end: float) -> None:
-        self._end = end  # the fraction after all passes
-        self._passes = 1
-        self._from, self._begin = 0.0, 0.0  # passes that were done, and the fraction, when the number was last known
+    run: _Pass
+    graph: PoseGraph
+    agreement: MapAgreement
+    changed: Mapping[str, Any]
 
-    def after(self, done: float, passes: int) -> float:
-        """Return the fraction when ``done`` of as many ``passes`` are done."""
-        if passes != self._passes:
-            self._from, self._begin, self._passes = done, self.after(done, self._passes), passes
-        return self._begin + (self._end - self._begin) * (done - self._from) / (self._passes - self._from)
+    def poses(self) -> Float64Array:
+        """Return the poses of the log's scans by the graph."""
+        return self.run.poses(self.graph.poses)
+
+
+class _Work:
+    """Passes over one log, and the progress of them all."""
+
+    def __init__(
+        self,
+        log: ScanLog,
+        odometry: str | None,
+        config: SlamConfig,
+        progress: Callable[[SlamProgress], bool | None] | None,
+    ) -> None:
+        self._log, self._odometry, self._config, self._progress = log, odometry, config, progress
+        self._reported: list[SlamProgress] = []  # the last one
+
+    def check(self) -> None:
+        """Ask whether SLAM is cancelled. Raises :class:`SlamCancelled`."""
+        if self._progress is not None and self._reported and self._progress(self._reported[0]) is False:
+            raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
+
+    def report(
+        self, fraction: float, stage: str, done: int, n_loops: int, find_poses: Callable[[], Float64Array]
+    ) -> None:
+        """Report progress to who asked for it. Raises :class:`SlamCancelled`."""
+        self._reported[:] = [SlamProgress(fraction, stage, done, n_loops, find_poses)]
+        self.check()
+
+    def run(
+        self, begin: float, end: float, changed: Mapping[str, Any] | None = None, shown: _Outcome | None = None
+    ) -> _Outcome:
+        """Add all scans with some parameters changed; the fraction goes from ``begin`` to ``end`` meanwhile.
+
+        The poses that are reported are those of ``shown``, if it is given.
+        """
+        changed = changed or {}
+        one = _Pass(self._log, self._odometry, replace(self._config, **changed), self.check)
+
+        def report(share: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
+            fraction = begin + (end - begin) * share
+            if shown is None:
+                self.report(fraction, stage, done, one.slam.n_loops, find_poses)
+            else:
+                nodes = len(shown.run.slam)
+                n_loops = shown.run.slam.n_loops
+                self.report(fraction, "comparison", shown.run.scans_with_poses(nodes), n_loops, shown.poses)
+
+        one.add_all(None if self._progress is None else report)
+        graph = one.slam.optimised()
+        return _Outcome(one, graph, map_agreement(one.slam.store, graph.poses), changed)
+
+    def best(self, first: _Outcome, begin: float, end: float) -> tuple[_Outcome, list[str]]:
+        """Return the outcome whose map agrees best, of the first one and those with other rules, and notes on it.
+
+        Others are tried without place recognition where it closed loops, and with stricter rules as long as the map is
+        not consistent.
+        """
+        best, notes = first, []
+        part = (end - begin) / (1 + len(STRICTER))
+        recognized = first.run.slam.recognized
+        if recognized:
+            other = self.run(begin, begin + part, {"place_recognition": False}, first)
+            if self._score(other) > self._score(first):
+                best = other
+                if other.run.nodes == first.run.nodes:
+                    other.run.slam.tried += [refused(loop, WORSE) for loop in recognized]
+                notes.append(
+                    f"{len(recognized)} loops at recognized places are left out: with them more points lie where other "
+                    "scans saw free space."
+                )
+        wanted = best.changed
+        for number, (name, value) in enumerate(STRICTER.items(), 1):
+            if best.agreement.is_consistent or len(first.run.slam) > LARGE:
+                break
+            now = getattr(self._config, name)
+            if now < value if name in SMALLER_IS_STRICTER else now > value:
+                continue
+            at = begin + part * number
+            other = self.run(at, at + part, {**wanted, name: value}, first)
+            if self._score(other) > self._score(best):
+                best = other
+        rules = [f"{name} {value:g}" for name, value in best.changed.items() if name in STRICTER]
+        if rules:
+            notes.append(
+                f"A stricter rule for loops was used ({', '.join(rules)}): without it more points lie where other "
+                "scans saw free space."
+            )
+        if not best.agreement.is_consistent:
+            far, near = 100.0 * best.agreement.contradicted, 100.0 * best.agreement.contradicted_near
+            notes.append(
+                f"{far:.1f} % of the points lie where scans from more than {APART:.0f} m of the way before or after "
+                f"saw free space, {near:.1f} % where nearer ones did: loops may be wrong, or the place has changed."
+            )
+        return best, notes
+
+    def _score(self, one: _Outcome) -> float:
+        return one.agreement.score(self._config.loop_contradicted)
 
 
 def slam_log(
@@ -134,10 +237,11 @@ def slam_log(
 
     ``trajectory`` names the odometry to begin with; without it, it is the first trajectory in a frame ``odom``, else
     the log's first; a log without poses is matched by its scans alone. Where loops were accepted at recognized places,
-    all scans are added a second time without place recognition, and the graph with the greater
-    :func:`mapper.slam.map_agreement.map_score` is kept. ``progress`` is called as the work goes on; if it returns
-    False, :class:`SlamCancelled` is raised. Raises :class:`ConfigError` for a log of sonars, without scans or without
-    returns, and for a trajectory that the log lacks.
+    all scans are added again without place recognition; where the map is not consistent
+    (:class:`mapper.slam.map_agreement.MapAgreement`), with stricter rules for loops. The graph whose map has the
+    greatest score is kept. ``progress`` is called as the work goes on; if it returns False, :class:`SlamCancelled` is
+    raised. Raises :class:`ConfigError` for a log of sonars, without scans or without returns, and for a trajectory that
+    the log lacks.
     """
     config = config or SlamConfig()
     began = time.process_time()
@@ -150,60 +254,30 @@ def slam_log(
         raise ConfigError(
             "slam.no_returns", "There is nothing to align: no scan has a reading within the range limits."
         )
-    reported: list[SlamProgress] = []  # the last one
-
-    def check() -> None:
-        if progress is not None and reported and progress(reported[0]) is False:
-            raise SlamCancelled("slam.cancelled", "SLAM was cancelled.")
-
-    chosen = _Pass(log, name, config, check)
-
-    def report(fraction: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
-        reported[:] = [SlamProgress(fraction, stage, done, chosen.slam.n_loops, find_poses)]
-        check()
-
-    fractions = _Fractions(BEFORE_REFINEMENT if config.refinement else 1.0)
-
-    def of_first(share: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
-        report(fractions.after(share, 2 if chosen.slam.recognized else 1), stage, done, find_poses)
-
-    chosen.add_all(None if progress is None else of_first)
-    graph = chosen.slam.optimised()
-    notes = []
-    if chosen.slam.recognized:
-        first_poses = chosen.poses(graph.poses)
-
-        def of_second(share: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
-            del stage, done, find_poses
-            report(fractions.after(1.0 + share, 2), "comparison", len(first_poses), first_poses.copy)
-
-        other = _Pass(log, name, replace(config, place_recognition=False), check)
-        other.add_all(None if progress is None else of_second)
-        other_graph = other.slam.optimised()
-        if _score(other, other_graph, config) > _score(chosen, graph, config):
-            notes.append(_note_on_recognized(chosen.slam))
-            if other.nodes == chosen.nodes:
-                other.slam.tried += [refused(loop, WORSE) for loop in chosen.slam.recognized]
-            chosen, graph = other, other_graph
-    done = chosen.scans_with_poses(len(chosen.slam))
+    work = _Work(log, name, config, progress)
+    share = BEFORE_REFINEMENT if config.refinement else 1.0
+    chosen, notes = work.run(0.0, share - COMPARISON), list[str]()
+    if chosen.run.slam.n_loops:
+        chosen, notes = work.best(chosen, share - COMPARISON, share)
+    run, n_loops = chosen.run, chosen.run.slam.n_loops
     if config.refinement and progress is not None:
-        report(BEFORE_REFINEMENT, "refinement", done, partial(chosen.poses, graph.poses))
+        work.report(share, "refinement", run.scans_with_poses(len(run.slam)), n_loops, chosen.poses)
 
     def refined(fraction: float, poses: Float64Array) -> None:
         if progress is not None:
-            whole = BEFORE_REFINEMENT + (1.0 - BEFORE_REFINEMENT) * fraction if config.refinement else 1.0
-            report(whole, "refinement", log.n_scans, lambda: chosen.poses(poses))
+            whole = share + (1.0 - share) * fraction
+            work.report(whole, "refinement", log.n_scans, n_loops, lambda: run.poses(poses))
 
-    poses = refine(graph, chosen.slam.store, config, refined, check)
+    poses = refine(chosen.graph, run.slam.store, config, refined, work.check)
     poses[:, 2] = wrap_angle(poses[:, 2])
-    graph = replace(graph, nodes=np.array(chosen.matched)[chosen.nodes], poses=poses)
+    graph = replace(chosen.graph, nodes=np.array(run.matched)[run.nodes], poses=poses)
     return SlamResult(
-        chosen.poses(poses),
+        run.poses(poses),
         graph,
-        LoopCandidates.of(chosen.slam.tried),
+        LoopCandidates.of(run.slam.tried),
         name,
         time.process_time() - began,
-        (*notes, *_notes(log, name, chosen, graph)),
+        (*notes, *_notes(log, name, run, graph)),
     )
 
 
@@ -218,17 +292,6 @@ def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_senso
         velocities = sweep_velocities(log, result.odometry)[nodes]
     for scan, velocity in zip(nodes.tolist(), velocities, strict=True):
         store.append(log.ranges[scan], first_sensor + int(sensor[scan]), velocity, log.mount_of(scan))
-
-
-def _score(one: _Pass, graph: PoseGraph, config: SlamConfig) -> float:
-    return map_score(one.slam.store, graph.poses, config.loop_contradicted)
-
-
-def _note_on_recognized(slam: Slam) -> str:
-    return (
-        f"{len(slam.recognized)} loops at recognized places are left out: with them more points lie where other scans "
-        "saw free space."
-    )
 
 
 def _notes(log: ScanLog, odometry: str | None, one: _Pass, graph: PoseGraph) -> list[str]:

@@ -10,7 +10,7 @@ from mapper.simulation.lidar import SensorConfig
 from mapper.simulation.shapes import outer_walls, rect
 from mapper.simulation.worlds import World
 from mapper.slam import SlamConfig, SlamProgress, slam_log, whole_log
-from mapper.slam.map_agreement import APART, count_map_agreement, map_score
+from mapper.slam.map_agreement import APART, MapAgreement, map_agreement
 from mapper.slam.scan_store import ScanStore
 from tests.mapper.slam.worlds import along, drive
 
@@ -74,7 +74,7 @@ def alike() -> ScanLog:
 
 def test_wrongly_recognized_places_are_left_out(alike: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(whole_log, "map_score", lambda *_: 0.0)
+        patch.setattr(MapAgreement, "score", lambda *_: 0.0)
         assert mean_error(alike, slam_log(alike).poses) > 1.0
     seen: list[SlamProgress] = []
     found = slam_log(alike, progress=seen.append)
@@ -91,6 +91,20 @@ def test_wrongly_recognized_places_are_left_out(alike: ScanLog, monkeypatch: pyt
     assert np.array_equal(alone.poses, found.poses)
 
 
+def test_stricter_rules_are_tried_where_the_map_contradicts_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Loops found in the wide window are wrong here, with recognized places and without."""
+    log = drive_with(90)
+    with monkeypatch.context() as patch:
+        patch.setattr(whole_log, "STRICTER", {})
+        wrong = slam_log(log)
+    assert mean_error(log, wrong.poses) > 1.0
+    assert any("loops may be wrong" in note for note in wrong.notes)
+    found = slam_log(log)
+    assert mean_error(log, found.poses) < 0.1
+    assert any("A stricter rule for loops was used" in note for note in found.notes)
+    assert not any("loops may be wrong" in note for note in found.notes)
+
+
 def stored(log: ScanLog) -> ScanStore:
     store = ScanStore(sensors_of(log), SlamConfig().range_max, SENSOR.n_beams)
     for k in range(log.n_scans):
@@ -102,16 +116,21 @@ def test_the_map_along_the_true_poses_agrees_best(alike: ScanLog) -> None:
     """Along the true poses no point contradicts the others, along drifting ones many do."""
     store = stored(alike)
     true, drifting = (alike.trajectory(name).poses for name in ("true", "odometry"))
-    points, agreeing, contradicting = count_map_agreement(store, true)
-    assert contradicting < 0.001 * points < 0.9 * points < agreeing
-    assert map_score(store, true, 0.12) == agreeing - contradicting / 0.12 > 0.0
-    points, agreeing, contradicting = count_map_agreement(store, drifting)
-    assert contradicting > 0.12 * agreeing
-    assert map_score(store, drifting, 0.12) < 0.0
+    along_true = map_agreement(store, true)
+    for points, agreeing, contradicting in (along_true.far, along_true.near):
+        assert contradicting < 0.001 * points < 0.9 * points < agreeing
+    assert along_true.is_consistent
+    assert along_true.score(0.12) == along_true.far[1] - along_true.far[2] / 0.12 > 0.0
+    along_drifting = map_agreement(store, drifting)
+    assert along_drifting.contradicted > 0.12 > along_drifting.contradicted_near
+    assert not along_drifting.is_consistent
+    assert along_drifting.score(0.12) < 0.0
 
 
 def test_scans_that_never_meet_again_score_nothing(alike: ScanLog) -> None:
     log = alike.take(slice(0, int(0.9 * APART / STEP)))
-    store, poses = stored(log), log.trajectory("true").poses
-    assert count_map_agreement(store, poses) == (0, 0, 0)
-    assert map_score(store, poses, 0.12) == 0.0
+    agreement = map_agreement(stored(log), log.trajectory("true").poses)
+    assert agreement.far == (0, 0, 0)
+    assert agreement.near[1] > 0.9 * agreement.near[0] > 0
+    assert agreement.is_consistent
+    assert agreement.score(0.12) == 0.0
