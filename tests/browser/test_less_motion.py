@@ -56,7 +56,11 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
 
     # The log is opened at its end: a seek would end that the session follows a job.
     sent: list[str | bytes] = []
-    page.on("websocket", lambda socket: socket.on("framesent", lambda data: sent.append(data)))
+
+    def keep(data: str | bytes) -> None:
+        sent.append(data)
+
+    page.on("websocket", lambda socket: socket.on("framesent", keep))
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
