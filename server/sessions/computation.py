@@ -17,6 +17,9 @@ COMMANDS_S = (
     0.05  #: computing time after which further commands wait for the next tick: other sessions need the threads
 )
 
+#: What commands compute other than the map, as in the message ``working``.
+SUBJECTS = {"costmap": "costmap", "goal": "costmap", "localize": "localization", "map3d": "map_3d"}
+
 _log = structlog.get_logger(__name__)
 
 
@@ -74,7 +77,8 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
                 model.playback.set_speed(number(command, "value"))
                 result.changed = True
             case _:
-                model.obey(command, result)
+                with model.computing(SUBJECTS.get(command["type"], "map")):
+                    model.obey(command, result)
     except (ProtocolError, MapperError) as error:
         result.refuse(queued.client, error)
         if command["type"] in model.resent_on_refusal:

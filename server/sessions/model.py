@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -66,6 +67,7 @@ class SessionModel(ABC):
 
     def __init__(self, playback: Playback | None = None) -> None:
         self.playback = playback or Playback()
+        self._subject = "map"
 
     # -- required -------------------------------------------------------------------------------------
 
@@ -215,7 +217,16 @@ class SessionModel(ABC):
     @property
     def working_on(self) -> str:
         """Subject of the present computation, as in the message ``working`` (any thread)."""
-        return "map"
+        return self._subject
+
+    @contextmanager
+    def computing(self, subject: str) -> Iterator[None]:
+        """Return a context in which ``subject`` is computed, see :attr:`working_on`."""
+        before, self._subject = self._subject, subject
+        try:
+            yield
+        finally:
+            self._subject = before
 
     @property
     def has_deferred_work(self) -> bool:

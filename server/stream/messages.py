@@ -401,7 +401,12 @@ class WorkingMessage(Struct, tag_field="type", tag="working"):
 
     elapsed_s: Annotated[float | None, Meta(description="time since its start, s; null: it has ended")]
     fraction: Annotated[float | None, Meta(description="share that is done, 0 to 1; null if not known")]
-    what: Annotated[str, Meta(description="`map`, `voxel`: why a voxel is so, or `terrain`")] = "map"
+    what: Annotated[
+        str,
+        Meta(
+            description="`map`, `map_3d`, `costmap`: with its path, `localization`, `terrain`, or `voxel`: why it is so"
+        ),
+    ] = "map"
 
 
 class NoticeMessage(Struct, tag_field="type", tag="notice"):

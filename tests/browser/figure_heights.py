@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -85,6 +86,7 @@ def measure_figures(page: Page, server: str) -> dict[str, list[tuple[int, int]]]
 
 def main() -> None:
     """Measure and write."""
+    ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter).parse_args()
     with (
         tempfile.TemporaryDirectory() as data,
         running_server(Path(data)) as server,

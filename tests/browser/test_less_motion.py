@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 from playwright.sync_api import Page, expect
@@ -53,11 +54,21 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
     page.get_by_role("button", name="Forward 10 scans").click()
     expect(facts).not_to_have_text(before)
 
+    # The log is opened at its end: a seek would end that the session follows a job.
+    sent: list[str | bytes] = []
+
+    def keep(data: str | bytes) -> None:
+        sent.append(data)
+
+    page.on("websocket", lambda socket: socket.on("framesent", keep))
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
     until("the whole log", lambda: frame(page)["index"] == frame(page)["count"])
     stands(page)
+    commands = [json.loads(one)["type"] for one in sent if isinstance(one, str)]
+    assert "ack" in commands
+    assert "seek" not in commands
 
 
 def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:

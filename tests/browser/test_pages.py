@@ -71,6 +71,17 @@ def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str
     expect(page.get_by_role("heading", name="Robot logs")).to_be_visible()
 
 
+@pytest.mark.parametrize("name", ["", "lab.html"])
+def test_pictures_are_not_black_while_their_session_says_nothing(page: Page, server: str, name: str) -> None:
+    page.route_web_socket(re.compile("/stream"), lambda _: None)  # it opens, and nothing arrives
+    page.goto(f"{server}/{name}")
+    pictures = page.get_by_role("application")
+    expect(pictures).to_have_count(2)
+    for picture in pictures.all():
+        expect(picture).to_be_visible()
+        expect(picture.locator("canvas")).to_be_hidden()
+
+
 def test_an_ended_session_is_replaced_with_a_notice(page: Page, server: str, watched) -> None:
     page.goto(f"{server}/lab.html?session=endedlongago0123456789ab")
     await_map(page)

@@ -299,7 +299,8 @@ class LogModel(SessionModel):
         """Update the layer of the map, and advance the second map to the same scan."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
         self.comparison.draw(result)
-        self.navigation.draw(result.box, result, whole=result.new_grid)
+        with self.computing("costmap"):
+            self.navigation.draw(result.box, result, whole=result.new_grid)
         message = self.localization.draw()
         if message is not None:
             result.slot(message)
@@ -328,9 +329,8 @@ class LogModel(SessionModel):
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
-        if self.parameters.obey(command, result) or self._questions.obey(command, result):
-            return
-        if self._updates.obey(command, result) or self.navigation.obey(command, result):
+        parts = (self.parameters, self._questions, self._updates, self.navigation)
+        if any(part.obey(command, result) for part in parts):
             return
         count = self.recording.log.n_scans
         if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
@@ -24,6 +25,7 @@ class NewLog(SessionRequest):
 
     kind: Literal["log"]
     playing: bool = Field(True, description="Whether the log plays from the start.")
+    whole: bool = Field(False, description="Whether the log is paused at its end, with the map of all scans.")
     log: str = Field(max_length=200, description="Id of the log, as in /api/logs.")
     topic: str | None = Field(
         None,
@@ -84,7 +86,9 @@ async def _plan(wanted: NewLog, resources: Resources) -> Plan:
     finally:
         making.watched = None
     title = resources.library.get(resources.visitor, wanted.log).name
-    return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing)
+    if wanted.whole:
+        view = replace(view, index=log.n_scans)
+    return log_plan(log, log_id=wanted.log, title=title, view=view, playing=wanted.playing and not wanted.whole)
 
 
 def costmaps_plan(

@@ -196,7 +196,7 @@ class SimulationModel(SessionModel):
 
     @property
     def working_on(self) -> str:
-        """The answer about a voxel, or else the map."""
+        """The answer about a voxel, or else what is computed."""
         return "voxel" if self._volume.is_answering else super().working_on
 
     def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
@@ -274,10 +274,14 @@ class SimulationModel(SessionModel):
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
         result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
-        self._localization.look(self._mapper, result)
-        self._volume.draw(result)
-        self._terrain.draw(result)
-        self._navigation.draw(result.box, result, whole=result.new_grid)
+        with self.computing("localization"):
+            self._localization.look(self._mapper, result)
+        with self.computing("map_3d"):
+            self._volume.draw(result)
+        with self.computing("terrain"):
+            self._terrain.draw(result)
+        with self.computing("costmap"):
+            self._navigation.draw(result.box, result, whole=result.new_grid)
         self._slam.draw(self._mapper)
         second, vanishing = self._mapper.second, self._mapper.vanishing
         forgetting = (vanishing, 0 if vanishing is None else len(vanishing.first.free))

@@ -921,7 +921,7 @@ export interface WorkingMessage {
   readonly elapsed_s: number | null;
   /** share that is done, 0 to 1; null if not known */
   readonly fraction: number | null;
-  /** `map`, `voxel`: why a voxel is so, or `terrain` */
+  /** `map`, `map_3d`, `costmap`: with its path, `localization`, `terrain`, or `voxel`: why it is so */
   readonly what?: string;
 }
 

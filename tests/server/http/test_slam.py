@@ -170,10 +170,12 @@ def test_a_session_that_is_begun_during_the_job_follows_it(service: Service, mon
     first = service.begin(kind="log", log=log, playing=False)
     assert http.post(f"/api/sessions/{first}/heal").status_code == 202
     assert http.delete(f"/api/sessions/{first}").status_code == 204
-    second = service.begin(kind="log", log=log, playing=False)
-    assert shown(service, second)[0] != "SLAM"
+    others = [service.begin(kind="log", log=log, playing=False), service.begin(kind="log", log=log, whole=True)]
+    assert shown(service, others[0])[0] != "SLAM"
+    until(lambda: shown(service, others[1]) == ("scan", 6))
     may_end.set()
-    until(lambda: shown(service, second) == ("SLAM", 6))
+    for other in others:
+        until(lambda other=other: shown(service, other) == ("SLAM", 6))
 
 
 def test_who_has_the_address_of_a_session_can_heal_its_log(service: Service) -> None:

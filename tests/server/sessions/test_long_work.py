@@ -16,8 +16,11 @@ from mapper.mapping import integrate
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from server.sessions import SessionRegistry, long_work, requests
+from server.sessions import SessionHost, SessionRegistry, long_work, requests
+from server.sessions.models.lab_navigation import LabNavigation
+from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.simulation import SimulationModel
+from server.sessions.models.volume_view import VolumeView
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
@@ -211,6 +214,39 @@ async def test_new_parameters_can_be_cancelled(
     np.testing.assert_array_equal(view_of(session).log_odds, before)
     texts = [json.loads(message) for message in client.take() if isinstance(message, str)]
     assert [m["values"]["window"] for m in texts if m["type"] == "parameters"] == [0.0]  # the page's slider goes back
+
+
+async def test_the_progress_says_what_is_computed(
+    registry: SessionRegistry, office_log: ScanLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(long_work, "SHOWN_AFTER_S", 0.01)
+    released = threading.Event()
+
+    def slow(*_: Any, **__: Any) -> None:
+        assert released.wait(PATIENCE_S)
+
+    monkeypatch.setattr(LabNavigation, "draw", slow)
+    monkeypatch.setattr(VolumeView, "obey", slow)
+    monkeypatch.setattr(LogNavigation, "obey", slow)
+    lab = await new_simulation(registry, "me", "room", seed=1, playing=False)
+    log = await new_log(registry, "me", office_log, playing=False)
+    for session, command, subject in (
+        (lab, {"type": "map3d", "value": True}, "map_3d"),
+        (lab, {"type": "teleport", "x": 2.0, "y": 2.0, "yaw": 0.0}, "costmap"),
+        (log, {"type": "costmap"}, "costmap"),
+    ):
+        released.clear()
+        session.enqueue(command)
+
+        def is_told(session: SessionHost = session, subject: str = subject) -> bool:
+            told = json.loads(session.hub.slots.get("working", "{}"))
+            return told.get("elapsed_s") is not None and told["what"] == subject
+
+        try:
+            await eventually(is_told)
+        finally:
+            released.set()
+        await between_ticks(session)
 
 
 async def test_what_nobody_waits_for_stands_aside_for_a_long_seek(

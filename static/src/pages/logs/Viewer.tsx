@@ -9,7 +9,6 @@ import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/Dock";
 import { Icon } from "../../ui/Icon";
-import { reducedMotion } from "../../ui/reducedMotion";
 import { toast } from "../../ui/Toast";
 import { SessionEnded } from "../SessionEnded";
 import { useClass } from "../useClass";
@@ -69,14 +68,6 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
     const notice = store.notice.value;
     // The end of the log is visible without a message.
     if (notice && notice.code !== "log.end") toast(notice.message, notice.kind);
-  });
-  // With reduced motion the whole map is shown at once; the timeline and the steps go through it.
-  const isWhole = useRef(!reducedMotion.peek());
-  useSignalEffect(() => {
-    const frame = store.frame.value;
-    if (isWhole.current || !frame) return;
-    isWhole.current = true;
-    if (frame.index === 0 && !frame.playing) store.send({ type: "seek", index: frame.count });
   });
   const hello = store.hello.value;
 

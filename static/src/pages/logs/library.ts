@@ -227,7 +227,8 @@ export interface OpenedSession {
 }
 
 /**
- * Open a session on a log; rejects with an error message. `ending` ends the request.
+ * Open a session on a log; rejects with an error message. `ending` ends the request. With reduced motion the map of all
+ * scans is shown at once: a seek would end that the session follows a job which is under way.
  */
 export async function openSession(
   log: string,
@@ -249,6 +250,7 @@ export async function openSession(
         topic,
         name,
         playing: !reducedMotion.peek(),
+        ...(volume ? {} : { whole: reducedMotion.peek() }),
         ...(volume?.other ? { other: volume.other } : {}),
         ...(volume?.up ? { up: volume.up } : {}),
       }),

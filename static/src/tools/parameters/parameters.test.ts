@@ -33,6 +33,12 @@ describe("what a parameter panel shows", () => {
     ]);
   });
 
+  it("shows the distance of RANSAC only with RANSAC", () => {
+    const distance = row({ name: "fit_distance" });
+    expect(isShown(distance, { fit: "ransac" })).toBe(true);
+    expect(isShown(distance, { fit: "least_squares" })).toBe(false);
+  });
+
   it("keeps the step window's probabilities on their side of the prior", () => {
     const values = { model: "step_window", log_odds_prior: -0.3, p_free: 0.2, p_occ: 0.8 };
     expect(boundsOf(free, values).high).toBeCloseTo(0.42, 9); // p(−0.3) = 0.4256

@@ -3,9 +3,12 @@
 import type { Range } from "../../ui/numbers";
 import type { Parameter, Values } from "../../wire/protocol";
 
-/** Whether a row is shown: it applies to the current model or kind of sensor, and a choice has at least two options. */
+/**
+ * Whether a row is shown: it applies to the current model, kind of sensor or fit, and a choice has at least two options.
+ */
 export function isShown(row: Parameter, values: Values): boolean {
   if (row.kind === "choice" && row.choices.length < 2) return false;
+  if (row.name === "fit_distance" && values.fit !== "ransac") return false;
   const model = values.model ?? values.kind;
   return row.only_for.length === 0 || (typeof model === "string" && row.only_for.includes(model));
 }

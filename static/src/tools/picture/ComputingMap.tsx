@@ -2,6 +2,9 @@ import type { Store } from "../../store/store";
 import { Working } from "../../ui/Working";
 
 const WHAT: Readonly<Record<string, string>> = {
+  costmap: "Computing the costmap and the path",
+  localization: "Computing where the robot is",
+  map_3d: "Computing the 3D map",
   voxel: "Computing why the voxel is so",
   terrain: "Assessing the terrain",
 };

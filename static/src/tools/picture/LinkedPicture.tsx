@@ -79,7 +79,7 @@ export function LinkedPicture({
         if (!store.viewHeld.value && picture.size.width > 0) store.fitView();
       }),
       effect(() => {
-        void store.view.value;
+        surface.hidden = store.view.value === null; // an opaque canvas is black until it is painted
         made.watch();
         picture.invalidate();
       }),
