@@ -9,11 +9,15 @@ address share the part of the address.
 A job is urgent while it is interactive (a user waits for it) and has computed for at most :data:`URGENT_S`. Other jobs
 are deferred while an urgent one computes or waits: the threads of this process share the interpreter and the cores.
 They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing.
+
+While several turns are held, only the address that has computed least of late may use more than one core for its turn:
+a map that a user waits for is then made as when the user is alone, but for one core that is shared.
 """
 
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 import time
 from collections import Counter, OrderedDict
@@ -22,6 +26,7 @@ from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
+from mapper.core.parallel import share_cores
 from server.work.waiting_turns import WaitingTurns
 
 T = TypeVar("T")
@@ -29,6 +34,7 @@ T = TypeVar("T")
 SLICE_S = 0.05  #: length of a turn while others wait
 URGENT_S = 0.4  #: computing time for which a job stays urgent
 DEFERRED_EVERY_S = 0.2  #: urgent computing after which a deferred job gets a slice
+RECENT_S = 5.0  #: time after which computing counts 1 / e of what it did
 _MAX_HISTORY = 1024  #: addresses and visitors whose last turn is recorded
 
 
@@ -114,6 +120,8 @@ class Scheduler:
         self._running: list[Turn] = []
         #: Number of the last turn of each address and visitor.
         self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()
+        #: Computing of each address of late, seconds, and when it was computed.
+        self._recent: OrderedDict[str, tuple[float, float]] = OrderedDict()
         self._count = 0
         self._urgent_s = 0.0  #: urgent computing since the last slice of a deferred job
         self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
@@ -145,6 +153,7 @@ class Scheduler:
 
     def _work(self, turn: Turn) -> None:
         """Compute a turn's task, then those of the turns that are granted next, on this thread of their pool."""
+        share_cores(_leaves_cores)
         if turn not in self._running:  # the pool had no thread for it at first, and it was given up
             return
         following: Turn | None = turn
@@ -239,6 +248,23 @@ class Scheduler:
                 for owner in self._urgent.owners()
             )
 
+    def leaves_cores(self, turn: Turn) -> bool:
+        """Return whether a held turn should compute on its own thread only, and leave the other cores to others."""
+        with self._lock:
+            others = [one for one in self._running if one is not turn]
+            if not others:
+                return False
+            now, address = self._clock(), turn.owner.address
+            own = self._computed_of_late(address, now) + now - turn.began
+            return any(
+                one.owner.address == address or self._computed_of_late(one.owner.address, now) + now - one.began <= own
+                for one in others
+            )
+
+    def _computed_of_late(self, address: str, now: float) -> float:
+        seconds, at = self._recent.get(address, (0.0, now))
+        return seconds * math.exp((at - now) / RECENT_S)
+
     def yield_turn(self, turn: Turn) -> None:
         """Yield a held turn to the next job, and request another one, which may be granted at once."""
         with self._lock:
@@ -278,9 +304,14 @@ class Scheduler:
 
     def _end_slice(self, turn: Turn) -> None:
         was_urgent = self._is_urgent(turn)
-        lasted = self._clock() - turn.began
+        now, address = self._clock(), turn.owner.address
+        lasted = now - turn.began
         self._running.remove(turn)
         turn.computed_s += lasted
+        self._recent[address] = (self._computed_of_late(address, now) + lasted, now)
+        self._recent.move_to_end(address)
+        if len(self._recent) > _MAX_HISTORY:
+            self._recent.popitem(last=False)
         if was_urgent:
             self._urgent_s += lasted
 
@@ -329,6 +360,12 @@ class Scheduler:
 
 
 _current = threading.local()
+
+
+def _leaves_cores() -> bool:
+    scheduler: Scheduler | None = getattr(_current, "scheduler", None)
+    turn: Turn | None = getattr(_current, "turn", None)
+    return scheduler is not None and turn is not None and scheduler.leaves_cores(turn)
 
 
 def wait_without_turn(until: threading.Event, timeout_s: float) -> None:

@@ -9,7 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from server.work.scheduler import DEFERRED_EVERY_S, URGENT_S, JobOwner, Scheduler, Turn, checkpoint
+from mapper.core.parallel import cores
+from server.work.scheduler import DEFERRED_EVERY_S, RECENT_S, URGENT_S, JobOwner, Scheduler, Turn, checkpoint
 from tests.server.service import PATIENCE_S
 
 SLICE_S = 1.0 / 16.0  #: exact in binary, so that sums of it are
@@ -182,6 +183,50 @@ def test_a_long_job_is_urgent_only_at_first() -> None:
     first = order[: round(URGENT_S / SLICE_S)]
     assert first.count("long") >= len(first) - 2
     assert Counter(order[20:])["long"] == pytest.approx(20, abs=1)
+
+
+def test_the_address_that_computed_least_of_late_may_use_more_cores() -> None:
+    simulated = Simulated(3)
+
+    def leaves(name: str) -> bool:
+        return simulated.scheduler.leaves_cores(simulated.turns[name])
+
+    simulated.request("heavy", "ann", "a", interactive=True)
+    assert not leaves("heavy")  # it computes alone
+    simulated.now += 10.0 * SLICE_S
+    simulated.request("light", "bob", "b", interactive=True)
+    assert (leaves("heavy"), leaves("light")) == (True, False)
+    simulated.request("more", "cis", "b", interactive=True)
+    assert (leaves("heavy"), leaves("light"), leaves("more")) == (True, True, True)
+    simulated.release("more")
+    for name in ("heavy", "light"):
+        simulated.release(name)
+    simulated.request("again", "ann", "a", interactive=True)  # a new job of the address that computed more
+    simulated.request("other", "bob", "b", interactive=True)
+    assert (leaves("again"), leaves("other")) == (True, False)
+    simulated.release("again")
+    simulated.now += 20.0 * RECENT_S  # what was computed long ago counts no more
+    simulated.request("again", "ann", "a", interactive=True)
+    assert (leaves("again"), leaves("other")) == (False, True)
+
+
+async def test_a_job_has_the_cores_that_the_scheduler_leaves_it() -> None:
+    scheduler = Scheduler(2)
+    with ThreadPoolExecutor(2) as pool:
+        alone = await scheduler.run(pool, JobOwner("ann", "a"), cores)
+        entered, gate = threading.Event(), threading.Event()
+
+        def hold() -> int:
+            entered.set()
+            assert gate.wait(PATIENCE_S)
+            return cores()
+
+        held = asyncio.ensure_future(scheduler.run(pool, JobOwner("ann", "a"), hold))
+        await asyncio.to_thread(entered.wait, PATIENCE_S)
+        assert await scheduler.run(pool, JobOwner("ann", "a"), cores) == 1
+        assert await scheduler.run(pool, JobOwner("bob", "b"), cores) == alone
+        gate.set()
+        assert await held == alone == cores()
 
 
 def test_a_released_turn_is_not_granted() -> None:
