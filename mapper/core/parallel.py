@@ -21,8 +21,12 @@ _here = local()
 
 
 def cores() -> int:
-    """Return how many cores this process may use, within :func:`single_threaded` 1."""
-    if getattr(_here, "single_threaded", False):
+    """Return how many cores this process may use.
+
+    Within :func:`single_threaded` it is 1, and on a thread of :func:`share_cores` while others need the cores.
+    """
+    needed = getattr(_here, "needed", None)
+    if getattr(_here, "single_threaded", False) or (needed is not None and needed()):
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -35,6 +39,11 @@ def single_threaded() -> Iterator[None]:
         yield
     finally:
         _here.single_threaded = before
+
+
+def share_cores(needed: Callable[[], bool]) -> None:
+    """Leave this thread one core only from now on whenever ``needed`` says that others need them."""
+    _here.needed = needed
 
 
 @cache

@@ -1,4 +1,4 @@
-"""The threads that produce downloads, and the state that all downloads of a service share."""
+"""The threads that produce downloads, of low priority, and the state that all downloads of a service share."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import TypeVar
 from mapper.core.errors import LimitError
 from server.downloads.download_slots import DownloadSlots
 from server.downloads.map_snapshots import MapSnapshots
+from server.work.priority import lower_priority
 
 T = TypeVar("T")
 
@@ -50,8 +51,8 @@ class Downloads:
         self.slots = DownloadSlots()
         self.map_snapshots = MapSnapshots()
         self.export_turn = asyncio.Lock()  #: held while a log is exported: that takes a grid of its own
-        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="download")
-        self._long = ThreadPoolExecutor(1, thread_name_prefix="export")
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="download", initializer=lower_priority)
+        self._long = ThreadPoolExecutor(1, thread_name_prefix="export", initializer=lower_priority)
 
     async def run(self, work: Callable[[Check], T], *, takes_long: bool = False) -> T:
         """Return ``work(check)`` from a worker thread, from one of its own kind if it ``takes_long``.

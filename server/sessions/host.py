@@ -276,7 +276,8 @@ class SessionHost:
         try:
             async with self._lock:
                 self._requests.begin_tick()
-                job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
+                whole, is_sent = self._tick_failed, self.hub.has_room
+                job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=whole, is_sent=is_sent)
                 result = await self._computed_tick(self._pace.measured(job))
             self._requests.end_tick(was_cancelled=result.cancelled)
             rest = result.rest
@@ -295,8 +296,9 @@ class SessionHost:
         self._showing = self._showing or self._long_work.show()
         is_catching_up = False
         try:
-            is_urgent = self._clock() - began < URGENT_S
-            result = await self.scheduler.run(self._pool, self.job_owner, job, interactive=self.watched and is_urgent)
+            interactive = self.watched and self._clock() - began < URGENT_S
+            kind = {"interactive": interactive, "is_brief": self._pace.is_brief and not self._queue}
+            result = await self.scheduler.run(self._pool, self.job_owner, job, **kind)
             is_catching_up = self.model.is_catching_up and not self.closed
         finally:
             self._catching_up_since = began

@@ -15,9 +15,9 @@ def followers(*counts: int) -> None:
     print(HEAD)
     for count in counts or (300,):
         with service(4, count + 1) as process:
-            ours = figures(process, begun(process, 1) * count, count // 10, PERIOD_S)
+            ours = figures([(process, path) for path in begun(process, 1)] * count, count // 10, PERIOD_S)
         with echo(ours.text_bytes, ours.tile_bytes) as process:
-            theirs = figures(process, ["/"] * count, count // 10, PERIOD_S)
+            theirs = figures([(process, "/")] * count, count // 10, PERIOD_S)
         print(row(f"{count} followers", ours))
         print(row(f"{count} echoes", theirs))
         print(f"{'ratio':<20}{'':>55}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)

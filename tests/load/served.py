@@ -62,8 +62,8 @@ def _process(command: Sequence[str], **environment: str) -> Iterator[Process]:
 
 
 @contextmanager
-def service(sessions: int, clients: int) -> Iterator[Process]:
-    """Run the service with room for so many sessions, and clients of each."""
+def service(sessions: int, clients: int, threads: int | None = None) -> Iterator[Process]:
+    """Run the service with room for so many sessions, and clients of each; ``threads`` compute maps, None: as set."""
     with tempfile.TemporaryDirectory() as folder:
         limits = {
             "GRIDBLOOM_MAX_SESSIONS": str(sessions),
@@ -72,6 +72,8 @@ def service(sessions: int, clients: int) -> Iterator[Process]:
             "GRIDBLOOM_MAX_TOTAL_CELLS": str(1 << 30),
             "GRIDBLOOM_LOG_LEVEL": "error",
         }
+        if threads is not None:
+            limits["GRIDBLOOM_THREADS"] = str(threads)
         command = [
             sys.executable,
             "-c",
@@ -93,9 +95,14 @@ def echo(text_bytes: int, tile_bytes: int) -> Iterator[Process]:
         yield process
 
 
-def figures(process: Process, paths: Sequence[str], stalled: int, period_s: float) -> Figures:
-    """Watch the streams at ``paths``, and return what was seen, and what it cost in the same seconds."""
-    seen, lasted, cpu, own = asyncio.run(watch(paths, process.port, SECONDS, stalled=stalled, pid=process.pid))
+def figures(streams: Sequence[tuple[Process, str]], stalled: int, period_s: float) -> Figures:
+    """Watch ``streams``, processes and paths, the last ``stalled`` of them without reading.
+
+    Return what the viewers saw, and what it cost in the same seconds.
+    """
+    places = [(process.port, path) for process, path in streams]
+    pids = {process.pid for process, _ in streams}
+    seen, lasted, cpu, own = asyncio.run(watch(places, SECONDS, stalled=stalled, pids=[*pids]))
     rates = np.array([len(one.ages) / lasted for one in seen])
     ages = np.concatenate([one.ages for one in seen])
     frames = sum(len(one.ages) for one in seen)

@@ -1,8 +1,13 @@
-"""Many lab sessions with a viewer each, a tenth of the viewers stalled, beside an echo server on the same sockets."""
+"""Many lab sessions with a viewer each, a tenth of the viewers stalled.
+
+Either in one service, beside an echo server on the same sockets, or spread over several services.
+"""
 
 from __future__ import annotations
 
 import os
+from contextlib import ExitStack
+from itertools import zip_longest
 
 import httpx
 
@@ -21,6 +26,10 @@ def begun(process: Process, count: int) -> list[str]:
             for seed in range(count)
         ]
         return [str(answer.raise_for_status().json()["stream"]) for answer in answers]
+
+
+def _streams(process: Process, count: int) -> list[tuple[Process, str]]:
+    return [(process, path) for path in begun(process, count)]
 
 
 def row(name: str, one: Figures) -> str:
@@ -43,9 +52,28 @@ def sessions(*counts: int) -> None:
     for count in counts or COUNTS:
         stalled = count // 10
         with service(count, 4) as process:
-            ours = figures(process, begun(process, count), stalled, PERIOD_S)
+            ours = figures(_streams(process, count), stalled, PERIOD_S)
         with echo(ours.text_bytes, ours.tile_bytes) as process:
-            theirs = figures(process, ["/"] * count, stalled, PERIOD_S)
+            theirs = figures([(process, "/")] * count, stalled, PERIOD_S)
         print(row(f"{count} sessions", ours))
         print(row(f"{count} echoes", theirs))
         print(f"{'ratio':<20}{'':>55}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)
+
+
+def services(*counts: int) -> None:
+    """Print the figures of these numbers of sessions in one service, and spread over a service for each core.
+
+    Each of several services computes on one thread.
+    """
+    cores = len(os.sched_getaffinity(0))
+    print(f"load {os.getloadavg()[0]:.1f} before the run; 10 looks a second, 1 of 10 viewers stalled")
+    print(HEAD)
+    for count in counts or (200,):
+        for parts in (1, cores):
+            with ExitStack() as stack:
+                each = [count // parts + (n < count % parts) for n in range(parts)]
+                threads = None if parts == 1 else 1
+                streams = [_streams(stack.enter_context(service(one, 4, threads)), one) for one in each]
+                mixed = [one for turn in zip_longest(*streams) for one in turn if one is not None]
+                ours = figures(mixed, count // 10, PERIOD_S)
+            print(row(f"{count} in {parts}", ours), flush=True)

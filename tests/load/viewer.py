@@ -125,17 +125,18 @@ class Viewer(asyncio.Protocol):
 
 
 async def watch(
-    paths: Sequence[str], port: int, seconds: float, *, stalled: int, pid: int, warm_up_s: float = 3.0
+    streams: Sequence[tuple[int, str]], seconds: float, *, stalled: int, pids: Sequence[int], warm_up_s: float = 3.0
 ) -> tuple[list[Seen], float, float, float]:
-    """Watch the streams at ``paths``, the last ``stalled`` of them without reading, after ``warm_up_s``.
+    """Watch ``streams``, ports and paths, the last ``stalled`` of them without reading, after ``warm_up_s``.
 
-    Return what the viewers that read saw, how long they were watched, and the processor time that the server, process
-    ``pid``, and the viewers took meanwhile, all in seconds. Connecting hundreds of viewers takes longer than that.
+    Return what the viewers that read saw, how long they were watched, and the processor time that the servers,
+    processes ``pids``, and the viewers took meanwhile, all in seconds. Connecting hundreds of viewers takes longer than
+    that.
     """
     loop = asyncio.get_running_loop()
     viewers: list[Viewer] = []
-    for i, path in enumerate(paths):
-        one = Viewer(path, port, stalled=i >= len(paths) - stalled)
+    for i, (port, path) in enumerate(streams):
+        one = Viewer(path, port, stalled=i >= len(streams) - stalled)
         await loop.create_connection(lambda one=one: one, "127.0.0.1", port)  # type: ignore[misc]
         viewers.append(one)
         await one.opened
@@ -143,9 +144,9 @@ async def watch(
     await _look(viewers, time.monotonic() + warm_up_s)
     for viewer in reading:
         viewer.seen = Seen()
-    began, cpu, own = time.monotonic(), cpu_seconds(pid), time.process_time()
+    began, cpu, own = time.monotonic(), sum(map(cpu_seconds, pids)), time.process_time()
     await _look(viewers, began + seconds)
-    lasted, cpu, own = time.monotonic() - began, cpu_seconds(pid) - cpu, time.process_time() - own
+    lasted, cpu, own = time.monotonic() - began, sum(map(cpu_seconds, pids)) - cpu, time.process_time() - own
     for viewer in viewers:
         viewer.close()
     return [viewer.seen for viewer in reading], lasted, cpu, own

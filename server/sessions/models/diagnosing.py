@@ -3,32 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import sys
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 from mapper.sensors.scan import ScanLog
+from server.work.priority import lower_priority
 from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
     from mapper.diagnosis import Finding
 
 AT_ONCE = 2  #: logs that the whole service examines at the same time
-_NICENESS = 10  # added to that of the service
-
-
-def _lower_priority() -> None:
-    # On Linux each thread has its own niceness. Elsewhere the id would be that of another process or of this one.
-    if sys.platform == "linux":
-        thread = threading.get_native_id()
-        os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + _NICENESS)
-
 
 _TURNS = Scheduler(AT_ONCE)
-_EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=_lower_priority)
+_EXAMINERS = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor", initializer=lower_priority)
 
 
 async def examination(
