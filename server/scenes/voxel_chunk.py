@@ -28,19 +28,25 @@ _STRIDES = np.array([1, CHUNK, CHUNK * CHUNK])  #: of x, y and z in the number o
 
 
 def face_colors(palette: NDArray[np.uint8], *, by_side: bool = False) -> NDArray[np.uint8]:
-    """Return the colours (6, k, 3) uint8 of faces by side and number in the ``palette`` (k, 3), linear RGB."""
+    """Return the colours (6, k, 3) uint8 of faces by side and number in the ``palette`` (k, 3), linear RGB.
+
+    If ``by_side``, the first six of the palette are those of the sides, and k is 1.
+    """
     linear = linear_of(palette)
     # Brightness is of the sRGB value, whose steps look equal: 2.2 is near enough to its curve.
     light = (LIGHT**2.2)[:, None, None]
-    sides = np.repeat(linear[:6, None], len(palette), axis=1) if by_side else linear[None]
-    return np.round(255.0 * (sides * light)).astype(np.uint8)
+    return np.round(255.0 * ((linear[:6, None] if by_side else linear[None]) * light)).astype(np.uint8)
 
 
 def voxel_chunk(quads: NDArray[np.uint8], colors: NDArray[np.uint8]) -> bytes:
-    """Return a chunk's rectangles (n, 7), n > 0, in the ``colors`` of :func:`face_colors` as bytes for the page."""
+    """Return a chunk's rectangles (n, 7), n > 0, in the ``colors`` of :func:`face_colors` as bytes for the page.
+
+    Numbers of colours beyond the last one are that one: voxels coloured by their sides may have numbers of heights.
+    """
     sides, numbers = _voxels(quads)
     voxels = np.flatnonzero(sides)
-    skipped, number = np.diff(voxels, prepend=-1) - 1, numbers[voxels] - np.uint8(1)
+    skipped = np.diff(voxels, prepend=-1) - 1
+    number = np.minimum(numbers[voxels], colors.shape[1]).astype(np.uint8) - np.uint8(1)
     whole = skipped // _FARTHEST
     pairs = np.empty((len(voxels) + int(whole.sum()), 2), dtype=np.uint8)
     pairs[:] = _FARTHEST, 0

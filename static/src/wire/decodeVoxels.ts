@@ -44,6 +44,7 @@ export function decodeVoxels(data: Uint8Array): VoxelChunk {
       throw new RangeError("A chunk has more voxels than it states or has room for.");
     }
     number = (number + (data[firstNumber + read++] as number)) & 255;
+    if (number >= colours) throw new RangeError(`A voxel has colour ${number} of ${colours}.`);
     sides[voxel] = bits;
     numbers[voxel++] = number;
   }

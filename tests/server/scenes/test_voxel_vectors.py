@@ -36,15 +36,24 @@ def vector(quads: NDArray[np.uint8], *, by_side: bool = False) -> dict[str, Any]
 def vectors() -> dict[str, Any]:
     """Return chunks of boxes, of one voxel at the chunk's end, and of a room seen from inside; and broken ones."""
     boxes = blocks_world(((1, 2, 3), (5, 4, 8)), ((4, 2, 8), (30, 32, 9)), ((9, 9, 20), (12, 12, 21)))
+    plain = blocks_world(((1, 2, 3), (5, 4, 8)), ((4, 2, 8), (30, 32, 9)), colours=1)
     last = blocks_world(((31, 31, 31), (32, 32, 32)))
     _, room = seen_from_inside(np.random.default_rng(2), 300)
-    (quads,), (one,), (seen,) = (list(faces.chunks.values()) for faces in (boxes, last, room))
+    (quads,), (same,), (one,), (seen,) = (list(faces.chunks.values()) for faces in (boxes, plain, last, room))
     chunk = voxel_chunk(one, face_colors(PALETTE))
     beyond = bytearray(chunk)
     beyond[-3] += 1  # the number of voxels skipped before the only one
+    colourless = chunk[:-1] + bytes([2])
     return {
-        "chunks": [vector(quads), vector(quads, by_side=True), vector(one), vector(seen)],
-        "broken": [chunk[:-1].hex(), (chunk + b"\0").hex(), bytes(beyond).hex(), chunk[:8].hex(), b"glTF".hex()],
+        "chunks": [vector(quads), vector(same, by_side=True), vector(one), vector(seen)],
+        "broken": [
+            chunk[:-1].hex(),
+            (chunk + b"\0").hex(),
+            bytes(beyond).hex(),
+            colourless.hex(),
+            chunk[:8].hex(),
+            b"glTF".hex(),
+        ],
     }
 
 

@@ -49,19 +49,28 @@ def test_faces_towards_unknown_space_are_not_in_a_chunk() -> None:
         assert sides == np.flatnonzero(values < volume.config.log_odds_occupied).tolist()
 
 
-@pytest.mark.parametrize("by_side", [False, True])
-def test_the_table_has_the_colour_of_each_side_and_number(by_side: bool) -> None:
+def test_the_table_has_the_colour_of_each_side_and_number() -> None:
     palette = np.random.default_rng(1).integers(0, 256, (7, 3), dtype=np.uint8)
-    table = face_colors(palette, by_side=by_side)
-    linear = np.round(255.0 * linear_of(palette))
+    table = face_colors(palette)
     assert table.shape == (6, 7, 3)
-    for side in range(6):
-        top = linear[side] if by_side else linear
-        assert (table[side] <= top).all()
     # Faces upwards have the palette's colour as it is; those downwards are the darkest.
-    np.testing.assert_array_equal(table[5], np.broadcast_to(linear[5], (7, 3)) if by_side else linear)
-    if not by_side:
-        assert (table[4] == table.min(axis=0)).all()
+    np.testing.assert_array_equal(table[5], np.round(255.0 * linear_of(palette)))
+    assert (table[4] == table.min(axis=0)).all()
+
+
+def test_voxels_of_many_heights_have_the_colours_of_their_sides() -> None:
+    palette = np.random.default_rng(1).integers(1, 256, (6, 3), dtype=np.uint8)
+    faces = blocks_world(((0, 0, 0), (2, 2, 32)), colours=9)
+    (quads,) = faces.chunks.values()
+    assert quads[:, 6].max() == 8
+    numbers = {
+        (number, table.shape)
+        for _, _, number, table in read_chunk(voxel_chunk(quads, face_colors(palette, by_side=True)))
+    }
+    assert numbers == {(0, (6, 1, 3))}
+    table = face_colors(palette, by_side=True)[:, 0]
+    np.testing.assert_array_equal(table[5], np.round(255.0 * linear_of(palette[5:]))[0])
+    assert (table > 0).any(axis=1).all()
 
 
 async def test_only_a_changed_chunk_is_sent_and_the_old_one_is_removed_later(

@@ -16,14 +16,14 @@ PALETTE = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)
 STEPS = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))  #: towards which each side faces
 
 
-def blocks_world(*boxes: tuple[tuple[int, int, int], tuple[int, int, int]]) -> VoxelFaces:
+def blocks_world(*boxes: tuple[tuple[int, int, int], tuple[int, int, int]], colours: int = 2) -> VoxelFaces:
     """The faces of a map in which each box (low, high in voxels from 0, half-open) is occupied."""
     volume = OccupancyVolume(VolumeConfig(resolution=SIZE))
     for low, high in boxes:
         grid = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1).reshape(-1, 3)
         volume.insert_scan((grid + 0.5) * SIZE, None)
     faces = VoxelFaces()
-    rule = face_rule(volume, -1e3, 1e3, base=0.0, band=2.0, colours=2)
+    rule = face_rule(volume, -1e3, 1e3, base=0.0, band=2.0, colours=colours)
     faces.update(volume, rule, chunks_of(volume))
     return faces
 
