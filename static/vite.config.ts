@@ -37,9 +37,14 @@ export default defineConfig({
         puzzles: page("puzzles.html"),
         fleet: page("fleet.html"),
         missing: page("missing.html"),
+        scene: page("src/pages/scene.ts"),
       },
       // Few files: what two pages share is in one of them, and the pages' own small pieces are not torn out of it.
-      output: { codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] } },
+      output: {
+        codeSplitting: { groups: [{ name: "shared", minShareCount: 3 }] },
+        // The server puts this one into viser's page, see server/scenes/proxy.py.
+        entryFileNames: ({ name }) => (name === "scene" ? "scene.js" : "assets/[name]-[hash].js"),
+      },
     },
   },
   // Everything is written for one JSX factory, Preact's; oxc reads it from tsconfig.json.

@@ -64,12 +64,17 @@ body *:not(canvas):not(:has(canvas)) { visibility: hidden !important; pointer-ev
 
 
 @lru_cache(maxsize=2)
-def client_page(*, plain_view: bool = False) -> Page:
-    """Return the client page of the installed viser, with Gridbloom's title; for a plain view without its panel."""
+def client_page(script: bytes, *, plain_view: bool = False) -> Page:
+    """Return the client page of the installed viser, with Gridbloom's title; for a plain view without its panel.
+
+    ``script`` is the built ``static/src/pages/scene.ts``, which reads :mod:`server.scenes.voxel_chunk`.
+    """
     spec = find_spec("viser")  # does not import it
     assert spec is not None and spec.origin is not None  # noqa: S101, PT018 - a dependency
     plain = (Path(spec.origin).parent / "client" / "build" / "index.html").read_bytes().replace(*_TITLE, 1)
-    plain = plain.replace(b"<head>", b"<head>" + SCRIPT, 1)
+    # In a function, since the names that a module declares are its own; those of a plain script are the page's.
+    scripts = SCRIPT + b'<script>(() => {"use strict";' + script + b"})();</script>"
+    plain = plain.replace(b"<head>", b"<head>" + scripts, 1)
     if plain_view:
         plain = plain.replace(b"</head>", _PLAIN_STYLE, 1)
     return Page(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:32]}"')

@@ -21,7 +21,7 @@ from mapper.volume.scan_sequence import ScanSequence, gather
 from mapper.volume.surface_chunks import SurfaceChunks
 from server.scenes.surface_glb import surface_glb
 from server.scenes.viser_server import Compressor
-from server.scenes.voxel_glb import chunk_glb, face_colors
+from server.scenes.voxel_chunk import face_colors, voxel_chunk
 from server.sessions.models.volume_look import COLOURS, HEIGHT_RAMP, Look
 from server.sessions.models.volume_start import bounds_of, first_look, first_resolution
 from server.sessions.models.volume_surface import height_colors
@@ -52,8 +52,8 @@ def voxels_row(name: str, source: ScanSequence) -> str:
         now.go_to(index)
         touched = now.take_touched()
         changed = faces.update(now.volume, rule, chunks_of(now.volume, touched))
-        changes.append(packed([chunk_glb(faces.chunks[key], colors) for key in changed if key in faces.chunks]))
-    whole = packed([chunk_glb(quads, colors) for quads in faces.chunks.values()])
+        changes.append(packed([voxel_chunk(faces.chunks[key], colors) for key in changed if key in faces.chunks]))
+    whole = packed([voxel_chunk(quads, colors) for quads in faces.chunks.values()])
     voxels = sum(faces.voxels.values())
     change = f"{np.median(changes[1:]) / 1000:.0f}, {max(changes[1:]) / 1000:.0f}" if now.count > 1 else "–"
     return (

@@ -113,9 +113,14 @@ def write_triangles(
     ``near`` (n, 8) are the slots at 0 and 1 from the blocks, ``starts`` (n + 1,) the numbers of their first triangles,
     ``firsts`` (owners + 1,) those of the first vertices of the rows of ``edges``.
     """
-    rows = edges.rows.reshape(-1)
-    before = edges.starts.reshape(-1)
     owner = np.empty(8, dtype=np.int64)
+    signs = np.empty(4, dtype=np.int64)  # of nine voxels each, of the rows at y, y + 1, and these at z + 1
+    # Of the edges along an axis in one of these rows: the bits, the number of the first vertex and of the one at 8.
+    bits, here, beyond = np.zeros((3, 12), dtype=np.int64)
+    line, step = np.empty(12, dtype=np.int64), np.empty(12, dtype=np.int64)
+    for k in range(12):
+        corner = np.int64(tables.firsts[k])
+        line[k], step[k] = 4 * (k >> 2) + (corner >> 1), corner & 1
     for i in range(slots.shape[0]):
         n = starts[i]
         if n == starts[i + 1]:
@@ -124,23 +129,39 @@ def write_triangles(
             owner[k] = edges.owners[near[i, k]] if near[i, k] >= 0 else -1
         for row in range(64):
             mixed = np.int64(blocks.cells[slots[i], row >> 3, row & 7])
+            if mixed == 0:
+                continue
+            for k in range(4):
+                y, z = (row & 7) + (k & 1), (row >> 3) + (k >> 1)
+                at, inner = (z >> 3) * 4 + (y >> 3) * 2, (z & 7) * 8 + (y & 7)
+                signs[k] = 0
+                if near[i, at] >= 0:
+                    signs[k] = np.int64(blocks.negative[near[i, at], z & 7, y & 7])
+                if near[i, at + 1] >= 0:
+                    signs[k] |= (np.int64(blocks.negative[near[i, at + 1], z & 7, y & 7]) & 1) << 8
+                one, after = owner[at], owner[at + 1]
+                for axis in range(3):
+                    if axis != 0 and k >> (axis - 1) & 1:
+                        continue  # an edge of the cell along y or z begins at the cell's own y or z
+                    if one >= 0:
+                        bits[4 * axis + k] = edges.rows[one, axis, inner]
+                        here[4 * axis + k] = firsts[one] + edges.starts[one, axis, inner]
+                    if after >= 0:
+                        beyond[4 * axis + k] = firsts[after] + edges.starts[after, axis, inner]
             x = 0
             while mixed != 0:
                 if mixed & 1:
                     case = np.int64(0)
-                    for corner in range(8):
-                        px, py, pz = x + (corner & 1), (row & 7) + (corner >> 1 & 1), (row >> 3) + (corner >> 2)
-                        slot = near[i, (pz >> 3) * 4 + (py >> 3) * 2 + (px >> 3)]
-                        case |= (np.int64(blocks.negative[slot, pz & 7, py & 7]) >> (px & 7) & 1) << corner
-                    for k in range(3 * np.int64(tables.counts[case])):
-                        edge = np.int64(tables.edges[case, k])
-                        first = int(tables.firsts[edge])
-                        px, py, pz = x + (first & 1), (row & 7) + (first >> 1 & 1), (row >> 3) + (first >> 2)
-                        one = owner[(pz >> 3) * 4 + (py >> 3) * 2 + (px >> 3)]
-                        at = (one * 3 + (edge >> 2)) * 64 + (pz & 7) * 8 + (py & 7)
-                        below = np.int64(rows[at]) & ((1 << (px & 7)) - 1)
-                        out[n, k % 3] = firsts[one] + before[at] + tables.bits[below]
-                        if k % 3 == 2:
-                            n += 1
+                    for k in range(4):
+                        case |= (signs[k] >> x & 3) << 2 * k
+                    for first in range(0, 3 * np.int64(tables.counts[case]), 3):
+                        for k in range(3):
+                            edge = np.int64(tables.edges[case, first + k])
+                            to, place = line[edge], x + step[edge]
+                            number = beyond[to]
+                            if place < 8:
+                                number = here[to] + tables.bits[bits[to] & ((1 << place) - 1)]
+                            out[n, k] = number
+                        n += 1
                 mixed >>= 1
                 x += 1

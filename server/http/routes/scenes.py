@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request, WebSocket
-from fastapi.responses import RedirectResponse, Response
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from server.http.page_files import NOT_BUILT, find_pages
 from server.http.services import OpenScenes, Sessions, Visitor
 from server.scenes.cameras import CAMERAS, CameraName
 
@@ -41,7 +42,10 @@ async def plain_page(request: Request, sessions: Sessions, session_id: str) -> R
 def _client(request: Request, *, plain_view: bool) -> Response:
     from server.scenes.proxy import client_page, page_headers  # noqa: PLC0415 - imported with the first 3D view
 
-    client = client_page(plain_view=plain_view)
+    root = find_pages()
+    if root is None:
+        return HTMLResponse(NOT_BUILT, status_code=503)
+    client = client_page((root / "scene.js").read_bytes(), plain_view=plain_view)
     headers = page_headers(request.headers.get("host", "")) | {"ETag": client.etag}
     if client.etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from server.scenes.chunk_nodes import ChunkNodes
 from server.scenes.drawer import Drawer, DrawerContext, differs
-from server.scenes.voxel_glb import chunk_glb, face_colors
+from server.scenes.voxel_chunk import face_colors, voxel_chunk
 from server.sessions.drawings import Voxels
 
 CHUNK = 32
@@ -39,7 +39,7 @@ class VoxelsDrawer(Drawer[Voxels, Voxels]):
         colors = face_colors(content.palette, by_side=content.by_side)
         self._nodes.show(
             content.chunks,
-            lambda _, quads: chunk_glb(quads, colors),
+            lambda _, quads: voxel_chunk(quads, colors),
             content.size,
             lambda key: (CHUNK * key.astype(np.float64) - content.corner) * content.size,
         )

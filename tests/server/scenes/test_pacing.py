@@ -99,8 +99,9 @@ async def test_a_lost_report_stops_nothing_for_good(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.parametrize("plain_view", [False, True])
 def test_the_script_stands_before_those_of_viser(plain_view: bool) -> None:
-    page = client_page(plain_view=plain_view).plain
+    page = client_page(b"ours", plain_view=plain_view).plain
     assert page.index(b"<script") == page.index(SCRIPT)
+    assert page.index(b"ours") < page.index(b"<script", page.index(b"ours")) < page.index(b"data-p=")
     assert msgspec.msgpack.decode(DRAWN)["type"].encode() in SCRIPT
 
 

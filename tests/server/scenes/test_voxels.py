@@ -1,71 +1,76 @@
-"""Chunks of voxels: their files as an independent reader of glTF takes them, and that only changed ones are sent."""
+"""Chunks of voxels: their bytes as a plain reader takes them, and that only changed ones are sent."""
 
 from __future__ import annotations
 
-import io
-import json
-import struct
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import trimesh
 
-from mapper.volume import OccupancyVolume, VolumeConfig
-from mapper.volume.faces import CENTRE, VoxelFaces, chunks_of, face_rule
-from server.scenes.voxel_glb import GROUP, chunk_glb, face_colors
+from mapper.volume.faces import CENTRE
+from mapper.volume.textbook_chunks import linear_of
+from server.scenes.voxel_chunk import face_colors, voxel_chunk
 from server.sessions.drawings import Voxels
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.test_drawings import named, showing
-
-SIZE = 0.5
-PALETTE = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)
+from tests.server.scenes.voxel_world import PALETTE, SIZE, STEPS, blocks_world, read_chunk, seen_from_inside
 
 
-def blocks_world(*boxes: tuple[tuple[int, int, int], tuple[int, int, int]]) -> VoxelFaces:
-    """The faces of a map in which each box (low, high in voxels from 0, half-open) is occupied."""
-    volume = OccupancyVolume(VolumeConfig(resolution=SIZE))
-    for low, high in boxes:
-        grid = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1).reshape(-1, 3)
-        volume.insert_scan((grid + 0.5) * SIZE, None)
-    faces = VoxelFaces()
-    rule = face_rule(volume, -1e3, 1e3, base=0.0, band=2.0, colours=2)
-    faces.update(volume, rule, chunks_of(volume))
-    return faces
+def test_a_chunk_has_the_faces_of_its_voxels_in_their_colours() -> None:
+    rng = np.random.default_rng(3)
+    occupied = {(x, y, z) for x, y, z in rng.integers(0, 32, (60, 3)).tolist()} | {(31, 31, 31)}
+    (quads,) = blocks_world(*((one, (one[0] + 1, one[1] + 1, one[2] + 1)) for one in sorted(occupied))).chunks.values()
+    read = list(read_chunk(voxel_chunk(quads, face_colors(PALETTE))))
+    assert [place for place, *_ in read] == sorted(occupied, key=lambda place: place[::-1])
+    for place, sides, number, _ in read:
+        beside = [tuple(np.add(place, step).tolist()) for step in STEPS]
+        assert sides == [side for side in range(6) if beside[side] not in occupied]
+        assert number == (0 if place[2] < 4 else 1)  # bands of 2 m, voxels of 0.5 m
 
 
-def test_a_chunks_file_has_the_surface_of_its_voxels() -> None:
-    faces = blocks_world(((1, 2, 3), (5, 4, 8)))
+def test_voxels_within_others_are_not_in_a_chunk() -> None:
+    faces = blocks_world(((1, 2, 3), (9, 8, 12)))
     (quads,) = faces.chunks.values()
-    mesh = trimesh.load_mesh(io.BytesIO(chunk_glb(quads, face_colors(PALETTE))), file_type="glb")
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    assert mesh.area == 2 * (4 * 2 + 4 * 5 + 2 * 5)
-    assert mesh.volume == pytest.approx(4 * 2 * 5)  # faces are counter-clockwise from outside
-    np.testing.assert_array_equal(mesh.bounds, [(1, 2, 3), (5, 4, 8)])
-    # Of the four sides and the two ends, only the sides are in two bands of height.
-    assert len(quads) == 4 * 2 + 2
+    read = list(read_chunk(voxel_chunk(quads, face_colors(PALETTE))))
+    assert len(read) == 8 * 6 * 9 - 6 * 4 * 7
+    assert sum(len(sides) for _, sides, *_ in read) == 2 * (8 * 6 + 8 * 9 + 6 * 9)
 
 
-def test_a_file_of_several_groups_of_rectangles_has_all_of_them_in_their_colours() -> None:
-    corners = [(x, y, z) for x in range(0, 10, 2) for y in range(0, 8, 2) for z in range(0, 10, 2)]
-    faces = blocks_world(*((corner, (corner[0] + 1, corner[1] + 1, corner[2] + 1)) for corner in corners))
+def test_faces_towards_unknown_space_are_not_in_a_chunk() -> None:
+    volume, faces = seen_from_inside(np.random.default_rng(0), 4000)
+    read = [
+        (32 * np.array(key) + place, sides)
+        for key, quads in faces.chunks.items()
+        for place, sides, *_ in read_chunk(voxel_chunk(quads, face_colors(PALETTE)))
+    ]
+    assert len(read) > 500
+    beside = volume.log_odds_of(np.array([[key + step for step in STEPS] for key, _ in read]).reshape(-1, 3))
+    for (_, sides), values in zip(read, beside.reshape(-1, 6), strict=True):
+        assert sides == np.flatnonzero(values < volume.config.log_odds_occupied).tolist()
+
+
+def test_the_table_has_the_colour_of_each_side_and_number() -> None:
+    palette = np.random.default_rng(1).integers(0, 256, (7, 3), dtype=np.uint8)
+    table = face_colors(palette)
+    assert table.shape == (6, 7, 3)
+    # Faces upwards have the palette's colour as it is; those downwards are the darkest.
+    np.testing.assert_array_equal(table[5], np.round(255.0 * linear_of(palette)))
+    assert (table[4] == table.min(axis=0)).all()
+
+
+def test_voxels_of_many_heights_have_the_colours_of_their_sides() -> None:
+    palette = np.random.default_rng(1).integers(1, 256, (6, 3), dtype=np.uint8)
+    faces = blocks_world(((0, 0, 0), (2, 2, 32)), colours=9)
     (quads,) = faces.chunks.values()
-    assert len(quads) == 6 * len(corners)
-    assert len(quads) > 4 * GROUP
-    assert len(quads) % GROUP != 0
-    data = chunk_glb(quads, face_colors(PALETTE))
-    (length,) = struct.unpack_from("<I", data, 12)
-    view = json.loads(data[20 : 20 + length])["bufferViews"][1]
-    colors = np.frombuffer(data, np.uint8, view["byteLength"], 28 + length + view["byteOffset"]).reshape(-1, 4)
-    mesh = trimesh.load_mesh(io.BytesIO(data), file_type="glb", process=False)
-    is_high = mesh.triangles_center[:, 2] > 3.5  # bands of 2 m, voxels of 0.5 m
-    for corner in range(3):
-        shades = colors[mesh.faces[:, corner]]
-        np.testing.assert_array_equal(shades[:, [0, 2]] > 0, np.stack([~is_high, is_high], axis=1))
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    assert sorted(one.bounds[0].tolist() for one in mesh.split()) == sorted(map(list, corners))
-    assert mesh.area == pytest.approx(len(quads))
-    assert mesh.volume == pytest.approx(len(corners))
+    assert quads[:, 6].max() == 8
+    numbers = {
+        (number, table.shape)
+        for _, _, number, table in read_chunk(voxel_chunk(quads, face_colors(palette, by_side=True)))
+    }
+    assert numbers == {(0, (6, 1, 3))}
+    table = face_colors(palette, by_side=True)[:, 0]
+    np.testing.assert_array_equal(table[5], np.round(255.0 * linear_of(palette[5:]))[0])
+    assert (table > 0).any(axis=1).all()
 
 
 async def test_only_a_changed_chunk_is_sent_and_the_old_one_is_removed_later(
