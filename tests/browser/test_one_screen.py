@@ -14,9 +14,9 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, open_group, open_groups, settled_digest
+from tests.browser.looking import await_map, open_group, open_groups, settled_digest, without_canvas_in_3d
 from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -52,15 +52,10 @@ def turns_at(looks: Looks, every: int = 3) -> Turns:
     return Turns(len(looks), every=every if len(looks) > 1 else 1)
 
 
-def empty_scene(route: Route) -> None:
-    """Answer for the canvas of the 3D view, which test_scene.py looks at: it takes seconds to set up."""
-    route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
-
-
 def prepare(page: Page, motion: Literal["reduce", "no-preference"] = "reduce") -> None:
     """Have the page stand still, without a canvas in 3D, and stay where it is when its map is to be edited."""
     page.emulate_media(reduced_motion=motion)
-    page.route("**/scenes/*/plain/**", empty_scene)
+    without_canvas_in_3d(page)  # test_scene.py looks at it
     page.route("**/kept-map", lambda route: route.fulfill(json={"message": "The map is kept by another test."}))
 
 
