@@ -20,15 +20,6 @@ expect.set_options(timeout=SECONDS * 1000)
 
 SEED = 7  #: of the worlds that stand still; any will do
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
-#: A size and a colour scheme, for `context` and `scheme`: `make test` meets each of them, `make test-long` all pairs.
-LOOKS = [
-    ("desktop", "light"),
-    ("laptop", "dark"),
-    ("phone", "light"),
-    pytest.param("desktop", "dark", marks=pytest.mark.long),
-    pytest.param("laptop", "light", marks=pytest.mark.long),
-    pytest.param("phone", "dark", marks=pytest.mark.long),
-]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
