@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from server.library.given_maps import LIMITS
 from tests.browser.running import free_port
 from tests.haproxy import CONFIGURATION, haproxy, running_haproxy
 from tests.programs import MissingProgramError
@@ -35,6 +36,12 @@ def test_haproxy_reads_its_configuration() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
+
+
+def test_haproxy_waits_for_the_map_of_a_long_log() -> None:
+    found = re.search(r"^ *timeout server (\d+)s$", CONFIGURATION.read_text(), re.MULTILINE)
+    assert found
+    assert float(found[1]) > LIMITS.timeout_s
 
 
 class Stub(ThreadingHTTPServer):

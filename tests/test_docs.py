@@ -11,6 +11,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -205,6 +206,7 @@ def test_the_picture_of_the_layers_is_that_of_the_contracts() -> None:
         assert rest == []
 
 
+@cache
 def names_in(path: Path) -> set[str]:
     """Every name that a Python or TypeScript file defines at its top level, and Class.member."""
     if path.suffix == ".py":

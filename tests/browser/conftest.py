@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -19,15 +20,6 @@ expect.set_options(timeout=SECONDS * 1000)
 
 SEED = 7  #: of the worlds that stand still; any will do
 SIZES = {"desktop": (1440, 900), "laptop": (1024, 700), "phone": (390, 844)}
-#: A size and a colour scheme, for `context` and `scheme`: `make test` meets each of them, `make test-long` all pairs.
-LOOKS = [
-    ("desktop", "light"),
-    ("laptop", "dark"),
-    ("phone", "light"),
-    pytest.param("desktop", "dark", marks=pytest.mark.long),
-    pytest.param("laptop", "light", marks=pytest.mark.long),
-    pytest.param("phone", "dark", marks=pytest.mark.long),
-]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -56,9 +48,14 @@ def two_logs(logs_dir: Path) -> Iterator[None]:
 
 
 @pytest.fixture
-def mapped_logs(context: BrowserContext, server: str, two_logs: None) -> None:
-    """The logs of the service mapped, as on the page *Map all logs*: maps, findings and a failure."""
+def mapped_logs(context: BrowserContext, server: str, logs_dir: Path, two_logs: None) -> None:
+    """The logs of the service mapped, as on the page *Map all logs*: maps, findings and a failure.
+
+    Each worker maps them once: a log of the same name, size and time is the same log to the service.
+    """
     del two_logs
+    for log in logs_dir.glob("fleet-*.log"):
+        os.utime(log, (0, 0))
     assert context.request.post(f"{server}/api/fleet", data={"again": False}).status == 202
 
     def is_done() -> bool:

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.server.service import Watcher, stream_at
 
@@ -158,6 +158,15 @@ def map_bytes(page: Page) -> dict[str, Any]:
 def observed(page: Page) -> int:
     """Return how many cells of the browser's map were ever observed."""
     return int(page.evaluate("() => Object.values(gridbloom.cells()).reduce((a, b) => a + b, 0)"))
+
+
+def without_canvas_in_3d(page: Page) -> None:
+    """Leave the canvas of the page's 3D views empty: its drawing by the processor takes seconds."""
+
+    def empty(route: Route) -> None:
+        route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
+
+    page.route("**/scenes/*/plain/**", empty)
 
 
 def frame(page: Page) -> dict[str, Any]:

@@ -23,6 +23,7 @@ def test_pages_show_a_lost_connection_and_reconnect(context: BrowserContext, ser
     with cutting_proxy(urlsplit(server).port or 0) as proxy:
         home, viewer, logs = (context.new_page() for _ in range(3))
         address = f"http://127.0.0.1:{proxy.port}"
+        home.emulate_media(reduced_motion="reduce")  # its world stands: it would be drawn most of the time
         home.goto(address)
         viewer.goto(f"{address}/logs.html")
         viewer.bring_to_front()

@@ -17,7 +17,17 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, Route, expect
 
-from tests.browser.looking import SECONDS, await_map, await_true, frame, open_group, open_groups, settled_digest, until
+from tests.browser.looking import (
+    SECONDS,
+    await_map,
+    await_true,
+    frame,
+    open_group,
+    open_groups,
+    settled_digest,
+    until,
+    without_canvas_in_3d,
+)
 from tests.marks import also_long
 
 AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
@@ -136,6 +146,7 @@ def test_the_maps_of_all_logs(dressed: Page, server: str) -> None:
 @each_look(in_make_test=1)
 def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) -> None:
     page = dressed
+    without_canvas_in_3d(page)  # axe does not look into it
     open_lab(scans=15)
     page.evaluate(
         "() => { const { store } = gridbloom.connection; store.explain(store.frame.peek().pose.slice(0, 2)); }"
@@ -198,6 +209,7 @@ def test_the_lab_in_every_state(dressed: Page, open_lab: Callable[..., Page]) ->
 @pytest.mark.parametrize("dressed", ["dark", *also_long("light")], indirect=True)
 def test_the_logs_page_in_every_state(dressed: Page, server: str) -> None:
     page = dressed
+    without_canvas_in_3d(page)
     facts: dict[str, Any] = dict.fromkeys(("scans", "beams", "duration_s", "format", "time", "mount"))
     facts |= {"has_picture": False, "tags": ["hall"]}
     record = {"bytes": 4_200_000, "progress": 0.0, "error": None, "upside_down": False, "topics": [],

@@ -265,8 +265,10 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
 ) -> None:
     never_idle(page)
     never_idle(visitor)
+    page.emulate_media(reduced_motion="reduce")
     code = opened(page, server, "/lecture.html")
     phone = visitor.new_page()
+    phone.emulate_media(reduced_motion="reduce")
     phone.goto(f"{server}/class/{code}")
     phone.wait_for_url("**/lecture.html*")
     card = phone.get_by_role("region", name="Question to the class")

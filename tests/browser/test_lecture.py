@@ -39,7 +39,7 @@ LOOKS = [
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
 def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
-    page.emulate_media(color_scheme=scheme)
+    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")  # most of the time would go to drawing
     never_idle(page)
     page.goto(f"{server}/lecture.html")
     sections = page.locator(".lesson")

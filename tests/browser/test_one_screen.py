@@ -1,9 +1,9 @@
 """Cause and effect on one screen: what one uses and the part of the map that it changes are in the viewport together.
 
 Of the lab, the log page, the front page and the maps of all logs, at four sizes. ``make test`` uses every sixth control
-of the lab and every third one of the others at one of the sizes, in turn, and ``make test-long`` all of them at each
-size in both colour schemes; that the pictures stay in place and are not covered is looked at in every group at every
-size.
+of the lab and every third one of the others at one of the two sizes with the least room, in turn, and
+``make test-long`` all of them at each size in both colour schemes; that the pictures stay in place and are not covered
+is looked at in every group at each of these sizes.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, open_group, open_groups, settled_digest
+from tests.browser.looking import await_map, open_group, open_groups, settled_digest, without_canvas_in_3d
 from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -26,10 +26,11 @@ from tests.marks import also_long
 SCHEMES = ("light", "dark", "light", "dark")  #: of the sizes
 Looks = list[tuple[tuple[int, int], str]]
 ONE_AFTER_THE_OTHER: Looks = list(zip(SIZES, SCHEMES, strict=True))
+LEAST_ROOM: Looks = [ONE_AFTER_THE_OTHER[0], ONE_AFTER_THE_OTHER[3]]  #: the lowest and the narrowest window
 each_look = pytest.mark.parametrize(
     "looks",
-    [ONE_AFTER_THE_OTHER, *also_long(*([(size, scheme)] for size in SIZES for scheme in ("light", "dark")))],
-    ids=lambda looks: "all" if len(looks) > 1 else "-".join(map(str, (*looks[0][0], looks[0][1]))),
+    [LEAST_ROOM, *also_long(*([(size, scheme)] for size in SIZES for scheme in ("light", "dark")))],
+    ids=lambda looks: "least room" if len(looks) > 1 else "-".join(map(str, (*looks[0][0], looks[0][1]))),
 )  # fmt: skip
 
 EXPLAIN = "() => { const { store } = gridbloom.connection; store.explain(store.frame.peek().pose.slice(0, 2)); }"
@@ -52,15 +53,10 @@ def turns_at(looks: Looks, every: int = 3) -> Turns:
     return Turns(len(looks), every=every if len(looks) > 1 else 1)
 
 
-def empty_scene(route: Route) -> None:
-    """Answer for the canvas of the 3D view, which test_scene.py looks at: it takes seconds to set up."""
-    route.fulfill(content_type="text/html", body="<!doctype html><title>3D</title>")
-
-
 def prepare(page: Page, motion: Literal["reduce", "no-preference"] = "reduce") -> None:
     """Have the page stand still, without a canvas in 3D, and stay where it is when its map is to be edited."""
     page.emulate_media(reduced_motion=motion)
-    page.route("**/scenes/*/plain/**", empty_scene)
+    without_canvas_in_3d(page)  # test_scene.py looks at it
     page.route("**/kept-map", lambda route: route.fulfill(json={"message": "The map is kept by another test."}))
 
 

@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 
 import pytest
 from playwright.sync_api import Page, WebSocket, expect
 
 from server.scenes.pacing import DRAWN, MOST_AHEAD
-from tests.browser.conftest import LOOKS
+from tests.browser.conftest import SIZES
 from tests.browser.looking import await_map, frame, open_group, until
 
 # On a phone innerWidth grows with a page that is too wide, clientWidth does not.
 FITS = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth + 1"
 
 
-@pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
+#: A size and a colour scheme, for `context` and `scheme`.
+PHONE, LARGER = ("phone", "light"), (("desktop", "light"), ("laptop", "dark"))
+PATHS = ["/", "/lecture.html", "/lab.html", "/logs.html", "/fleet.html", "/puzzles.html", "/missing.html"]
+
+
 @pytest.mark.parametrize(
-    "path", ["/", "/lecture.html", "/lab.html", "/logs.html", "/fleet.html", "/puzzles.html", "/missing.html"]
+    ("path", "context", "scheme"),
+    [
+        # `make test` opens each page on a phone, and in one of two larger windows in turn; `make test-long` in all.
+        pytest.param(path, *look, marks=() if look in {PHONE, LARGER[n % 2]} else pytest.mark.long)
+        for n, path in enumerate(PATHS)
+        for look in product(SIZES, ("light", "dark"))
+    ],
+    indirect=["context"],
 )
 def test_a_page_opens_without_errors(
     page: Page, server: str, path: str, scheme, request: pytest.FixtureRequest

@@ -270,8 +270,9 @@ def test_who_has_signed_out_is_refused_by_the_other_service(
 def test_a_localization_is_finished_by_the_other_service(
     context: BrowserContext, replicas: Replicas, tmp_path: Path
 ) -> None:
-    (tmp_path / "drive.log").write_bytes(carmen(50))
+    (tmp_path / "drive.log").write_bytes(carmen(20))
     page = context.new_page()
+    page.emulate_media(reduced_motion="reduce")  # the log stands at its end
     page.goto(f"{replicas.address}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "drive.log")
     await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")

@@ -192,9 +192,8 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
     dialog.get_by_label("Link of the lab").fill(f"{server}/lab.html#s=abc")
     dialog.get_by_role("button", name="Add at the end").click()
     expect(dialog.locator(".deck-row")).to_have_count(total + 2)
-    assert violations(page, ".deck-dialog") == []
+    nothing_wrong(page, ".deck-dialog")  # the slide behind it is inert
     assert small(page) == []
-    nothing_wrong(page)
     # a slide is dragged by its grip, or goes by the arrow keys, and its picture is beside the list
     grips = dialog.locator(".deck-grip")
     titles = dialog.locator(".deck-row-title")
@@ -303,7 +302,7 @@ def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
 
 @pytest.mark.parametrize(
     ("every", "axe_every", "turn"),
-    [(2, 4, 0), *(pytest.param(1, 1, turn, marks=pytest.mark.long) for turn in (0, 1))],
+    [(3, 3, 0), *(pytest.param(1, 1, turn, marks=pytest.mark.long) for turn in (0, 1))],
 )
 def test_every_slide_is_large_enough_complete_and_accessible(
     page: Page, server: str, every: int, axe_every: int, turn: int

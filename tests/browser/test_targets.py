@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, open_groups
+from tests.browser.looking import await_map, open_groups, without_canvas_in_3d
 from tests.marks import also_long
 
 LEAST = 24
@@ -60,7 +60,7 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
     page.locator(".fleet-card.failed").first.wait_for()
     page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
     found["fleet"] = small(page)
-    page.route("**/scenes/*/plain/**", lambda route: route.fulfill(content_type="text/html", body="<!doctype html>"))
+    without_canvas_in_3d(page)
     open_lab(scans=15)
     for place in ("lab", "log", "puzzle"):
         if place == "log":

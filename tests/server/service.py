@@ -42,10 +42,11 @@ def settings_for(folder: Path, **changes: Any) -> Settings:
 
 def until(condition: Callable[[], Any]) -> Any:
     """Return the first true value of ``condition``."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline, pause_s = time.monotonic() + PATIENCE_S, 0.01
     while not (found := condition()):
         assert time.monotonic() < deadline, f"waited {PATIENCE_S:g} s in vain"
-        time.sleep(0.01)
+        time.sleep(pause_s)
+        pause_s = min(1.2 * pause_s, 0.05)  # most conditions are requests, which take the time of what is waited for
     return found
 
 
@@ -57,10 +58,11 @@ def once_read(client: httpx.Client, log_id: str) -> dict[str, Any]:
 
 async def eventually(condition: Callable[[], bool]) -> None:
     """Return once ``condition`` holds."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline, pause_s = time.monotonic() + PATIENCE_S, 0.002
     while not condition():
         assert time.monotonic() < deadline, f"waited {PATIENCE_S:g} s in vain"
-        await asyncio.sleep(0.002)
+        await asyncio.sleep(pause_s)
+        pause_s = min(1.2 * pause_s, 0.02)
 
 
 def stream_at(address: str, **more: Any) -> Any:

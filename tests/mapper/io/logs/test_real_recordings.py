@@ -17,7 +17,7 @@ from tests.mapper.io.logs.recorded import store
     ("name", "topic", "chosen"),
     [
         ("b0-tiny.bag", "horizontal_laser_2d", True),
-        ("b0-2014-07-21-12-42-53-short.bag", "vertical_laser_2d", True),
+        pytest.param("b0-2014-07-21-12-42-53-short.bag", "vertical_laser_2d", True, marks=pytest.mark.long),
         pytest.param("b0-2014-07-21-12-42-53-short.bag", "horizontal_laser_2d", False, marks=pytest.mark.long),
         ("scans_demo.bag", "/front_scan", True),
         ("scans_demo.bag", "/rear_scan", False),

@@ -85,10 +85,14 @@ export class Healing {
 
   /** Ask whether a job is running, or for the result of the last one. */
   async look(): Promise<void> {
+    const known = this.job.peek();
     try {
       const job = await api.slamState(this.session);
-      if (this.job.peek() === null) this.parameters.adopt(job.parameters);
-      this.job.value = job;
+      if (this.job.peek() === known) {
+        // Otherwise a job was begun or cancelled meanwhile, and this may be the state before.
+        if (known === null) this.parameters.adopt(job.parameters);
+        this.job.value = job;
+      }
     } catch {
       // The server does not answer: another time.
     }

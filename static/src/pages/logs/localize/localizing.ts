@@ -93,10 +93,14 @@ export class Localizing {
 
   /** Ask whether a job is running, or for the result of the last one. */
   async look(): Promise<void> {
+    const known = this.job.peek();
     try {
       const job = await api.localizationState(this.session);
-      if (this.job.peek() === null) this.parameters.adopt(job.parameters.values ?? {});
-      this.job.value = job;
+      if (this.job.peek() === known) {
+        // Otherwise a job was begun or cancelled meanwhile, and this may be the state before.
+        if (known === null) this.parameters.adopt(job.parameters.values ?? {});
+        this.job.value = job;
+      }
     } catch {
       // The server does not answer: another time.
     }
@@ -122,7 +126,8 @@ export class Localizing {
   async loadMap(): Promise<void> {
     if (this.map.peek() !== null) return;
     try {
-      this.map.value = await api.givenMap(this.session);
+      const map = await api.givenMap(this.session);
+      if (this.map.peek() === null) this.map.value = map; // one may have been chosen meanwhile
     } catch {
       // The server does not answer: when the group is opened again.
     }

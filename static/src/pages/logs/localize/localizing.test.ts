@@ -1,0 +1,75 @@
+// @vitest-environment happy-dom
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+import { Store } from "../../../store/store";
+import { Healing } from "../heal/healing";
+import { Localizing } from "./localizing";
+
+const MAP = { title: "drive.log, scan", rows: 2, cols: 3, resolution: 0.05, origin: [0, 0, 0], notes: [] };
+
+/** Requests that are under way, by method and the end of the address; each is answered with a value. */
+let open: Map<string, (answer: unknown) => void>;
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  open = new Map();
+  vi.stubGlobal("fetch", (url: string, options?: RequestInit) => {
+    const name = `${options?.method ?? "GET"} ${url.slice(url.lastIndexOf("/") + 1)}`;
+    return new Promise<Response>((resolve) => {
+      open.set(name, (answer) => {
+        open.delete(name);
+        resolve(Response.json(answer));
+      });
+    });
+  });
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+  vi.useRealTimers();
+});
+
+async function answer(name: string, value: unknown): Promise<void> {
+  const give = open.get(name);
+  if (!give) throw new Error(`${name} was not asked for, but ${[...open.keys()].join(", ")}`);
+  give(value);
+  await vi.advanceTimersByTimeAsync(0);
+}
+
+const job = (state: string) => ({ state, fraction: 0, parameters: {}, result: null });
+
+it("keeps the map that was chosen while the earlier one was asked for", async () => {
+  const localizing = new Localizing(new Store(() => true), "s");
+  const loaded = localizing.loadMap();
+  const chosen = localizing.chooseLog("log", null, null);
+  await answer("PUT map", { map: MAP });
+  await chosen;
+  await answer("GET map", { map: null }); // what the server knew before
+  await loaded;
+  expect(localizing.map.value).toEqual(MAP);
+});
+
+it("shows the map that was chosen on an earlier visit", async () => {
+  const localizing = new Localizing(new Store(() => true), "s");
+  const loaded = localizing.loadMap();
+  await answer("GET map", { map: MAP });
+  await loaded;
+  expect(localizing.map.value).toEqual(MAP);
+});
+
+it.each([
+  { name: "localization", jobs: () => new Localizing(new Store(() => true), "s") },
+  { name: "heal", jobs: () => new Healing(new Store(() => true), "s") },
+])("follows a job ($name) that was begun while its state was asked for", async ({ name, jobs }) => {
+  const followed = jobs();
+  const looked = followed.look();
+  const begun = followed.begin(null);
+  await answer(`POST ${name}`, job("queued"));
+  await begun;
+  await answer(`GET ${name}`, job("none")); // the state before
+  await looked;
+  expect(followed.job.value?.state).toBe("queued");
+  await vi.advanceTimersByTimeAsync(500);
+  await answer(`GET ${name}`, job("running"));
+  expect(followed.job.value?.state).toBe("running");
+  followed.stop();
+});
