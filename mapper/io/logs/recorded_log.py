@@ -152,8 +152,9 @@ class RecordedLog:
             poses = mounting.tilting
             ranges = cut_tilted(ranges, bearings, (least, greatest), poses.matrices, poses.positions, self._cut)
             angle_min, increment, least = first_beam(self._cut), self._cut.angle_increment, 0.0
-        sources = list(self._pose_sources(chain[base:], sensor))
-        trajectories, more = trajectories_at(stamps, sources, chain[base][:MAX_FRAME_NAME], self._limits)
+        robot = self._chain_of_robot(chain[base:])
+        sources = list(self._pose_sources(robot, sensor))
+        trajectories, more = trajectories_at(stamps, sources, robot[0][:MAX_FRAME_NAME], self._limits)
         notes += more
         return ScanLog(
             ranges=ranges,
@@ -179,6 +180,16 @@ class RecordedLog:
             odometry=odometry_among(sources, trajectories, stamps),
             limits=self._limits,
         )
+
+    def _chain_of_robot(self, chain: list[str]) -> list[str]:
+        """Return ``chain``, or the one of the robot's base where tf lacks the sensor's mount, so that nothing moves.
+
+        Recorders that start late miss /tf_static; the robot's poses are of use all the same.
+        """
+        if self._tf.worlds(chain) or self._tf.is_base(chain[0], self._taken.children):
+            return chain
+        base = self._tf.base_apart(chain[0], self._taken.children)
+        return chain if base is None else self._tf.ancestors(base)
 
     def _pose_sources(self, chain: list[str], sensor: SensorScans) -> Iterator[PoseSource]:
         """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""
