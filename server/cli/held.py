@@ -29,7 +29,7 @@ def print_held(path: Path, held: Held, *, as_json: bool) -> None:
         "contents": contents_facts(held.contents.topics),
         "clouds": clouds_facts(held.clouds),
         "imus": imus_facts(held.imus),
-        "notes": list(held.contents.notes),
+        "notes": [*([held.no_scans] if held.no_scans else []), *held.contents.notes],
     }
     if as_json:
         print_json(facts)

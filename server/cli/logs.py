@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -139,7 +139,7 @@ def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLo
             held = open_held(log) if error.code == "log.no_scans" and topic is None else None
             if held is None or not held.contents.topics:
                 raise
-            return held
+            return replace(held, no_scans=error.message)
         return robot, contents.topics
 
 

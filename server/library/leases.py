@@ -23,8 +23,8 @@ from server.library.storage import StorageError
 if TYPE_CHECKING:
     from server.library.lease_rows import LeaseRows
 
-WAIT_S = 1.0  #: how often it is looked whether a job that another service does is done, or could be taken
-WAITING_AT_ONCE = 20  #: jobs that are looked at so often; more of them are looked at less often
+WAIT_S = 1.0  #: seconds between two checks whether another service has done a job, or no longer holds its lease
+WAITING_AT_ONCE = 20  #: jobs that are checked so often; more of them are checked less often
 RENEWALS = 5  #: of a lease in the time for which it is valid
 
 _log = structlog.get_logger(__name__)

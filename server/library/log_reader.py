@@ -7,8 +7,9 @@ import math
 import shutil
 import tempfile
 import time
+from collections.abc import AsyncIterator
 from concurrent.futures import BrokenExecutor, Future
-from contextlib import AbstractAsyncContextManager
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TypeVar
 
@@ -48,22 +49,27 @@ class Reader:
         self._cpu_s = min(cpu_s, timeout_s)
         self._memory_bytes = memory_bytes
         self._began = time.monotonic()
+        self._has_begun = False
         self._turns = FairLock()
         self._worker: Worker = worker or PoolWorker(memory_bytes)
 
     @property
     def progress(self) -> float:
         """Progress of the log that is being read, from 0 to 1."""
-        return self._worker.progress
+        return self._worker.progress if self._has_begun else 0.0
 
     @property
     def worker_pid(self) -> int:
         """The process that reads, 0 before there is one."""
         return self._worker.pid
 
-    def turn(self, owner: str) -> AbstractAsyncContextManager[None]:
+    @asynccontextmanager
+    async def turn(self, owner: str) -> AsyncIterator[None]:
         """Wait until a log of ``owner`` may be read, and hold the turn: only its holder may call :meth:`read`."""
-        return self._turns.of(owner)
+        async with self._turns.of(owner):
+            # The log counts as being read from here on: what the worker tells is still of the one before.
+            self._began, self._has_begun = time.monotonic(), False
+            yield
 
     async def read(
         self,
@@ -97,15 +103,16 @@ class Reader:
                 raise LimitError("log.storage", message) from error
         try:
             job = Job(str(source), target, topic, timeout_s, cpu_s, self._memory_bytes, cut, drawn, volume, folder)
-            self._began = time.monotonic()
-            return await outcome_of(self._worker, self._worker.submit(job), timeout_s)
+            submitted = self._worker.submit(job)
+            self._has_begun = True
+            return await outcome_of(self._worker, submitted, timeout_s)
         finally:
             if folder is not None:
                 await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
 
     @property
     def elapsed_s(self) -> float:
-        """Seconds since the reading of the log began that is being read."""
+        """Seconds since the turn of the log that is being read began."""
         return time.monotonic() - self._began
 
     async def close(self) -> None:

@@ -117,7 +117,15 @@ def test_a_log_without_scans(tmp_path):
         (b"#ROSBAG V2.0\n\x45\0\0\0", "log.no_scans", "no messages; the bag ends early, at byte 17"),
         (b"\x89PNG\r\n\x1a\n\0\0", "log.unknown_format", "a PNG picture"),
         (b"\x28\xb5\x2f\xfd\0\0", "log.truncated", "ends early"),
-        (b"BZh91AY&SY", "log.unknown_format", "bzip2 data"),
+        (
+            b"PARAM robot_frontlaser_offset 0,2 a 0\n",
+            "log.not_a_number",
+            "'0,2' in this PARAM line is not a number with",
+        ),
+        (b"BZh91AY&SY", "log.unknown_format", "bzip2 data (unpack it)"),
+        (b"# stamps\n1.7e9 1 2 0 0 0 0.6 0.8\n1.7e9 1 2 0 0 0 0 1\n", "log.poses", "a trajectory in the format TUM"),
+        (b"1.7e9 1 2 0 0 0 0.6 0.8\n1.7e9 1 2 0 0 0 1 1\n", "log.unknown_format", "starts with '1.7e9"),
+        (b"VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n", "log.poses", "a pose graph in the format g2o"),
         (bytes(range(256)) * 20, "log.binary", "binary"),
     ],
 )

@@ -17,6 +17,7 @@ from mapper.io.clouds.pcd import read_pcd
 from mapper.io.clouds.ply import read_ply
 from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
+from mapper.io.logs.foreign import is_tum
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
@@ -38,7 +39,7 @@ def cloud_format(head: bytes) -> str | None:
     if looks_like_graph(head):
         return "scan graph"
     known = next((name for name, (begins, _) in FORMATS.items() if head.startswith(begins)), None)
-    return TEXT if known is None and looks_like_text(head) else known
+    return TEXT if known is None and looks_like_text(head) and not is_tum(head) else known
 
 
 def format_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> str | None:

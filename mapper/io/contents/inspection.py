@@ -232,12 +232,16 @@ def open_inspected(
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A recording without looking for scans: the name of its format, its contents, its clouds and its IMUs."""
+    """A recording without looking for scans: the name of its format, its contents, its clouds and its IMUs.
+
+    ``no_scans`` is why no log can be made of it, where that was looked for.
+    """
 
     format: str
     contents: Contents
     clouds: Mapping[str, CloudStream]
     imus: Mapping[str, ImuStream]
+    no_scans: str = ""
 
 
 def open_held(

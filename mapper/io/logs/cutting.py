@@ -8,7 +8,7 @@ the end of the recording, they are cut with what is known.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,24 @@ from mapper.sensors.planar.options import PlanarCut
 
 CLOUD, IMAGE, CAMERA = "sensor_msgs/PointCloud2", "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
+FLOOR_CLOUDS = 20  #: of a topic: in so many of its first clouds the floor is looked for
+FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
 
 Emit = Callable[[Stream, int, Beams], None]
+
+
+@dataclass(slots=True)
+class Low:
+    """Beams of a topic's first clouds: those that measured anything, and those that low points made shorter."""
+
+    clouds: int = 0
+    measured: int = 0
+    shorter: int = 0
+
+    @property
+    def share(self) -> float:
+        """The share of the beams that end at a point less than :data:`FLOOR_M` above the lowest height."""
+        return self.shorter / self.measured if self.measured else 0.0
 
 
 @dataclass(slots=True)
@@ -47,6 +63,7 @@ class Cutter:
     def __init__(self, cut: PlanarCut, tf: FrameTree, children: set[str], emit: Emit) -> None:
         self._placements: dict[str, Placement] = {}  #: of frames that never move
         self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
+        self.low: dict[str, Low] = {}  #: by topic
         self._cut, self._tf, self._children, self._emit = cut, tf, children, emit
         self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
         self._held: list[_Held] = []
@@ -118,19 +135,34 @@ class Cutter:
 
     def _cut_one(self, one: _Held) -> None:
         if isinstance(one.message, Cloud):
-            self._emit(one.stream, one.recorded_ns, self._beams_of_cloud(one.message))
+            self._emit(one.stream, one.recorded_ns, self._beams_of_cloud(one.message, one.stream.topic))
         else:
             self._emit(one.stream, one.recorded_ns, self._beams_of_image(one.message, one.stream.topic))
 
-    def _beams_of_cloud(self, cloud: Cloud) -> Beams:
+    def _beams_of_cloud(self, cloud: Cloud, topic: str) -> Beams:
         cut = self._cut
         placement = self._placement(cloud)
         ranges = empty_scan(cut)
         for points in cloud.parts():
             add_points(points, placement, cut, ranges)
+        self._look_for_floor(cloud, topic, placement, ranges)
         least, greatest = cut.cloud_range
         first, step, mount = first_beam(cut), cut.angle_increment, placement.mount
         return Beams(cloud.stamp_ns, cloud.frame, first, step, least, greatest, ranges, mount=mount)
+
+    def _look_for_floor(self, cloud: Cloud, topic: str, placement: Placement, ranges: NDArray[np.float32]) -> None:
+        """Count the beams that are longer in the scan above the lowest :data:`FLOOR_M` of the heights that count."""
+        low = self.low.setdefault(topic, Low())
+        above = self._cut.min_height + FLOOR_M
+        if low.clouds >= FLOOR_CLOUDS or above >= self._cut.max_height:
+            return
+        low.clouds += 1
+        cut = replace(self._cut, min_height=above)
+        higher = empty_scan(cut)
+        for points in cloud.parts():
+            add_points(points, placement, cut, higher)
+        low.measured += int(np.count_nonzero(np.isfinite(ranges)))
+        low.shorter += int(np.count_nonzero(np.isfinite(higher) & (higher > ranges + FLOOR_M)))
 
     def _placement(self, cloud: Cloud) -> Placement:
         """Return where a cloud's frame was on the robot at its stamp."""

@@ -23,7 +23,8 @@ def numbers(tokens: Sequence[str], line: int, word: str) -> list[float]:
         values = []
     if not values and tokens:
         bad = next(token for token in tokens if not _is_number(token))
-        raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number.")
+        comma = " with a decimal point" if _is_number(bad.replace(",", ".", 1)) else ""
+        raise ReadError("log.not_a_number", f"Line {line}: {bad!r:.40} in this {word} line is not a number{comma}.")
     # Of finite numbers the sum is finite, unless they are huge; and it is found fast.
     if not math.isfinite(sum(values)) and (math.inf in values or -math.inf in values):
         for token, value in zip(tokens, values, strict=True):

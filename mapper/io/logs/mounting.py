@@ -111,6 +111,7 @@ def _notes_on_frames(taken: Taken, chain: list[str], sensor: SensorScans) -> lis
         )
     if len(chain) == 1 and taken.tf.frames:
         notes.append(
-            f"tf does not say where the frame {chain[0]!r} sits on the robot; the sensor is taken to be at its centre."
+            f"tf does not say where the frame {chain[0]!r} sits on the robot; the sensor is taken to be at its centre, "
+            "looking ahead. If it is not, set mount_x, mount_y and mount_yaw."
         )
     return notes

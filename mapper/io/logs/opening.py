@@ -14,33 +14,16 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
 from mapper.io.logs.container import Container, in_order
-from mapper.io.logs.inflate import ZSTD_MAGIC
+from mapper.io.logs.foreign import KNOWN, not_a_log
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
-from mapper.io.logs.unpacking import GZIP_MAGIC, Progress, Unpacked, opened
+from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import OdometryRecords
 
 HEAD = 1 << 16  #: bytes that the kind is read from
-
-#: First bytes of files that are no text log, and what they are.
-FOREIGN: tuple[tuple[bytes, str], ...] = (
-    (b"BZh", "bzip2 data"),
-    (b"\xfd7zXZ\0", "xz data"),
-    (b"\x89PNG\r\n", "a PNG picture"),
-    (b"\xff\xd8\xff", "a JPEG picture"),
-    (b"BM", "a BMP picture"),
-    (b"P5", "a PGM picture"),
-    (b"%PDF", "a PDF document"),
-    (b"\xff\xfe", "text in UTF-16, as some Windows programs write it (save it as UTF-8)"),
-    (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
-    (GZIP_MAGIC, "gzip data within packed data (unpack it once)"),
-    (ZSTD_MAGIC, "Zstandard data within packed data (unpack it once)"),
-    (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
-    (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
-)
 
 #: Archives of several files: offset of the magic bytes, the magic bytes, and what they are.
 ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
@@ -76,8 +59,6 @@ NUMBERS: tuple[tuple[Callable[[bytes], bool], Reader], ...] = (
 )
 
 METADATA = "metadata.yaml"  #: what rosbag2 writes next to the files that a recording was split into
-
-KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
@@ -290,7 +271,7 @@ def _kind_of(file: Source) -> Container | Reader:
                 return reader
     if broken:
         raise ReadError("log.truncated", f"The packed data {broken}, before it tells what kind of log it is.")
-    raise _not_a_log(head)
+    raise not_a_log(head)
 
 
 def _head(file: Source) -> tuple[bytes, str | None]:
@@ -307,27 +288,3 @@ def _head(file: Source) -> tuple[bytes, str | None]:
 
 def _first_words(head: bytes) -> set[str]:
     return {line.split(None, 1)[0].decode("latin-1") for line in head.split(b"\n") if line.strip()}
-
-
-def _not_a_log(head: bytes) -> ReadError:
-    if not head:
-        return ReadError("log.empty", "The file is empty.")
-    foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
-    if foreign is not None:
-        return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
-    if b"\0" in head:
-        return ReadError("log.binary", "The file is binary data, not a text log.")
-    if sonar.is_sonar_poses(head):
-        return ReadError(
-            "log.poses",
-            f"The file is poses without readings, four whole numbers a line: a ring of sonars is {sonar.READINGS} and "
-            f"{sonar.POSES} together, or the folder or tar archive that they are in.",
-        )
-    comments = all(line.lstrip().startswith(b"#") for line in head.split(b"\n") if line.strip())
-    if comments:
-        return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")
-    line = next(line for line in head.split(b"\n") if line.strip())
-    return ReadError(
-        "log.unknown_format",
-        f"The file is no log of a known kind ({KNOWN}): it starts with {line[:40].decode('latin-1')!r}.",
-    )

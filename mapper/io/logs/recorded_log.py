@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
-from mapper.io.logs.cutting import CLOUD, IMAGE
+from mapper.io.logs.cutting import CLOUD, FLOOR_M, IMAGE
 from mapper.io.logs.mounting import mounting_of
 from mapper.io.logs.packing import notes_on_time
 from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
@@ -31,6 +31,7 @@ Int64Array = NDArray[np.int64]
 
 #: Which sensor is mapped where none is named: the first of these types.
 PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", CLOUD, IMAGE, SONAR)
+FLOOR_SHARE = 0.1  #: of a cloud's beams: where more end at low points, a note says so
 _RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are lidars alike
 
 
@@ -146,14 +147,16 @@ class RecordedLog:
         base = self._tf.base_of(chain, self._taken.children)
         mounting = mounting_of(self._taken, chain[: base + 1], stamps, sensor)
         notes += mounting.notes
+        notes += self._note_on_floor(sensor)
         least, greatest = max(0.0, range_min) if range_min < range_max else 0.0, range_max
         if mounting.tilting is not None:
             bearings = angle_min + increment * np.arange(ranges.shape[1], dtype=np.float64)
             poses = mounting.tilting
             ranges = cut_tilted(ranges, bearings, (least, greatest), poses.matrices, poses.positions, self._cut)
             angle_min, increment, least = first_beam(self._cut), self._cut.angle_increment, 0.0
-        sources = list(self._pose_sources(chain[base:], sensor))
-        trajectories, more = trajectories_at(stamps, sources, chain[base][:MAX_FRAME_NAME], self._limits)
+        robot = self._chain_of_robot(chain[base:])
+        sources = list(self._pose_sources(robot, sensor))
+        trajectories, more = trajectories_at(stamps, sources, robot[0][:MAX_FRAME_NAME], self._limits)
         notes += more
         return ScanLog(
             ranges=ranges,
@@ -179,6 +182,25 @@ class RecordedLog:
             odometry=odometry_among(sources, trajectories, stamps),
             limits=self._limits,
         )
+
+    def _note_on_floor(self, sensor: SensorScans) -> list[str]:
+        share = self._taken.low.get(sensor.topic, 0.0)
+        if share < FLOOR_SHARE:
+            return []
+        lowest = self._cut.min_height
+        seen = f"{100.0 * share:.0f} % of the beams end at points less than {FLOOR_M:g} m above the lowest height"
+        advice = f"it is mapped as walls: raise min_height, for example to {lowest + FLOOR_M:g} m."
+        return [f"{seen} (min_height), {lowest:g} m, and have others behind. Where that is the floor, {advice}"]
+
+    def _chain_of_robot(self, chain: list[str]) -> list[str]:
+        """Return ``chain``, or the one of the robot's base where tf lacks the sensor's mount, so that nothing moves.
+
+        Recorders that start late miss /tf_static; the robot's poses are of use all the same.
+        """
+        if self._tf.worlds(chain) or self._tf.is_base(chain[0], self._taken.children):
+            return chain
+        base = self._tf.base_apart(chain[0], self._taken.children)
+        return chain if base is None else self._tf.ancestors(base)
 
     def _pose_sources(self, chain: list[str], sensor: SensorScans) -> Iterator[PoseSource]:
         """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""

@@ -217,6 +217,7 @@ class Recording:
         """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
         self._cutter.finish()
         self._taken.unplaced = self._cutter.unplaced
+        self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
 
 

@@ -30,7 +30,8 @@ class PoseTopic:
 class Taken:
     """Messages taken so far; ``children`` are frames of which odometry messages state the poses.
 
-    Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut.
+    Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut. ``low`` is, by
+    topic, the share of a cloud's beams that end at low points, probably on the floor.
     """
 
     limits: Limits
@@ -42,3 +43,4 @@ class Taken:
     children: set[str] = field(default_factory=set)
     tf_clock: Clock = field(default_factory=Clock)
     unplaced: set[str] = field(default_factory=set)
+    low: dict[str, float] = field(default_factory=dict)

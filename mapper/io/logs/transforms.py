@@ -299,6 +299,23 @@ class FrameTree:
                 return index
         return 0
 
+    def base_apart(self, sensor: str, hints: set[str]) -> str | None:
+        """Return the base of the robot whose ``sensor`` is a frame that tf does not connect to it; None without one.
+
+        That is a frame that :meth:`is_base` and that moves in an ancestor. Of several robots, it is the one in the
+        sensor's namespace; where none or several are, none.
+        """
+        found = [
+            frame
+            for frame in self._parents
+            if self.is_base(frame, hints) and any(edge.moves for edge in self.edges(self.ancestors(frame)))
+        ]
+        robots = {frame.rpartition("/")[0] for frame in found}
+        robot = sensor.rpartition("/")[0] if len(robots) > 1 else next(iter(robots), "")
+        ranks = {name: rank for rank, name in enumerate(BASES)}
+        candidates = [frame for frame in found if frame.rpartition("/")[0] == robot]
+        return min(candidates, key=lambda frame: ranks.get(frame.rsplit("/", 1)[-1], len(BASES)), default=None)
+
     @staticmethod
     def is_base(frame: str, hints: set[str]) -> bool:
         """Return whether a frame is named as the robot's base is, or by an odometry message (``hints``)."""

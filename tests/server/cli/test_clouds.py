@@ -22,6 +22,7 @@ def test_a_recording_without_scans_is_listed(run, tmp_path):
     status, out, _ = run("info", path)
     assert status == 0
     assert "no scans of which a map can be made" in out
+    assert "note: The log holds no scans that can be read" in out
     assert "/chatter: 5 × std_msgs/String, 1.0 Hz" in out
     assert "IMU /imu: 5 messages, frame" in out
     facts = json.loads(run("info", path, "--json").out)

@@ -6,16 +6,19 @@ import asyncio
 import subprocess
 import sys
 from collections.abc import AsyncIterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import pytest_asyncio
 
 from mapper.core.errors import LimitError, ReadError
-from server.library import StorageError
+from server.library import StorageError, log_reader
 from server.library.log_reader import Reader
 from server.library.workers import ExecutorWorker, worker_at
+from tests.server.library.slam_stand_ins import ThreadWorker
 from tests.server.library.small_logs import carmen
 from tests.server.service import eventually
 
@@ -46,6 +49,34 @@ async def test_a_log_is_read_and_packed(reader: Reader, tmp_path: Path) -> None:
     with pytest.raises(ReadError) as caught:
         await reader.read(log(tmp_path, b"Dear all,\n"), None)
     assert caught.value.code == "log.unknown_format"
+
+
+class Finished(ThreadWorker):
+    """A worker whose jobs end at once, and that keeps their progress until the next one, as a process does."""
+
+    progress = 0.9
+
+    def submit(self, job: Any) -> Future[Any]:
+        done: Future[Any] = Future()
+        done.set_result(None)
+        return done
+
+
+async def test_a_log_whose_turn_it_is_shows_nothing_of_the_one_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 1000.0
+    monkeypatch.setattr(log_reader, "time", SimpleNamespace(monotonic=lambda: now))
+    reader = Reader(timeout_s=60.0, memory_bytes=2 << 30, worker=Finished())
+    async with reader.turn("a"):
+        await reader.read(log(tmp_path, carmen(7)), None)
+        assert reader.progress == 0.9
+    now += 265.0
+    async with reader.turn("b"):
+        assert (reader.progress, reader.elapsed_s) == (0.0, 0.0)
+        now += 2.0
+        assert reader.elapsed_s == 2.0
+    await reader.close()
 
 
 async def test_a_job_reports_progress_and_can_be_cancelled(reader: Reader, tmp_path: Path) -> None:

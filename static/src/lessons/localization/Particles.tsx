@@ -42,14 +42,14 @@ const NEXT: Readonly<Record<Phase, string>> = {
   moved: "Take a reading",
 };
 const DRAWS = [
-  { value: "comb", label: "one comb" },
+  { value: "low_variance", label: "low variance" },
   { value: "independent", label: "independent" },
 ];
 
 /** A belief as a curve and as particles: weighed by a reading, resampled by their weights, moved. */
 export function Particles() {
   const filter = corridor;
-  const draw = useSignal<Draw>("comb");
+  const draw = useSignal<Draw>("low_variance");
   const share = useSignal(0.5);
   const now = filter.value;
   const w = weights(now);
@@ -103,7 +103,7 @@ export function Particles() {
         <Wheel
           weights={w}
           counts={counts}
-          share={draw.value === "comb" ? share.value : null}
+          share={draw.value === "low_variance" ? share.value : null}
           onShare={(value) => {
             share.value = value;
           }}
@@ -130,9 +130,9 @@ export function Particles() {
           label="Draw with"
           options={DRAWS}
           value={draw.value}
-          sentence="One comb of pointers at equal distances (table 4.4), or each draw with a random number of its own."
+          sentence="Pointers at equal distances, turned by one random number (table 4.4), or each draw with a random number of its own."
           onChange={(value) => {
-            draw.value = value === "independent" ? "independent" : "comb";
+            draw.value = value === "independent" ? "independent" : "low_variance";
           }}
         />
         <Slider

@@ -14,7 +14,7 @@ describe("the corridor with doors", () => {
   it("counts the bins with a particle: fewer after a draw", () => {
     expect(occupiedBins(start(24))).toBe(24);
     expect(occupiedBins(start(6))).toBe(6);
-    expect(occupiedBins(next(start(24), "comb", 0.5))).toBeLessThan(12);
+    expect(occupiedBins(next(start(24), "low_variance", 0.5))).toBeLessThan(12);
     expect(occupiedBins({ ...start(6), particles: Float64Array.of(0.1, 0.4, 0.6, -1, 12) })).toBe(2);
   });
 
@@ -27,7 +27,7 @@ describe("the corridor with doors", () => {
   });
 
   it("knows where it is after the second door, by particles as by the histogram", () => {
-    const now = steps(9, "comb", 4000); // three rounds of draw, drive and weigh: 3 m, from the first door to the second
+    const now = steps(9, "low_variance", 4000); // three rounds of draw, drive and weigh: 3 m, from the first door to the second
     expect(now.phase).toBe("weighed");
     expect(now.robot).toBe(5);
     const exact = belief(now);
@@ -40,7 +40,7 @@ describe("the corridor with doors", () => {
   it("takes equally weighed particles once each with the comb, and loses some by independent draws", () => {
     const equal: Filter = { ...start(50), phase: "drawn" };
     const kinds = (draw: Draw): number => new Set(drawnOf(equal, draw, 0.5)).size;
-    expect(kinds("comb")).toBe(50);
+    expect(kinds("low_variance")).toBe(50);
     expect(kinds("independent")).toBeLessThan(42); // 63 % are expected
   });
 });

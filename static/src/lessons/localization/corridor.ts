@@ -34,7 +34,7 @@ export const seesDoor = (x: number): boolean => DOORS.some((door) => Math.abs(x 
 const likelihood = (x: number, door: boolean): number => (door ? doorLikelihood(x) : 1 - doorLikelihood(x));
 
 export type Phase = "weighed" | "drawn" | "moved";
-export type Draw = "comb" | "independent";
+export type Draw = "low_variance" | "independent";
 
 export interface Filter {
   readonly phase: Phase;
@@ -86,10 +86,10 @@ export function weights({ phase, particles, robot }: Filter): Float64Array {
   return normalized(particles.map((x) => (x < 0 || x > LENGTH ? 0 : likelihood(x, door))));
 }
 
-/** Which particles a draw takes; `share` of the distance of two teeth is where the comb begins. */
+/** Which particles a draw takes. The low-variance sampler’s first pointer is at `share` of the distance of two. */
 export function drawnOf(filter: Filter, draw: Draw, share: number): Int32Array {
   const count = filter.particles.length;
-  return draw === "comb"
+  return draw === "low_variance"
     ? lowVarianceSampler(weights(filter), share / count, count)
     : independentSampler(weights(filter), seeded(77 + filter.step), count);
 }

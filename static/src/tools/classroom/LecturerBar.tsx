@@ -126,7 +126,9 @@ function Robot({ room }: { readonly room: Classroom }) {
           if (number) room.send({ type: "hand", number });
         }}
       >
-        <option value="">Robot: {state.hands.length} ask for it</option>
+        <option value="">
+          Hand the robot to … ({state.hands.length} {state.hands.length === 1 ? "asks" : "ask"})
+        </option>
         {state.hands.map((number) => (
           <option key={number} value={number}>
             Number {number}

@@ -67,6 +67,9 @@ function AxisTitle({ x, y, text, high }: { x: number; y: number; text: string; h
   );
 }
 
+/** Half the width of a character of a label, pixels. */
+const HALF_CHARACTER = 3.3;
+
 /** Names of the two levels in the models where they differ. */
 const NAMES: Readonly<Record<string, { readonly hit: string; readonly miss: string }>> = {
   step_window: { hit: "Probability of a cell hit", miss: "Probability of a cell passed" },
@@ -112,6 +115,8 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const windowText = half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`;
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
+  // A short free part, as on a phone, is narrower than the label, which would lie over the numbers of the axis.
+  const missLabelX = Math.max((curve.left + freeTo) / 2, curve.left + HALF_CHARACTER * missText.length);
   const windowTextY = Math.max(y(model.hit) - 13, curve.top + 12);
   const edgeTop = y(model.hit) + 12;
   const edgeHeight = Math.max(44, y0 - edgeTop);
@@ -215,7 +220,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
           />
           <text
             class="label-miss"
-            x={(curve.left + freeTo) / 2}
+            x={missLabelX}
             y={Math.min(y(model.miss) + 24, curve.bottom - 6)}
             text-anchor="middle"
           >

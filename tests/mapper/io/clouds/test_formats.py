@@ -14,6 +14,7 @@ import pytest
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds import read_cloud
+from mapper.io.clouds.reading import cloud_format
 
 POINTS = [(1.0, 2.0, 3.0), (-1.5, 0.25, 1e-3), (5400000.5, 0.0, -7.0)]
 PLY_PROPERTIES = """property double x
@@ -204,3 +205,9 @@ def test_limits_hold_for_formats_that_state_no_number_of_points(tmp_path: Path) 
     packed.write_bytes(packed.read_bytes()[:-8])
     with pytest.raises(ReadError, match="LAS file is damaged"):
         read_cloud(packed)
+
+
+def test_a_trajectory_in_the_format_tum_is_no_cloud() -> None:
+    poses = b"# timestamp tx ty tz qx qy qz qw\n0.0 1 2 0 0 0 0.6 0.8\n0.1 1 2 0 0 0 0 1\n"
+    assert cloud_format(poses) is None
+    assert cloud_format(poses.replace(b"0.6 0.8", b"20 30")) == "text"

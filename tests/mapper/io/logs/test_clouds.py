@@ -160,6 +160,22 @@ def test_the_floor_alone_is_no_return_and_nothing_is_nothing(tmp_path: Path) -> 
     np.testing.assert_array_equal(log.ranges, [[np.nan, np.nan, np.inf, 2.0]])
 
 
+def test_a_floor_in_the_height_band_is_noted(tmp_path: Path) -> None:
+    """At an angle every third beam goes down to the floor, 2 m away, and all go on to a wall at 4 m."""
+    bearings = np.radians(np.arange(0.5, 360.0))
+    ahead = np.column_stack([np.cos(bearings), np.sin(bearings), np.zeros(360)])
+    wall, floor = 4.0 * ahead - [0.0, 0.0, 0.2], 2.0 * ahead[::3] - [0.0, 0.0, 1.18]
+    tf = transform(T0, "base_link", "velodyne", z=1.2, topic="/tf_static")
+    path = written(tmp_path, [tf, cloud(T0, np.concatenate([wall, floor]))], "mcap")
+    cuts = [PlanarCut(), PlanarCut(min_height=0.1), PlanarCut(min_height=-0.5)]
+    noted = [
+        [n for n in open_robot_log(path, selection=Selection(cut=cut)).first.notes if "floor" in n] for cut in cuts
+    ]
+    assert [len(notes) for notes in noted] == [1, 0, 0]
+    assert noted[0][0].startswith("33 % of the beams")
+    assert "raise min_height, for example to 0.1 m" in noted[0][0]
+
+
 def test_a_cloud_without_transforms_is_cut_in_its_own_frame_and_that_is_said(tmp_path: Path) -> None:
     tf = transform(T0, "map", "elsewhere")
     path = written(tmp_path, [tf, cloud(T0, [[2.0, 0.1, 0.5], [1.0, 0.1, -0.5]])], "mcap")

@@ -156,6 +156,36 @@ def test_a_chain_of_mounts_and_the_tilt_of_a_sensor(tmp_path):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_poses_in_tf_count_although_the_mount_is_missing(tmp_path, kind):
+    """A recorder that starts late misses /tf_static, as a bag does where it was not recorded at all."""
+    said = [one for one in run() if one.topic in ("/scan", "/tf")]
+    late = tmp_path / "late"
+    late.mkdir()
+    whole, log = open_log(written(tmp_path, run(), kind)), open_log(written(late, said, kind))
+    assert list(log.trajectories) == ["tf/map", "tf/odom"]
+    for name, trajectory in log.trajectories.items():
+        np.testing.assert_allclose(trajectory.poses, whole.trajectory(name).poses, atol=1e-12)
+        assert trajectory.child_frame_id == "base_link"
+    assert log.mount == (0.0, 0.0, 0.0)
+    assert log.odometry is not None
+    assert any("where the frame 'laser' sits" in note and "mount_yaw" in note for note in log.notes)
+    assert not any("no poses" in note for note in log.notes)
+
+
+def test_of_several_robots_a_sensor_without_a_mount_is_that_of_its_namespace(tmp_path):
+    said = []
+    for i in range(5):
+        at = T0 + i * SECOND
+        said += [transform(at, f"{name}/odom", f"{name}/base_link", i * speed) for name, speed in (("a", 1), ("b", 2))]
+        said.append(scan(at, [1.0, 2.0], frame="b/laser"))
+    log = open_log(written(tmp_path, said, "bag"))
+    np.testing.assert_allclose(log.trajectory("tf/b/odom").poses[:, 0], [0.0, 2.0, 4.0, 6.0, 8.0])
+    assert list(log.trajectories) == ["tf/b/odom"]
+    unknown = [one for one in said if one.topic == "/tf"] + [scan(T0 + i * SECOND, [1.0, 2.0]) for i in range(5)]
+    assert list(open_log(written(tmp_path, unknown, "mcap")).trajectories) == ["standing still"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_without_poses_the_robot_does_not_move_and_a_note_gives_advice(tmp_path, kind):
     log = open_log(written(tmp_path, [scan(T0 + i, [1.0, 2.0]) for i in range(4)], kind))
     assert list(log.trajectories) == ["standing still"]

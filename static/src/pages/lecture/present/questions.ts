@@ -16,12 +16,16 @@ export interface Question {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "One of five cells caused an echo; four are found empty. What about the fifth?",
-    options: ["Its probability of occupied rises", "It stays as the echo left it", "It depends on the map’s algorithm"],
+    question: "One of five cells caused an echo; three are found empty. What about the other two?",
+    options: [
+      "Their probability of occupied rises",
+      "They stay as the echo left them",
+      "It depends on the map’s algorithm",
+    ],
     right: 2,
-    answer: "The joint distribution concludes that it is the fifth cell; a grid of independent cells cannot.",
+    answer: "In the joint distribution the other two become more probable; independent cells stay as they were.",
     notes:
-      "Press the cells one after the other: let the narrow beam pass all but one. Compare the two bars of that cell. Name the three assumptions before: a cell is occupied or free, the world is static, the cells are independent.",
+      "Compare the two columns of cells 3 and 5. Then let the narrow beam pass one of them: the joint distribution concludes that it is the last cell. Name the three assumptions before: a cell is occupied or free, the world is static, the cells are independent.",
   },
   cell: {
     question: "A cell was hit four times. What does it take to be back where it began?",
@@ -76,7 +80,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     notes: "Add the readings one by one, the cross is in the door. Point to the arcs that lie across it.",
   },
   "no-return": {
-    question: "A beam comes back without an echo. What should the map do with it?",
+    question: "A beam has no return. What should the map do with it?",
     options: ["Mark its cells as free", "Ignore it", "Mark the end of its range as occupied"],
     right: 1,
     answer: "Ignoring is the default here: “free” erases glass, and max range taken as a hit builds a false wall.",
@@ -168,7 +172,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "Somebody walks through the robot’s view. What remains of it in the map?",
     options: ["Nothing", "A trail that stays where no later beam passes", "A trail that always stays"],
     right: 1,
-    answer: "Beams that pass later clear the trail; where none do, people who were never there again stay in the map.",
+    answer: "Beams that pass later clear the trail; where none do, people who left long ago stay in the map.",
     notes: "Move the slider past the moment at which the robot leaves the corridor. Which assumption is broken?",
   },
   "low-table": {
@@ -213,10 +217,10 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Go through the steps: draw, drive, read. Turn the wheel by its handle: one random number for all draws. Then “independent”, and watch how many particles are left.",
   },
   "sensor-models": {
-    question: "Read backwards, as a function of m: is p(z | m) the probability of the map?",
+    question: "For whole maps m, p(z | m) is known. Does that alone say whether a cell is occupied?",
     options: ["Yes, up to a factor", "Yes, if the noise is small", "No"],
     right: 2,
-    answer: "It is a distribution over readings. A cell needs a prior, and a sum over all maps.",
+    answer: "It is a distribution over readings. The probability of a cell takes a prior, and a sum over all maps.",
     notes:
       "Drag the four parts first. Then z in the lower chart, and the prior: the dashed curve is low before and behind the reading, the inverse is not.",
   },

@@ -1,0 +1,82 @@
+"""What a file is that is taken for a log and is none, by its first bytes."""
+
+from __future__ import annotations
+
+import math
+
+from mapper.core.errors import ReadError
+from mapper.io.logs import sonar
+from mapper.io.logs.inflate import ZSTD_MAGIC
+from mapper.io.logs.unpacking import GZIP_MAGIC
+
+KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
+
+#: First bytes of files that are no text log, and what they are.
+FOREIGN: tuple[tuple[bytes, str], ...] = (
+    (b"BZh", "bzip2 data (unpack it)"),
+    (b"\xfd7zXZ\0", "xz data (unpack it)"),
+    (b"\x89PNG\r\n", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"BM", "a BMP picture"),
+    (b"P5", "a PGM picture"),
+    (b"%PDF", "a PDF document"),
+    (b"\xff\xfe", "text in UTF-16, as some Windows programs write it (save it as UTF-8)"),
+    (b"\xfe\xff", "text in UTF-16 (save it as UTF-8)"),
+    (GZIP_MAGIC, "gzip data within packed data (unpack it once)"),
+    (ZSTD_MAGIC, "Zstandard data within packed data (unpack it once)"),
+    (b"\x37\x7f\x06\x82", "the write-ahead log of an SQLite file, of no use without the .db3"),
+    (b"\x37\x7f\x06\x83", "the write-ahead log of an SQLite file, of no use without the .db3"),
+)
+
+GRAPH_WORDS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3:QUAT", b"EDGE_SE3:QUAT")  #: of g2o's lines
+TUM_LINES = 20  #: lines of a text that tell whether it is a trajectory
+TUM_NORM = 0.05  #: how far from 1 the length of a quaternion may be
+
+
+def is_tum(head: bytes) -> bool:
+    """Return whether a text begins as a TUM trajectory: eight numbers a line, the last four a unit quaternion.
+
+    ``head`` is the beginning of the file; of its last line, which may be cut, nothing is read.
+    """
+    lines = [line for line in head.split(b"\n")[:-1] if line.strip() and not line.lstrip().startswith(b"#")]
+    return bool(lines) and all(_is_tum_line(line) for line in lines[:TUM_LINES])
+
+
+def _is_tum_line(line: bytes) -> bool:
+    try:
+        numbers = [float(word) for word in line.split()]
+    except ValueError:
+        return False
+    return len(numbers) == 8 and abs(math.hypot(*numbers[4:]) - 1.0) <= TUM_NORM
+
+
+def not_a_log(head: bytes) -> ReadError:
+    """Return the error that says what a file is that begins with ``head`` as no log does."""
+    if not head:
+        return ReadError("log.empty", "The file is empty.")
+    foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
+    if foreign is not None:
+        return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
+    if b"\0" in head:
+        return ReadError("log.binary", "The file is binary data, not a text log.")
+    if sonar.is_sonar_poses(head):
+        return ReadError(
+            "log.poses",
+            f"The file is poses without readings, four whole numbers a line: a ring of sonars is {sonar.READINGS} and "
+            f"{sonar.POSES} together, or the folder or tar archive that they are in.",
+        )
+    if is_tum(head):
+        return ReadError(
+            "log.poses",
+            "The file is a trajectory in the format TUM, without scans. Add it to the log that it belongs to: on the "
+            "page of the log, or with --tum-trajectory on the command line.",
+        )
+    if head.lstrip().startswith(GRAPH_WORDS):
+        return ReadError("log.poses", "The file is a pose graph in the format g2o, without scans: open its log.")
+    lines = [line for line in head.split(b"\n") if line.strip()]
+    if all(line.lstrip().startswith(b"#") for line in lines):
+        return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")
+    return ReadError(
+        "log.unknown_format",
+        f"The file is no log of a known kind ({KNOWN}): it starts with {lines[0][:40].decode('latin-1')!r}.",
+    )
