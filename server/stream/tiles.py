@@ -131,7 +131,8 @@ class TilePicture:
         """
         tiles = np.argwhere(self._changed)
         if len(tiles) <= MOST_AT_ONCE:
-            self._prepared = dict(zip(map(tuple, tiles.tolist()), self._compressed(tiles), strict=True))
+            packed = zip(tiles.tolist(), self._compressed(tiles), strict=True)
+            self._prepared = {(ty, tx): data for (ty, tx), data in packed}
 
     def publish(self) -> int:
         """Give tiles that changed since the last call a new revision (event loop); return their number."""

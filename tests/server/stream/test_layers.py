@@ -126,7 +126,9 @@ def test_a_client_gets_the_first_layer_until_it_subscribes() -> None:
     page = Page(shown)
     page.catch_up()
     assert {name for name, _ in page.frames} == {"map"}
+    assert [layer.is_watched for layer in (first, second, dots)] == [True, False, False]
     page.client.subscribe(["costs", "particles", "not yet"])
+    assert [layer.is_watched for layer in (first, second, dots)] == [False, True, True]
     page.frames.clear()
     first.set(GEOMETRY, noise(1), 0.0, 1.0)
     shown.publish()

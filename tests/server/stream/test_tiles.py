@@ -163,8 +163,13 @@ def test_prepared_tiles_are_not_compressed_again(monkeypatch: pytest.MonkeyPatch
     picture.prepare()  # too many at once: a client is sent only some of them
     picture.publish()
     compressed: list[int] = []
-    whole = TilePicture._compressed
-    monkeypatch.setattr(TilePicture, "_compressed", lambda self, t: compressed.append(len(t)) or whole(self, t))
+    compress = TilePicture._compressed
+
+    def counted(self: TilePicture, tiles: NDArray[np.intp]) -> list[bytes]:
+        compressed.append(len(tiles))
+        return compress(self, tiles)
+
+    monkeypatch.setattr(TilePicture, "_compressed", counted)
     [*picture.payloads(np.array([[0, 0], [1, 1]]))]
     assert compressed == [2]
     picture.set(np.full((640, 640), 2.0, dtype=np.float32), box=CellBox(0, 70, 0, 70))
