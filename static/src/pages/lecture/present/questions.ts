@@ -16,7 +16,7 @@ export interface Question {
 /** The question of each section; a section without one shows its figure at once. */
 export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   grid: {
-    question: "One of five cells caused an echo; three are found empty. What about the other two?",
+    question: "One of five cells caused an echo; three are empty. What about the other two?",
     options: [
       "Their probability of occupied rises",
       "They stay as the echo left them",
@@ -217,7 +217,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Go through the steps: draw, drive, read. Turn the wheel by its handle: one random number for all draws. Then “independent”, and watch how many particles are left.",
   },
   "sensor-models": {
-    question: "For whole maps m, p(z | m) is known. Does that alone say whether a cell is occupied?",
+    question: "p(z | m) is known for all maps m. Does it say whether a cell is occupied?",
     options: ["Yes, up to a factor", "Yes, if the noise is small", "No"],
     right: 2,
     answer: "It is a distribution over readings. The probability of a cell takes a prior, and a sum over all maps.",
