@@ -32,8 +32,8 @@ export function Localize({ store, localizing, isGuest }: LocalizeProps) {
   const isUnderWay = localizing.isUnderWay.value;
   useEffect(() => localizing.show(), [localizing]);
   useEffect(() => {
-    if (!isGuest) void localizing.loadMap();
-  }, [localizing, isGuest]);
+    if (!isGuest && !isUnderWay) void localizing.loadMap();
+  }, [localizing, isGuest, isUnderWay]);
   useEffect(() => {
     if (!isUnderWay && trajectory !== null) void localizing.loadCourse();
   }, [localizing, trajectory, isUnderWay]);

@@ -7,7 +7,7 @@ import { Localizing } from "./localizing";
 const MAP = { title: "drive.log, scan", rows: 2, cols: 3, resolution: 0.05, origin: [0, 0, 0], notes: [] };
 
 /** Requests that are under way, by method and the end of the address; each is answered with a value. */
-let open: Map<string, (answer: unknown) => void>;
+let open: Map<string, (answer: unknown, status?: number) => void>;
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -15,9 +15,9 @@ beforeEach(() => {
   vi.stubGlobal("fetch", (url: string, options?: RequestInit) => {
     const name = `${options?.method ?? "GET"} ${url.slice(url.lastIndexOf("/") + 1)}`;
     return new Promise<Response>((resolve) => {
-      open.set(name, (answer) => {
+      open.set(name, (answer, status = 200) => {
         open.delete(name);
-        resolve(Response.json(answer));
+        resolve(Response.json(answer, { status }));
       });
     });
   });
@@ -28,12 +28,14 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-async function answer(name: string, value: unknown): Promise<void> {
+async function answer(name: string, value: unknown, status = 200): Promise<void> {
   const give = open.get(name);
   if (!give) throw new Error(`${name} was not asked for, but ${[...open.keys()].join(", ")}`);
-  give(value);
+  give(value, status);
   await vi.advanceTimersByTimeAsync(0);
 }
+
+const refuse = (name: string): Promise<void> => answer(name, { code: "busy", message: "Later." }, 503);
 
 const job = (state: string) => ({ state, fraction: 0, parameters: {}, result: null });
 
@@ -54,6 +56,25 @@ it("shows the map that was chosen on an earlier visit", async () => {
   await answer("GET map", { map: MAP });
   await loaded;
   expect(localizing.map.value).toEqual(MAP);
+});
+
+it("asks for the map again, while the group is open, until the server answers", async () => {
+  const localizing = new Localizing(new Store(() => true), "s");
+  const hide = localizing.show();
+  void localizing.loadMap();
+  await refuse("GET map");
+  expect(open.size).toBe(0);
+  await vi.advanceTimersByTimeAsync(3000);
+  await refuse("GET map");
+  await vi.advanceTimersByTimeAsync(3000);
+  await answer("GET map", { map: MAP });
+  expect(localizing.map.value).toEqual(MAP);
+  localizing.map.value = null;
+  void localizing.loadMap();
+  hide();
+  await refuse("GET map");
+  await vi.advanceTimersByTimeAsync(3000);
+  expect(open.size).toBe(0);
 });
 
 it.each([

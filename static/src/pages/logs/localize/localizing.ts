@@ -10,6 +10,8 @@ import { JobParameters } from "../jobParameters";
 import * as api from "./api";
 
 const EVERY_MS = 400;
+/** When the map is asked for again after the server has not answered. */
+const MAP_AGAIN_MS = 2000;
 
 export type MapSource = "own" | "other" | "files";
 
@@ -35,6 +37,8 @@ export class Localizing {
   );
   readonly parameters = new JobParameters(filterTable);
   #timer = 0;
+  #mapTimer = 0;
+  #isShown = false;
 
   constructor(
     readonly store: Store,
@@ -124,12 +128,14 @@ export class Localizing {
 
   /** Show the map that was chosen earlier. */
   async loadMap(): Promise<void> {
+    clearTimeout(this.#mapTimer);
     if (this.map.peek() !== null) return;
     try {
       const map = await api.givenMap(this.session);
       if (this.map.peek() === null) this.map.value = map; // one may have been chosen meanwhile
     } catch {
-      // The server does not answer: when the group is opened again.
+      // The server does not answer, for example because another one has just taken the session over.
+      if (this.#isShown) this.#mapTimer = window.setTimeout(() => void this.loadMap(), MAP_AGAIN_MS);
     }
   }
 
@@ -159,8 +165,11 @@ export class Localizing {
 
   /** Show the layers while the group is open; the result ends that. */
   show(): () => void {
+    this.#isShown = true;
     const ends = [this.store.layers.subscribe(GIVEN_MAP), this.store.layers.subscribe(PARTICLES)];
     return () => {
+      this.#isShown = false;
+      clearTimeout(this.#mapTimer);
       if (this.store.underlay.peek() === GIVEN_MAP) this.store.underlay.value = null;
       this.store.givenPose.value = null;
       for (const end of ends) end();
