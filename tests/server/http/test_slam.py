@@ -174,8 +174,7 @@ def test_a_session_that_is_begun_during_the_job_follows_it(service: Service, mon
     assert shown(service, others[0])[0] != "SLAM"
     until(lambda: shown(service, others[1]) == ("scan", 6))
     may_end.set()
-    for other in others:
-        until(lambda other=other: shown(service, other) == ("SLAM", 6))
+    until(lambda: [shown(service, one) for one in others] == [("SLAM", 6)] * 2)
 
 
 def test_who_has_the_address_of_a_session_can_heal_its_log(service: Service) -> None:
