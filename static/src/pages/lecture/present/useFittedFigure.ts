@@ -40,7 +40,7 @@ export function useFittedFigure(on: boolean) {
     const controls = element.querySelector<HTMLElement>(".on-stage-controls");
     const fits = (): boolean => heightOf(element) <= heightOf(room) + 0.5;
     const resize = (): void => {
-      const widest = room.clientWidth;
+      const widest = room.clientWidth - 1; // it is rounded, and so are enlarged widths: the border must not be cut
       const setZoom = (zoom: number): void => {
         element.style.zoom = String(zoom);
         element.style.width = `${widest / zoom}px`;
