@@ -17,7 +17,7 @@ from mapper.volume.meshing import blocks_of_change
 from mapper.volume.tsdf import CENTRE
 
 CAMERA = Intrinsics(22, 17, 15.0, 16.0, 10.3, 8.2)
-REACH = 1.7  # metres from 0 that a case may see
+REACH = 2.4  # metres from 0 that a case may see: the corners of an image, behind its farthest depth
 
 
 @dataclass(frozen=True)
