@@ -296,9 +296,8 @@ class SessionHost:
         self._showing = self._showing or self._long_work.show()
         is_catching_up = False
         try:
-            interactive = self.watched and self._clock() - began < URGENT_S
-            kind = {"interactive": interactive, "is_brief": self._pace.is_brief and not self._queue}
-            result = await self.scheduler.run(self._pool, self.job_owner, job, **kind)
+            is_urgent = self._clock() - began < URGENT_S
+            result = await self.scheduler.run(self._pool, self.job_owner, job, interactive=self.watched and is_urgent)
             is_catching_up = self.model.is_catching_up and not self.closed
         finally:
             self._catching_up_since = began

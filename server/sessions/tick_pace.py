@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from server.stream.hub import Hub
-from server.work.scheduler import BRIEF_S
 
 T = TypeVar("T")
 
@@ -27,7 +26,6 @@ class TickPace:
     def __init__(self) -> None:
         self.is_full = False  #: whether no client could be sent a frame when the time was chosen last
         self.waited_s = 0.0  #: for which the newest tick waited for a thread
-        self.is_brief = False  #: whether the newest tick took little processor time on its thread
 
     def tick_s(self, hub: Hub, *, has_listeners: bool) -> float:
         """Return the time from one tick to the next, seconds; listeners are called at each tick."""
@@ -38,14 +36,11 @@ class TickPace:
         return OVERLOADED_TICK_S if is_overloaded else MAX_TICK_S
 
     def measured(self, job: Callable[[], T]) -> Callable[[], T]:
-        """Return ``job``, a tick, as a job that notes how long it waits from now on for its thread, and takes."""
+        """Return ``job``, a tick, as a job that notes how long it has waited since now for its thread."""
         asked = time.monotonic()
 
         def run() -> T:
             self.waited_s = time.monotonic() - asked
-            began = time.thread_time()
-            result = job()
-            self.is_brief = time.thread_time() - began < BRIEF_S
-            return result
+            return job()
 
         return run

@@ -10,10 +10,6 @@ A job is urgent while it is interactive (a user waits for it) and has computed f
 are deferred while an urgent one computes or waits: the threads of this process share the interpreter and the cores.
 They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing.
 
-Of jobs that are expected to be brief, such as most ticks, one computes at a time while more than :data:`FEW` of them
-wait: threads that need the interpreter's lock every tenth of a millisecond spend more time on handing it over than a
-second core gains.
-
 While several turns are held, only the address that has computed least of late may use more than one core for its turn:
 a map that a user waits for is then made as when the user is alone, but for one core that is shared.
 """
@@ -26,14 +22,12 @@ import threading
 import time
 from collections import Counter, OrderedDict
 from collections.abc import Callable
-from concurrent.futures import Executor
-from typing import TypeVar, cast
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass
+from typing import Any, TypeVar, cast
 
 from mapper.core.parallel import share_cores
-from server.work.turn import Finished, JobOwner, Task, Turn, uncancellable
 from server.work.waiting_turns import WaitingTurns
-
-__all__ = ["JobOwner", "Scheduler", "Turn", "checkpoint", "wait_without_turn"]
 
 T = TypeVar("T")
 
@@ -41,10 +35,79 @@ SLICE_S = 0.05  #: length of a turn while others wait
 URGENT_S = 0.4  #: computing time for which a job stays urgent
 DEFERRED_EVERY_S = 0.2  #: urgent computing after which a deferred job gets a slice
 RECENT_S = 5.0  #: time after which computing counts 1 / e of what it did
-BRIEF_S = 0.005  #: longest computing time of a brief job
-FEW = 4  #: waiting brief jobs that are not kept from turns beside another one
-BRIEF_LATE_S = 0.02  #: after which a brief job that still computes does not keep others from a turn beside it
 _MAX_HISTORY = 1024  #: addresses and visitors whose last turn is recorded
+
+
+@dataclass(frozen=True, slots=True)
+class JobOwner:
+    """The visitor for whom a job computes, and the visitor's address."""
+
+    visitor: str
+    address: str = ""
+
+
+def _uncancellable() -> Future[None]:
+    """Return a future that cannot be cancelled: cancelling a waiting job removes its turn instead."""
+    future: Future[None] = Future()
+    future.set_running_or_notify_cancel()
+    return future
+
+
+@dataclass(slots=True, eq=False)
+class _Task:
+    """Computation of a turn on a thread of ``pool``, and the future of ``loop`` that waits for it."""
+
+    pool: Executor
+    job: Callable[[], Any]
+    loop: asyncio.AbstractEventLoop
+    done: asyncio.Future[Any]
+
+    def compute(self) -> _Finished:
+        """Compute it; an error is part of the result."""
+        try:
+            return _Finished(self.done, self.job(), None)
+        except BaseException as error:  # noqa: BLE001 - whoever waits for the job gets it
+            return _Finished(self.done, None, error)
+
+
+@dataclass(frozen=True, slots=True)
+class _Finished:
+    """Result of a job, or the error that it raised, for the future that waits for it."""
+
+    done: asyncio.Future[Any]
+    result: Any
+    error: BaseException | None
+
+    def tell(self) -> None:
+        """Set the future (event loop), unless the wait for it was cancelled."""
+        if self.done.done():
+            return
+        if self.error is None:
+            self.done.set_result(self.result)
+        else:
+            self.done.set_exception(self.error)
+
+
+@dataclass(slots=True, eq=False)
+class Turn:
+    """A job's turn, waiting or held. ``computed_s`` is the total time for which the job has held turns."""
+
+    owner: JobOwner
+    interactive: bool
+    number: int
+    request: Future[None] | None = None  #: done when the turn is granted; None while nobody waits for that
+    began: float = 0.0  #: when the slice began
+    computed_s: float = 0.0
+    was_deferred: bool = False  #: whether the slice was granted while urgent jobs waited or ran
+    granted_before: bool = False  #: whether a slice of it was granted
+    task: _Task | None = None  #: what :meth:`Scheduler.run` computes in it; None: whoever requested it computes
+
+    @property
+    def granted(self) -> Future[None]:
+        """Done once the turn is held. A turn that was requested for a task has it after its first slice only."""
+        if self.request is None:
+            raise RuntimeError("nobody waits for this turn")
+        return self.request
 
 
 class Scheduler:
@@ -53,8 +116,7 @@ class Scheduler:
     def __init__(self, slots: int, slice_s: float = SLICE_S, clock: Callable[[], float] = time.monotonic) -> None:
         self._slots, self._slice_s, self._clock = slots, slice_s, clock
         self._lock = threading.Lock()
-        #: Turns that wait: urgent ones, those of them that are brief, and others.
-        self._urgent, self._brief, self._deferrable = WaitingTurns(), WaitingTurns(), WaitingTurns()
+        self._urgent, self._deferrable = WaitingTurns(), WaitingTurns()  #: turns that wait
         self._running: list[Turn] = []
         #: Number of the last turn of each address and visitor.
         self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()
@@ -64,22 +126,19 @@ class Scheduler:
         self._urgent_s = 0.0  #: urgent computing since the last slice of a deferred job
         self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
         #: Finished tasks that their event loop has not been told of: it is woken once for all of them.
-        self._finished: dict[asyncio.AbstractEventLoop, list[Finished]] = {}
+        self._finished: dict[asyncio.AbstractEventLoop, list[_Finished]] = {}
 
     # -- jobs ---------------------------------------------------------------------------------------------------------
 
-    async def run(
-        self, pool: Executor, owner: JobOwner, job: Callable[[], T], *, interactive: bool = True, is_brief: bool = False
-    ) -> T:
+    async def run(self, pool: Executor, owner: JobOwner, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a thread of ``pool`` once it has a turn; ``interactive`` says whether a user waits.
 
-        ``is_brief`` says that it is expected to take less than :data:`BRIEF_S`.
         The pool needs a thread for each job that has begun. A job cancelled before its first turn does not begin; one
         cancelled later runs to its end.
         """
         loop = asyncio.get_running_loop()
-        task = Task(pool, job, loop, loop.create_future())
-        turn = self.request(owner, interactive=interactive, is_brief=is_brief, task=task)
+        task = _Task(pool, job, loop, loop.create_future())
+        turn = self.request(owner, interactive=interactive, task=task)
         try:
             return cast("T", await task.done)
         except asyncio.CancelledError:
@@ -121,10 +180,10 @@ class Scheduler:
             try:
                 turn.task.pool.submit(self._work, turn)
             except RuntimeError as error:  # the pool takes no more
-                self._tell(turn.task.loop, Finished(turn.task.done, None, error))
+                self._tell(turn.task.loop, _Finished(turn.task.done, None, error))
                 self.release(turn)
 
-    def _tell(self, loop: asyncio.AbstractEventLoop, finished: Finished) -> None:
+    def _tell(self, loop: asyncio.AbstractEventLoop, finished: _Finished) -> None:
         with self._lock:
             waiting = self._finished.setdefault(loop, [])
             waiting.append(finished)
@@ -143,14 +202,11 @@ class Scheduler:
 
     # -- turns --------------------------------------------------------------------------------------------------------
 
-    def request(
-        self, owner: JobOwner, *, interactive: bool = True, is_brief: bool = False, task: Task | None = None
-    ) -> Turn:
+    def request(self, owner: JobOwner, *, interactive: bool = True, task: _Task | None = None) -> Turn:
         """Return a new turn, which is held once its ``granted`` is done."""
         with self._lock:
             self._count += 1
-            request = None if task else uncancellable()
-            turn = Turn(owner, interactive, self._count, request, is_brief=is_brief, task=task)
+            turn = Turn(owner, interactive, self._count, None if task else _uncancellable(), task=task)
             self._queue_of(turn).add(turn)
             self._grant_free()
         self._start()
@@ -171,10 +227,10 @@ class Scheduler:
         """Return whether a held turn should be yielded now."""
         lasted = self._clock() - turn.began
         if lasted >= self._slice_s:
-            return bool(self._grantable() or self._deferrable)
+            return bool(self._urgent or self._deferrable)
         if not self._is_urgent(turn):
             return not turn.was_deferred and self._has_urgent_besides(turn)
-        return bool(self._grantable()) and len(self._running) > 1 and self._is_one_too_many(turn)
+        return bool(self._urgent) and len(self._running) > 1 and self._is_one_too_many(turn)
 
     def _is_one_too_many(self, turn: Turn) -> bool:
         """Whether an urgent turn waits of an address, or of a visitor at this address, that holds fewer turns by two.
@@ -189,7 +245,7 @@ class Scheduler:
                 visitors[owner] + 2 <= visitors[own]
                 if owner.address == here
                 else addresses[owner.address] + 2 <= addresses[here]
-                for owner in {waiting.owner for waiting in self._grantable()}
+                for owner in self._urgent.owners()
             )
 
     def leaves_cores(self, turn: Turn) -> bool:
@@ -231,31 +287,16 @@ class Scheduler:
 
     def _request_again(self, turn: Turn) -> None:
         self._count += 1
-        turn.request, turn.number = uncancellable(), self._count
+        turn.request, turn.number = _uncancellable(), self._count
         self._queue_of(turn).add(turn)
         self._grant_free()
 
     def _queue_of(self, turn: Turn) -> WaitingTurns:
         """Return the queue of a turn that does not run: its computing time grows only while it runs."""
-        if not self._is_urgent(turn):
-            return self._deferrable
-        return self._brief if turn.is_brief else self._urgent
-
-    def _grantable(self) -> list[Turn]:
-        """Return the first urgent turn of each owner that may be granted beside those that are held."""
-        firsts = self._urgent.firsts()
-        if self._brief and not (len(self._brief) > FEW and self._runs_brief()):
-            firsts += self._brief.firsts()
-        return firsts
-
-    def _runs_brief(self) -> bool:
-        late = self._clock() - BRIEF_LATE_S
-        return any(one.is_brief and one.began > late for one in self._running)
+        return self._urgent if self._is_urgent(turn) else self._deferrable
 
     def _has_urgent_besides(self, turn: Turn) -> bool:
-        return bool(self._urgent or self._brief) or any(
-            self._is_urgent(other) for other in self._running if other is not turn
-        )
+        return bool(self._urgent) or any(self._is_urgent(other) for other in self._running if other is not turn)
 
     def _is_urgent(self, turn: Turn) -> bool:
         running_s = self._clock() - turn.began if turn in self._running else 0.0
@@ -297,15 +338,16 @@ class Scheduler:
 
     def _next(self) -> Turn | None:
         """Return the next turn to grant: None if no job waits, or only deferred ones."""
-        has_urgent = bool(self._urgent or self._brief) or any(map(self._is_urgent, self._running))
-        if self._deferrable and (self._urgent_s >= DEFERRED_EVERY_S or not has_urgent):
-            return self._fairest(self._deferrable.firsts())
-        return self._fairest(self._grantable())
+        if self._deferrable and (
+            self._urgent_s >= DEFERRED_EVERY_S or not (self._urgent or any(map(self._is_urgent, self._running)))
+        ):
+            return self._fairest(self._deferrable)
+        return self._fairest(self._urgent) if self._urgent else None
 
-    def _fairest(self, firsts: list[Turn]) -> Turn | None:
-        """Return the turn to grant next: of the ``firsts`` of owners, whose turns differ in their numbers only."""
-        if len(firsts) <= 1:
-            return firsts[0] if firsts else None
+    def _fairest(self, turns: WaitingTurns) -> Turn:
+        firsts = turns.firsts()  # an owner's turns differ in their numbers only
+        if len(firsts) == 1:
+            return firsts[0]
         addresses = Counter(turn.owner.address for turn in self._running)
         visitors = Counter(turn.owner for turn in self._running)
 

@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from server.work.turn import JobOwner, Turn
+    from server.work.scheduler import JobOwner, Turn
 
 
 class WaitingTurns:
@@ -14,10 +14,9 @@ class WaitingTurns:
 
     def __init__(self) -> None:
         self._queues: dict[JobOwner, deque[Turn]] = {}
-        self._count = 0
 
-    def __len__(self) -> int:
-        return self._count
+    def __bool__(self) -> bool:
+        return bool(self._queues)
 
     def __contains__(self, turn: Turn) -> bool:
         return turn in self._queues.get(turn.owner, ())
@@ -25,15 +24,17 @@ class WaitingTurns:
     def add(self, turn: Turn) -> None:
         """Add a turn, which has waited for the shortest time."""
         self._queues.setdefault(turn.owner, deque()).append(turn)
-        self._count += 1
 
     def remove(self, turn: Turn) -> None:
         """Remove a turn. Raises :class:`ValueError` if it does not wait."""
         queue = self._queues.get(turn.owner, deque())
         queue.remove(turn)
-        self._count -= 1
         if not queue:
             del self._queues[turn.owner]
+
+    def owners(self) -> list[JobOwner]:
+        """Return the owners of the turns."""
+        return list(self._queues)
 
     def firsts(self) -> list[Turn]:
         """Return the turn of each owner that has waited longest."""

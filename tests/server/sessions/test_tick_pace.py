@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import struct
-from functools import partial
 
 import pytest
 
 from server.sessions.tick_pace import MAX_TICK_S, OVERLOADED_TICK_S, TICK_S, TickPace
 from server.stream.hub import WINDOW, Client
-from server.work.scheduler import BRIEF_S
 from tests.server.stream.simulated_browser import Source
 
 
@@ -67,17 +65,3 @@ def test_one_client_that_has_acknowledged_is_enough() -> None:
     assert pace.tick_s(source.hub, has_listeners=False) == OVERLOADED_TICK_S
     clients[1].acknowledge(seqs[1])
     assert pace.tick_s(source.hub, has_listeners=False) == TICK_S
-
-
-def test_a_tick_is_brief_by_the_processor_time_that_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
-    pace, processor_s = TickPace(), [0.0]
-    monkeypatch.setattr("server.sessions.tick_pace.time.thread_time", lambda: processor_s[0])
-    assert not pace.is_brief  # nothing is known before the first
-
-    def job(seconds: float) -> str:
-        processor_s[0] += seconds
-        return "done"
-
-    for seconds, is_brief in ((0.5 * BRIEF_S, True), (2.0 * BRIEF_S, False), (0.0, True)):
-        assert pace.measured(partial(job, seconds))() == "done"
-        assert pace.is_brief == is_brief

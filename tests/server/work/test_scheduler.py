@@ -5,23 +5,12 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections import Counter
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from mapper.core.parallel import cores
-from server.work.scheduler import (
-    BRIEF_LATE_S,
-    DEFERRED_EVERY_S,
-    FEW,
-    RECENT_S,
-    URGENT_S,
-    JobOwner,
-    Scheduler,
-    Turn,
-    checkpoint,
-)
+from server.work.scheduler import DEFERRED_EVERY_S, RECENT_S, URGENT_S, JobOwner, Scheduler, Turn, checkpoint
 from tests.server.service import PATIENCE_S
 
 SLICE_S = 1.0 / 16.0  #: exact in binary, so that sums of it are
@@ -35,11 +24,8 @@ class Simulated:
         self.scheduler = Scheduler(slots, SLICE_S, clock=lambda: self.now)
         self.turns: dict[str, Turn] = {}
 
-    def request(
-        self, name: str, visitor: str, address: str = "here", *, interactive: bool = False, is_brief: bool = False
-    ) -> None:
-        owner = JobOwner(visitor, address)
-        self.turns[name] = self.scheduler.request(owner, interactive=interactive, is_brief=is_brief)
+    def request(self, name: str, visitor: str, address: str = "here", *, interactive: bool = False) -> None:
+        self.turns[name] = self.scheduler.request(JobOwner(visitor, address), interactive=interactive)
 
     def running(self) -> list[str]:
         return [name for name, turn in self.turns.items() if turn.granted.done()]
@@ -197,40 +183,6 @@ def test_a_long_job_is_urgent_only_at_first() -> None:
     first = order[: round(URGENT_S / SLICE_S)]
     assert first.count("long") >= len(first) - 2
     assert Counter(order[20:])["long"] == pytest.approx(20, abs=1)
-
-
-def brief_jobs(slots: int, visitors: Sequence[str]) -> Simulated:
-    """Return a scheduler of which a brief job is requested for each visitor, in this order."""
-    simulated = Simulated(slots)
-    for n, visitor in enumerate(visitors):
-        simulated.request(f"tick {n}", visitor, interactive=True, is_brief=True)
-    return simulated
-
-
-def test_one_brief_job_computes_at_a_time_while_many_wait() -> None:
-    simulated = brief_jobs(2, ["ann"] * 2 + ["bob"] * (FEW + 2))
-    assert simulated.running() == ["tick 0", "tick 1"]  # few waited at first
-    simulated.release("tick 0")
-    assert simulated.running() == ["tick 1"]
-    simulated.request("map", "ann", interactive=True)  # it may take the other thread
-    assert simulated.running() == ["tick 1", "map"]
-    simulated.release("map")
-    simulated.release("tick 1")
-    assert simulated.running() == ["tick 2"]
-    simulated.release("tick 2")
-    assert simulated.running() == ["tick 3", "tick 4"]  # few wait again
-
-
-def test_a_brief_job_that_takes_long_keeps_no_other_waiting() -> None:
-    simulated = brief_jobs(2, ["ann"] * (FEW + 4))
-    simulated.release("tick 0")
-    assert simulated.running() == ["tick 1"]
-    simulated.now += 2.0 * BRIEF_LATE_S
-    simulated.request("next", "cis", interactive=True, is_brief=True)
-    assert simulated.running() == ["tick 1", "next"]  # the visitor with fewer turns
-    simulated.now += BRIEF_LATE_S / 4.0
-    simulated.release("tick 1")
-    assert simulated.running() == ["next"]  # which has not taken long yet
 
 
 def test_the_address_that_computed_least_of_late_may_use_more_cores() -> None:
