@@ -30,12 +30,10 @@ def compute_tick(
     closed: Callable[[], bool],
     *,
     whole: bool = False,
-    is_sent: bool = False,
 ) -> TickResult:
     """Carry out ``commands``, advance the model by ``dt`` seconds, and return what to send (worker thread).
 
     ``closed`` returns whether the session has ended meanwhile; with ``whole`` the layers are drawn completely.
-    ``is_sent`` says that clients may be sent the result at once: it is then encoded here.
     """
     result = TickResult(rest=[*commands], new_grid=whole)
     started = time.perf_counter()
@@ -61,9 +59,6 @@ def compute_tick(
     model.draw(result)
     for answer in result.questions.values():
         answer()
-    if is_sent and result.changed:
-        for layer in model.layers:
-            layer.prepare()
     return result
 
 

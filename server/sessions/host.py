@@ -276,8 +276,7 @@ class SessionHost:
         try:
             async with self._lock:
                 self._requests.begin_tick()
-                whole, is_sent = self._tick_failed, self.hub.has_room
-                job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=whole, is_sent=is_sent)
+                job = partial(compute_tick, self.model, commands, dt, lambda: self.closed, whole=self._tick_failed)
                 result = await self._computed_tick(self._pace.measured(job))
             self._requests.end_tick(was_cancelled=result.cancelled)
             rest = result.rest

@@ -100,9 +100,6 @@ class Layer(ABC):
             "columns": list(self.columns),
         }
 
-    def prepare(self) -> None:  # noqa: B027 - most are encoded when they are written
-        """Encode what :meth:`publish` will publish, if that takes long (worker thread)."""
-
     @abstractmethod
     def publish(self) -> None:
         """Publish the changes since the last call (event loop)."""
@@ -190,11 +187,6 @@ class GridLayer(Layer):
             return before, False
         self._written = TilePicture(geometry, low, high, 0 if before is None else before.newest)
         return self._written, True
-
-    def prepare(self) -> None:
-        """Compress the changed tiles if clients are sent the layer."""
-        if self.is_watched and self._written is not None:
-            self._written.prepare()
 
     def publish(self) -> None:
         """Publish the newest picture; its changes get a new revision."""

@@ -1,8 +1,7 @@
 """The int8 picture of a grid, the revisions of its tiles, and each tile compressed once.
 
-The picture is written by the session's computation (:meth:`TilePicture.update`, on a worker thread), which also
-compresses the tiles that are sent next (:meth:`TilePicture.prepare`), and read by the event loop
-(:meth:`TilePicture.payloads`). A tile that is compressed while it is written may contain parts of two
+The picture is written by the session's computation (:meth:`TilePicture.update`, on a worker thread) and read by the
+event loop (:meth:`TilePicture.payloads`). A tile that is compressed while it is written may contain parts of two
 updates; it then gets a new revision when the update is published, so clients that received it receive it again.
 """
 
@@ -71,7 +70,6 @@ class TilePicture:
         self.revision: NDArray[np.uint32] = np.zeros(tiles, dtype=np.uint32)
         self._changed: NDArray[np.bool_] = np.zeros(tiles, dtype=np.bool_)
         self._payloads: dict[tuple[int, int], TilePayload] = {}
-        self._prepared: dict[tuple[int, int], bytes] = {}  #: changed tiles, compressed since they were written last
 
     def shows(self, geometry: GridGeometry, low: float, high: float) -> bool:
         """Whether the picture has this geometry and range of values: if not, a new epoch has to begin."""
@@ -79,7 +77,6 @@ class TilePicture:
 
     def update(self, grid: OccupancyGrid, box: CellBox) -> int:
         """Update a box of the picture from an occupancy grid (worker thread); return the number of changed cells."""
-        self._prepared = {}
         return int(
             quantise(
                 grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
@@ -114,7 +111,6 @@ class TilePicture:
 
     def _set_part(self, cells: NDArray[np.int8], first_row: int, first_col: int) -> None:
         """Set the cells from a tile on; ``cells`` ends at the end of a tile or of the picture."""
-        self._prepared = {}
         top, left = first_row * TILE, first_col * TILE
         picture = self.cells[top : top + cells.shape[0], left : left + cells.shape[1]]
         rows, cols = -(-cells.shape[0] // TILE), -(-cells.shape[1] // TILE)
@@ -124,16 +120,6 @@ class TilePicture:
         self._changed[first_row : first_row + rows, first_col : first_col + cols] |= changed
         picture[:] = cells
 
-    def prepare(self) -> None:
-        """Compress the tiles that changed since the last :meth:`publish`, unless they are many (worker thread).
-
-        The event loop then sends them without compressing them: it is one thread for all sessions.
-        """
-        tiles = np.argwhere(self._changed)
-        if len(tiles) <= MOST_AT_ONCE:
-            packed = zip(tiles.tolist(), self._compressed(tiles), strict=True)
-            self._prepared = {(ty, tx): data for (ty, tx), data in packed}
-
     def publish(self) -> int:
         """Give tiles that changed since the last call a new revision (event loop); return their number."""
         count = int(np.count_nonzero(self._changed))
@@ -141,9 +127,6 @@ class TilePicture:
             self.newest += 1
             self.revision[self._changed] = self.newest
             self._changed[:] = False
-            for (ty, tx), data in self._prepared.items():
-                self._payloads[ty, tx] = TilePayload(tx, ty, self.newest, data)
-        self._prepared = {}
         return count
 
     def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:

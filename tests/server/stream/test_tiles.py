@@ -139,46 +139,6 @@ def test_values_that_stay_are_not_sent_again() -> None:
     assert decoded(picture)[70, 130] == -128
 
 
-@given(st.lists(st.tuples(st.integers(1, 150), st.booleans(), st.booleans()), min_size=1, max_size=8))
-def test_prepared_tiles_are_those_compressed_when_they_are_sent(steps: list[tuple[int, bool, bool]]) -> None:
-    geometry = GridGeometry(0.05, 130, 150)
-    prepared, other = TilePicture(geometry, 0.0, 254.0), TilePicture(geometry, 0.0, 254.0)
-    rng = np.random.default_rng(len(steps))
-    values = np.zeros(geometry.shape, dtype=np.float32)
-    for size, prepares, publishes in steps:  # a tick that is not published may follow one that was prepared
-        values[:size, :size] = rng.integers(0, 254, 1)
-        for picture in (prepared, other):
-            picture.set(values)
-        if prepares:
-            prepared.prepare()
-        if publishes:
-            assert prepared.publish() == other.publish()
-            tiles = np.argwhere(other.revision > 0)
-            assert [*prepared.payloads(tiles)] == [*other.payloads(tiles)]
-
-
-def test_prepared_tiles_are_not_compressed_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    picture = TilePicture(GridGeometry(0.05, 640, 640), 0.0, 254.0)
-    picture.set(np.ones((640, 640), dtype=np.float32))
-    picture.prepare()  # too many at once: a client is sent only some of them
-    picture.publish()
-    compressed: list[int] = []
-    compress = TilePicture._compressed
-
-    def counted(self: TilePicture, tiles: NDArray[np.intp]) -> list[bytes]:
-        compressed.append(len(tiles))
-        return compress(self, tiles)
-
-    monkeypatch.setattr(TilePicture, "_compressed", counted)
-    [*picture.payloads(np.array([[0, 0], [1, 1]]))]
-    assert compressed == [2]
-    picture.set(np.full((640, 640), 2.0, dtype=np.float32), box=CellBox(0, 70, 0, 70))
-    picture.prepare()
-    picture.publish()
-    [*picture.payloads(np.array([[0, 0], [1, 1]]))]
-    assert compressed == [2, 4, 0]
-
-
 @pytest.mark.parametrize(
     ("config", "expected"),
     [
