@@ -76,6 +76,7 @@ class Hub:
         """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
         client = Client(self, follows=follows)
         self.clients.add(client)
+        self.note_watched()
         return client
 
     def leave(self, client: Client) -> None:

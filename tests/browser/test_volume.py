@@ -79,11 +79,9 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
     assert volume["has_free"]
     assert volume["free"] > 5 * volume["occupied"] > 0
     # Playwright tells of what came only while it is asked for something.
-    until("the chunks are in the browser", lambda: page.title() and received > volume["occupied"])
+    until("chunks are in the browser", lambda: page.title() and received > volume["occupied"] / 4)
     expect(page.locator(".volume-facts")).to_have_attribute("data-chunks", str(volume["chunks"]))
     assert volume["quads"] < volume["occupied"]
-    # Each chunk is sent once, with what viser says of it, and old ones are not sent to who connects later.
-    assert received < 4 * volume["occupied"] + 500 * volume["chunks"] + 100_000
 
     box = page.locator("iframe.volume-scene").bounding_box()
     assert box is not None
@@ -106,6 +104,9 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
     expect(answer).to_have_attribute("data-voxel", "occupied")
     assert int(answer.get_attribute("data-hits") or 0) >= 1
     expect(answer.get_by_text("ended in it").first).to_be_visible()
+    # Each chunk is sent once, with what viser says of it, and old ones are not sent to who connects later.
+    print(f"received {received} B of {volume['occupied']} voxels in {volume['chunks']} chunks")
+    assert received < 4 * volume["occupied"] + 500 * volume["chunks"] + 100_000
 
 
 def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
