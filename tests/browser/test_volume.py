@@ -105,7 +105,6 @@ def test_real_depth_images_are_drawn_in_few_bytes_and_a_voxel_is_asked_about(
     assert int(answer.get_attribute("data-hits") or 0) >= 1
     expect(answer.get_by_text("ended in it").first).to_be_visible()
     # Each chunk is sent once, with what viser says of it, and old ones are not sent to who connects later.
-    print(f"received {received} B of {volume['occupied']} voxels in {volume['chunks']} chunks")
     assert received < 4 * volume["occupied"] + 500 * volume["chunks"] + 100_000
 
 
