@@ -137,6 +137,7 @@ from tests.agreement.planning import (
     spread_by_textbook,
 )
 from tests.agreement.reflection import reflected_by_kernel, reflected_by_textbook, reflection_cases
+from tests.agreement.relaxation import relaxed_by_kernel, relaxed_by_textbook, rough_paths
 from tests.agreement.sensors import (
     cloud_by_core,
     cloud_by_textbook,
@@ -326,6 +327,7 @@ TABLE = (
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("readings as text", text_by_kernel, text_by_encoder, readings()),
     Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
+    Row("relaxed paths of the explorer", relaxed_by_kernel, relaxed_by_textbook, rough_paths()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
