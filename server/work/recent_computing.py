@@ -12,7 +12,7 @@ _MAX_ADDRESSES = 1024
 
 
 class RecentComputing:
-    """Seconds of computing of each address, weighted with exp(-age / :data:`RECENT_S`). Not for several threads at once."""
+    """Seconds of computing of each address, weighted with exp(-age / :data:`RECENT_S`). Not thread-safe."""
 
     def __init__(self) -> None:
         self._computed: OrderedDict[str, tuple[float, float]] = OrderedDict()  #: seconds, and when they were added
