@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.sensors.scan import LaserScan
-from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.kernels.lidar import cast_rays
 from mapper.simulation.sonar import ranges_in_cones
 from mapper.simulation.worlds import Float64Array, World
 

@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mapper.simulation.faults import ON_WALL, SPECULAR_ANGLE
-from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.kernels.lidar import cast_rays
 from mapper.simulation.kernels.reflection import reflect
 
 
