@@ -64,7 +64,7 @@ def _add_parts(grid: OccupancyGrid, parts: Sequence[PlannedBatch]) -> Change:
 
 
 def _change(count: int, box: NDArray[np.int64]) -> Change:
-    touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
+    touched = CellBox(*box.tolist()) if box[1] > box[0] else None
     return Change(touched, geometry_changed=False, cells_updated=count)
 
 

@@ -135,14 +135,17 @@ class Explorer:
         x, y, _ = robot.pose
         if not len(passable.cells):
             return 0, 0
-        gaps = np.hypot(passable.centres[:, 0] - x, passable.centres[:, 1] - y)
-        index = nearest = int(np.argmin(gaps))
+        dx, dy = passable.centres[:, 0] - x, passable.centres[:, 1] - y
+        squares = dx * dx + dy * dy
+        nearest = np.flatnonzero(squares <= squares.min() * (1.0 + 1e-12))  # rounding may decide between them
+        index = int(nearest[np.argmin(np.hypot(dx[nearest], dy[nearest]))])
         if not self._can_enter(passable, index, robot):  # the others are seldom needed
+            gaps = np.hypot(dx, dy)
             near = np.arange(len(gaps))
             if len(gaps) > ENTRIES_TRIED:
                 near = np.flatnonzero(gaps <= np.partition(gaps, ENTRIES_TRIED - 1)[ENTRIES_TRIED - 1])
             order = near[np.argsort(gaps[near], kind="stable")][:ENTRIES_TRIED].tolist()
-            index = next((i for i in order if self._can_enter(passable, i, robot)), nearest)
+            index = next((i for i in order if self._can_enter(passable, i, robot)), index)
         row, col = passable.cells[index].tolist()
         return row, col
 

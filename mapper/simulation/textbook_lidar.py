@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.simulation.kernels.lidar import VERTEX_SLACK
+from mapper.simulation.lidar import RANGE_MIN
 from mapper.simulation.worlds import Float64Array
 
 
@@ -22,4 +24,15 @@ def cast_beams(segments: Float64Array, x: float, y: float, bearings: Float64Arra
     divisor = np.where(crosses, d_cross_e, 1.0)
     t, u = (ax * ey - ay * ex) / divisor, (ax * dy - ay * dx) / divisor
     on_edge = crosses & (t >= 0.0) & (t <= range_max) & (u >= -VERTEX_SLACK) & (u <= 1.0 + VERTEX_SLACK)
-    return np.where(on_edge, t, np.inf).min(axis=1, initial=np.inf)
+    nearest: Float64Array = np.where(on_edge, t, np.inf).min(axis=1, initial=np.inf)
+    return nearest
+
+
+def noisy(ranges: Float64Array, noise: Float64Array, sigma: float, range_max: float) -> NDArray[np.float32]:
+    """Return the readings of ``ranges`` (n,), metres, with ``sigma`` metres times ``noise`` (n,), as a lidar reports.
+
+    None is below RANGE_MIN; one beyond ``range_max`` is +inf.
+    """
+    readings = np.maximum(ranges + sigma * noise, RANGE_MIN).astype(np.float32)
+    readings[readings > range_max] = np.inf
+    return readings

@@ -8,9 +8,11 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mapper.simulation import WORLDS, World
-from mapper.simulation.kernels.lidar import cast_rays
-from mapper.simulation.textbook_lidar import cast_beams
+from mapper.simulation.kernels.lidar import add_noise, cast_rays
+from mapper.simulation.lidar import RANGE_MIN
+from mapper.simulation.textbook_lidar import cast_beams, noisy
 
+SIGMA = 0.3
 Case = tuple[World, tuple[float, float, float], float, float, int, float]
 
 
@@ -35,5 +37,21 @@ def beams_cast_by_kernel(case: Case) -> tuple[Any, ...]:
 
 def beams_cast_by_textbook(case: Case) -> tuple[Any, ...]:
     world, (x, y, yaw), angle_min, angle_increment, n_beams, range_max = case
-    bearings = yaw + angle_min + angle_increment * np.arange(n_beams)
+    bearings = yaw + angle_min + angle_increment * np.arange(n_beams, dtype=np.float64)
     return (cast_beams(world.seen, x, y, bearings, range_max),)
+
+
+def readings_by_kernel(case: Case) -> tuple[Any, ...]:
+    ranges, range_max = beams_cast_by_textbook(case)[0], case[-1]
+    out = np.empty(len(ranges), dtype=np.float32)
+    add_noise(ranges, _noise(len(ranges)), SIGMA, RANGE_MIN, range_max, out)
+    return (out,)
+
+
+def readings_by_textbook(case: Case) -> tuple[Any, ...]:
+    ranges, range_max = beams_cast_by_textbook(case)[0], case[-1]
+    return (noisy(ranges, _noise(len(ranges)), SIGMA, range_max),)
+
+
+def _noise(n: int) -> np.ndarray:
+    return np.random.default_rng(n).standard_normal(n)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mapper.core.jit import jit
 from mapper.simulation.kernels.raycast import _crossing
 
+Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi
@@ -149,3 +150,17 @@ def cast_rays(
             i0 = max(0, math.ceil(from_start / angle_increment - BEAM_SLACK))
             i1 = min(n_beams - 1, math.floor((from_start + abs(sweep)) / angle_increment + BEAM_SLACK))
             _cross_edge(ax, ay, bx, by, directions, i0, i1, range_max, out)
+
+
+@jit
+def add_noise(
+    ranges: Float64Array, noise: Float64Array, sigma: float, range_min: float, range_max: float, out: Float32Array
+) -> None:
+    """Write the readings of ``ranges`` (n,), metres, with ``sigma`` metres times ``noise`` (n,) into ``out`` (n,).
+
+    No reading is below ``range_min``; one beyond ``range_max``, compared in float32, is +inf.
+    """
+    farthest = np.float32(range_max)
+    for i in range(out.shape[0]):
+        reading = np.float32(max(ranges[i] + sigma * noise[i], range_min))
+        out[i] = np.float32(np.inf) if reading > farthest else reading
