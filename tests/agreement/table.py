@@ -19,6 +19,13 @@ from tests.agreement.asking import (
     provenance_of_sweeps_by_kernel,
     provenance_of_sweeps_by_textbook,
 )
+from tests.agreement.beams_of_lidar import (
+    beams_cast_by_kernel,
+    beams_cast_by_textbook,
+    lidars,
+    readings_by_kernel,
+    readings_by_textbook,
+)
 from tests.agreement.chunks import parts_by_kernel, parts_by_textbook
 from tests.agreement.costmap import (
     costmap_cases,
@@ -329,6 +336,8 @@ TABLE = (
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("readings as text", text_by_kernel, text_by_encoder, readings()),
     Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
+    Row("beams of the simulated lidar", beams_cast_by_kernel, beams_cast_by_textbook, lidars(), tolerance=1e-9),
+    Row("readings of the simulated lidar", readings_by_kernel, readings_by_textbook, lidars()),
     Row("relaxed paths of the explorer", relaxed_by_kernel, relaxed_by_textbook, rough_paths()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),

@@ -35,6 +35,6 @@ def test_all_modules_of_kernels_are_looked_at():
     modules = {".".join(path.with_suffix("").parts) for path in Path("mapper").glob("*/kernels/*.py")}
     compiled = {name.rsplit(".", 1)[0] for name in precompile.kernels()}
     assert {"mapper.simulation.kernels.raycast", "mapper.mapping.kernels.bresenham"} <= compiled <= modules
-    assert {"mapper.simulation.kernels.raycast.cast_rays", "mapper.grid.kernels.quantise.quantise"} <= set(
+    assert {"mapper.simulation.kernels.lidar.cast_rays", "mapper.grid.kernels.quantise.quantise"} <= set(
         precompile.kernels()
     )
