@@ -20,7 +20,7 @@ import asyncio
 import math
 import threading
 import time
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
@@ -207,7 +207,7 @@ class Scheduler:
         with self._lock:
             self._count += 1
             turn = Turn(owner, interactive, self._count, None if task else _uncancellable(), task=task)
-            self._queue_of(turn).add(turn)
+            self._add(turn)
             self._grant_free()
         self._start()
         return turn
@@ -238,15 +238,25 @@ class Scheduler:
         To wait for the end of a slice takes longer than many a map that a user waits for.
         """
         with self._lock:
-            addresses = Counter(one.owner.address for one in self._running)
-            visitors = Counter(one.owner for one in self._running)
+            if not self._urgent:  # since the caller looked
+                return False
+            addresses, owners = self._held()
             own, here = turn.owner, turn.owner.address
-            return any(
-                visitors[owner] + 2 <= visitors[own]
-                if owner.address == here
-                else addresses[owner.address] + 2 <= addresses[here]
-                for owner in self._urgent.owners()
-            )
+            other = self._urgent.first_address(addresses)
+            if addresses.get(other, 0) + 2 <= addresses[here]:
+                return True
+            if not self._urgent.waits_at(here):
+                return False
+            return owners.get(self._urgent.first_owner(here, owners), 0) + 2 <= owners[own]
+
+    def _held(self) -> tuple[dict[str, int], dict[JobOwner, int]]:
+        """Return how many turns each address and each owner holds."""
+        addresses: dict[str, int] = {}
+        owners: dict[JobOwner, int] = {}
+        for one in self._running:
+            addresses[one.owner.address] = addresses.get(one.owner.address, 0) + 1
+            owners[one.owner] = owners.get(one.owner, 0) + 1
+        return addresses, owners
 
     def leaves_cores(self, turn: Turn) -> bool:
         """Return whether a held turn should compute on its own thread only, and leave the other cores to others."""
@@ -288,8 +298,13 @@ class Scheduler:
     def _request_again(self, turn: Turn) -> None:
         self._count += 1
         turn.request, turn.number = _uncancellable(), self._count
-        self._queue_of(turn).add(turn)
+        self._add(turn)
         self._grant_free()
+
+    def _add(self, turn: Turn) -> None:
+        owner = turn.owner
+        served = (self._served.get((owner.address,), 0), self._served.get((owner.address, owner.visitor), 0))
+        self._queue_of(turn).add(turn, served)
 
     def _queue_of(self, turn: Turn) -> WaitingTurns:
         """Return the queue of a turn that does not run: its computing time grows only while it runs."""
@@ -330,6 +345,8 @@ class Scheduler:
                 self._served.move_to_end(key)
             while len(self._served) > _MAX_HISTORY:
                 self._served.popitem(last=False)
+            for waiting in (self._urgent, self._deferrable):
+                waiting.note_served(turn.owner, self._count)
             if turn.task is not None and not turn.granted_before:
                 self._startable.append(turn)
             turn.granted_before = True
@@ -341,22 +358,8 @@ class Scheduler:
         if self._deferrable and (
             self._urgent_s >= DEFERRED_EVERY_S or not (self._urgent or any(map(self._is_urgent, self._running)))
         ):
-            return self._fairest(self._deferrable)
-        return self._fairest(self._urgent) if self._urgent else None
-
-    def _fairest(self, turns: WaitingTurns) -> Turn:
-        firsts = turns.firsts()  # an owner's turns differ in their numbers only
-        if len(firsts) == 1:
-            return firsts[0]
-        addresses = Counter(turn.owner.address for turn in self._running)
-        visitors = Counter(turn.owner for turn in self._running)
-
-        def order(turn: Turn) -> tuple[int, int, int, int, int]:
-            owner = turn.owner
-            served = (self._served.get((owner.address,), 0), self._served.get((owner.address, owner.visitor), 0))
-            return (addresses[owner.address], served[0], visitors[owner], served[1], turn.number)
-
-        return min(firsts, key=order)
+            return self._deferrable.first(*self._held())
+        return self._urgent.first(*self._held()) if self._urgent else None
 
 
 _current = threading.local()
