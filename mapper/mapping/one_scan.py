@@ -51,7 +51,7 @@ def update_with_scan(
     box = np.array([geometry.rows, 0, geometry.cols, 0], dtype=np.int64)
     count = add_scan(
         grid.log_odds, grid.observed, scan.ranges, (x, y, float(np.cos(theta)), float(np.sin(theta))), beams,
-        geometry.frame, plan.reading_filter, plan.log_odds_update, box,
+        geometry.frame, plan.reading_filter, plan.log_odds_update, grid.log_odds_prior, box,
     )  # fmt: skip
     return None if count == BEYOND else (count, box)
 

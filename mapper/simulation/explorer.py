@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mapper.grid import GridGeometry
 from mapper.simulation.kernels.driving import ARRIVED, CAREFUL, MARGIN
 from mapper.simulation.kernels.raycast import chord_clearance
+from mapper.simulation.kernels.relaxation import relax
 from mapper.simulation.kernels.shortest_paths import shortest_paths
 from mapper.simulation.robot import PoseTuple, Robot
 from mapper.simulation.worlds import Float64Array, World, clearance_lattice
@@ -24,6 +25,8 @@ COMFORT = 0.55  # metres of clearance beyond which a path gains nothing
 GOAL_CLEARANCE = 0.15  # metres beyond the radius that a goal needs
 GOALS_TRIED = 48
 ENTRIES_TRIED = 32  # cells from which a path may begin
+EASY_CLEARANCE = 0.15  # metres beyond the radius to which a relaxed path may come nearer to a wall than before
+RELAXATIONS = 40  # rounds
 SPACING = 0.1  # metres between the points of a path, which the lookahead counts
 
 
@@ -118,12 +121,10 @@ class Explorer:
         distance, parent = np.empty(cost.shape), np.empty(cost.shape, dtype=np.int64)
         shortest_paths(cost, row, col, distance, parent)
         metres = distance * clearance_lattice(self.world).geometry.resolution
-        reachable = np.isfinite(metres) & passable.goals & (metres > 2.0 * ARRIVED)
-        candidates = np.argwhere(reachable)
+        candidates = np.flatnonzero((metres < np.inf) & passable.goals & (metres > 2.0 * ARRIVED))
         if not len(candidates):
             return np.empty((0, 2))
-        chosen = candidates[self.rng.integers(len(candidates), size=GOALS_TRIED)]
-        rows, cols = chosen.T
+        rows, cols = divmod(candidates[self.rng.integers(len(candidates), size=GOALS_TRIED)], cost.shape[1])
         # Seconds since the last visit, less twice the seconds that it costs to go there.
         worth = (time - self.visited[rows, cols]) - 2.0 * metres[rows, cols] / CAREFUL
         goal = int(np.argmax(worth))
@@ -135,18 +136,21 @@ class Explorer:
         if not len(passable.cells):
             return 0, 0
         gaps = np.hypot(passable.centres[:, 0] - x, passable.centres[:, 1] - y)
-        near = np.arange(len(gaps))
-        if len(gaps) > ENTRIES_TRIED:
-            near = np.flatnonzero(gaps <= np.partition(gaps, ENTRIES_TRIED - 1)[ENTRIES_TRIED - 1])
-        order = near[np.argsort(gaps[near], kind="stable")][:ENTRIES_TRIED]
-        for index in order:
-            px, py = passable.centres[index].tolist()
-            if chord_clearance(self.world.segments, x, y, px, py) >= robot.radius:
-                break
-        else:
-            index = order[0]
+        index = nearest = int(np.argmin(gaps))
+        if not self._can_enter(passable, index, robot):  # the others are seldom needed
+            near = np.arange(len(gaps))
+            if len(gaps) > ENTRIES_TRIED:
+                near = np.flatnonzero(gaps <= np.partition(gaps, ENTRIES_TRIED - 1)[ENTRIES_TRIED - 1])
+            order = near[np.argsort(gaps[near], kind="stable")][:ENTRIES_TRIED].tolist()
+            index = next((i for i in order if self._can_enter(passable, i, robot)), nearest)
         row, col = passable.cells[index].tolist()
         return row, col
+
+    def _can_enter(self, passable: _Passable, index: int, robot: Robot) -> bool:
+        """Return whether the robot can drive straight to a passable cell."""
+        x, y, _ = robot.pose
+        px, py = passable.centres[index].tolist()
+        return chord_clearance(self.world.segments, x, y, px, py) >= robot.radius
 
     def _cells_to(self, row: int, col: int, parent: NDArray[np.int64]) -> Float64Array:
         """Return the centres (n, 2) of the cells from the start to (row, col)."""
@@ -161,12 +165,7 @@ class Explorer:
     def _smoothed(self, path: Float64Array, robot: Robot) -> Float64Array:
         """Return the path with its corners relaxed, never nearer to a wall than it was or than the margin asks."""
         path = path.copy()
-        floor = np.minimum(self.world.clearance(path), robot.radius + 0.15)
-        for _ in range(40):
-            relaxed = path.copy()
-            relaxed[1:-1] = 0.5 * path[1:-1] + 0.25 * (path[:-2] + path[2:])
-            kept = self.world.clearance(relaxed) >= floor
-            path[kept] = relaxed[kept]
+        relax(self.world.segments, self.world.bounds, path, robot.radius + EASY_CLEARANCE, RELAXATIONS)
         # Points at even distances: the lookahead counts them.
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
         even = np.linspace(0.0, along[-1], max(2, round(along[-1] / SPACING) + 1))

@@ -25,7 +25,10 @@ from mapper.simulation.kernels.driving import (
     MARGIN,
     MAX_ANGULAR,
     MAX_LINEAR,
+    MOTION_S,
+    MOTION_SAMPLES,
     NOTE_STEPS,
+    OPEN,
     SEARCHED_POINTS,
     SKIN,
     SPARE,
@@ -132,7 +135,7 @@ class Drive:
         bearing = math.remainder(math.atan2(target_y - y, target_x - x) - yaw, 2.0 * math.pi)
         distance = max(0.3, math.hypot(target_x - x, target_y - y))
         clearance = nearest_edge(self.segments, x, y, np.zeros(2))
-        speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / 0.5))
+        speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / (OPEN - 0.4)))
         # Pure pursuit: the arc through the target has curvature 2 sin(α) / distance.
         facing = max(0.0, math.cos(bearing)) ** 2 if abs(bearing) < 1.2 else 0.0
         linear = speed * facing
@@ -143,7 +146,7 @@ class Drive:
         angular = max(-MAX_ANGULAR, min(MAX_ANGULAR, angular))
         needed = min(self.radius + SPARE, clearance) - 1e-6
         for _ in range(3):
-            if arc_clearance(self.segments, x, y, yaw, linear, angular, 0.5, 5) >= needed:
+            if arc_clearance(self.segments, x, y, yaw, linear, angular, MOTION_S, MOTION_SAMPLES) >= needed:
                 return linear, angular
             linear *= 0.5
         return 0.0, 2.0 * bearing

@@ -34,6 +34,7 @@ from mapper.costmap.inflation import inflate, squared_distances
 from mapper.costmap.nav2_parameters import NamedLayer
 from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
+from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.lattice import Frame
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.grid.metrics import map_metrics
@@ -105,7 +106,18 @@ def _draw(grid: OccupancyGrid) -> None:
     rows, cols = grid.geometry.shape
     picture = np.full((rows, cols), NEVER_OBSERVED, dtype=np.int8)
     changed = np.zeros((-(-rows // TILE), -(-cols // TILE)), dtype=np.bool_)
-    quantise(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed)
+    cells = np.empty(rows * cols, dtype=np.uint32)
+    count = quantise(
+        grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed, cells, 0
+    )
+    sort_by_tile(
+        picture,
+        cells[:count],
+        TILE,
+        np.empty((count, 3), np.int16),
+        np.empty(count, np.uint16),
+        np.empty(count, np.int8),
+    )
 
 
 def precompile() -> None:

@@ -19,7 +19,7 @@ from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
-from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, integer, text
+from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, encode_text, integer, text
 from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
 
@@ -82,8 +82,13 @@ async def exchange(
 
     Raises :class:`SessionBudgetError` before the socket is accepted.
     """
-    if SUBPROTOCOL not in websocket.scope["subprotocols"]:
-        await websocket.accept()
+    offered: list[str] = websocket.scope["subprotocols"]
+    if SUBPROTOCOL not in offered:
+        # A page of another version, which a browser lets hear its own subprotocol only, asks to be reloaded.
+        other = next((name for name in offered if name.startswith("gridbloom.")), None)
+        await websocket.accept(subprotocol=other)
+        if other is not None:
+            await websocket.send_text(encode_text({"type": "hello", "protocol": SUBPROTOCOL}))
         await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
         return
     follows = following is not None

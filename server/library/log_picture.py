@@ -40,13 +40,20 @@ def write_picture(log: ScanLog, path: Path) -> bool:
     return True
 
 
-def write_codes(codes: UInt8Array, path: Path) -> None:
-    """Write a picture of ``codes`` (rows, cols), the first row on top, as the palettes have them."""
+def png_of(codes: UInt8Array, *, dark: bool = False) -> bytes:
+    """Return a picture of ``codes`` (rows, cols), the first row on top, as PNG in the colours of a palette."""
     image = Image.fromarray(codes, mode="P")
-    image.putpalette([value for colour in LIGHT for value in colour])
+    image.putpalette([value for colour in (DARK if dark else LIGHT) for value in colour])
+    out = io.BytesIO()
+    image.save(out, format="PNG", optimize=True, transparency=0)
+    return out.getvalue()
+
+
+def write_codes(codes: UInt8Array, path: Path) -> None:
+    """Write the picture of ``codes``, in the colours of a light page."""
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
     try:
-        image.save(fresh, format="PNG", optimize=True, transparency=0)
+        fresh.write_bytes(png_of(codes))
         fresh.replace(path)
     finally:
         with contextlib.suppress(OSError):

@@ -10,17 +10,32 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.grid import TILE
 from server.stream.protocol import ProtocolError
 
 FLAG_COMPLETE = 1
 HEADER = struct.Struct("<BBHIII")
 TILE_HEADER = struct.Struct("<hhII")
+CHANGES_HEADER = struct.Struct("<I")
 TABLE_HEADER = struct.Struct("<HH")
 GRAPH_HEADER = struct.Struct("<HHI")
 
 Columns = NDArray[np.float32]  #: (columns, rows of the table)
 
 C = TypeVar("C")
+
+
+class CellChanges(NamedTuple):
+    """Changes of single cells of the preceding revision, by tile, shared by all clients.
+
+    ``tiles`` (k, 4) int16: tx, ty, number of cells, 0; of each cell ``places`` (n,) uint16, ``row · 64 + col`` within
+    its tile, and ``values`` (n,) int8. All tiles have ``revision`` with them.
+    """
+
+    revision: int
+    tiles: NDArray[np.int16]
+    places: NDArray[np.uint16]
+    values: NDArray[np.int8]
 
 
 class TilePayload(NamedTuple):
@@ -92,6 +107,29 @@ def _decode_tiles(count: int, body: bytes) -> Sequence[TilePayload]:
     return tiles
 
 
+def _encode_changes(changes: CellChanges) -> tuple[int, list[bytes]]:
+    revision, tiles, places, values = changes
+    return len(tiles), [
+        CHANGES_HEADER.pack(revision),
+        tiles.astype("<i2", copy=False).tobytes(),
+        places.astype("<u2", copy=False).tobytes(),
+        values.tobytes(),
+    ]
+
+
+def _decode_changes(count: int, body: bytes) -> CellChanges:
+    _check_size(body, CHANGES_HEADER.size + 8 * count)
+    (revision,) = CHANGES_HEADER.unpack_from(body)
+    tiles = np.frombuffer(body, "<i2", 4 * count, CHANGES_HEADER.size).reshape(count, 4)
+    at = CHANGES_HEADER.size + 8 * count
+    n_cells = int(tiles[:, 2].view(np.uint16).sum(dtype=np.int64))
+    _check_size(body, at, 3 * n_cells)
+    places = np.frombuffer(body, "<u2", n_cells, at)
+    if np.any(places >= TILE * TILE):
+        raise ProtocolError("frame.cell", f"A tile has {TILE * TILE} cells.")
+    return CellChanges(revision, tiles, places, np.frombuffer(body, np.int8, n_cells, at + 2 * n_cells))
+
+
 def _encode_table(table: Columns) -> tuple[int, list[bytes]]:
     return table.shape[1], [TABLE_HEADER.pack(len(table), 0), table.astype("<f4", copy=False).tobytes()]
 
@@ -136,9 +174,10 @@ def _check_size(body: bytes, header: int, rest: int | None = None) -> None:
 TILES: Codec[Sequence[TilePayload]] = Codec(1, _encode_tiles, _decode_tiles)
 TABLE: Codec[Columns] = Codec(2, _encode_table, _decode_table)
 GRAPH: Codec[Graph] = Codec(3, _encode_graph, _decode_graph)
-#: by the ``kind`` of a layer
+CHANGES: Codec[CellChanges] = Codec(4, _encode_changes, _decode_changes)
+#: Of whole content, by the ``kind`` of a layer.
 CODECS: dict[str, Codec[Any]] = {"grid": TILES, "points": TABLE, "path": TABLE, "graph": GRAPH}
-_BY_NUMBER = {codec.kind: codec for codec in CODECS.values()}
+_BY_NUMBER: dict[int, Codec[Any]] = {codec.kind: codec for codec in (TILES, TABLE, GRAPH, CHANGES)}
 
 
 def join_frame(

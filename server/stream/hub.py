@@ -38,7 +38,7 @@ MAX_ANSWERS = 64  #: most unsent answers and notices of one client; older ones a
 _FIRST_SLOTS = ("hello", "layers")  # the others are sent in the order in which they were first set
 #: For what is encoded at each tick: in a tenth of the time of Python's json. Frames and scans have no NaN.
 _JSON = msgspec.json.Encoder(enc_hook=float)
-_NOTHING = Body(0, 0, (), complete=False)
+_NOTHING = Body(TILES.kind, 0, 0, (), complete=False)
 
 
 class Hub:
@@ -366,7 +366,7 @@ class Client:
             if body is not None:
                 cursor.batch = self._batch
                 room = max(0, room - sum(map(len, body.parts)))
-                out.append(self._frame(layer.codec.kind, hub.id_of(layer), body))
+                out.append(self._frame(hub.id_of(layer), body))
         if len(out) == 1:
             out.append(self._empty_frame(shown))
         self._unacknowledged.append((self._seq, hub.clock()))
@@ -376,11 +376,11 @@ class Client:
         for layer, cursor in shown:
             body = cursor.empty()
             if body is not None:
-                return self._frame(layer.codec.kind, self.hub.id_of(layer), body)
-        return self._frame(TILES.kind, 0, _NOTHING)
+                return self._frame(self.hub.id_of(layer), body)
+        return self._frame(0, _NOTHING)
 
-    def _frame(self, kind: int, layer: int, body: Body) -> bytes:
+    def _frame(self, layer: int, body: Body) -> bytes:
         self._seq += 1
         self.hub.traffic.frames += 1
         self.hub.traffic.tiles += body.tiles
-        return join_frame(kind, layer, body.epoch, self._seq, body.count, body.parts, complete=body.complete)
+        return join_frame(body.kind, layer, body.epoch, self._seq, body.count, body.parts, complete=body.complete)

@@ -16,12 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.grid import TILE, CellBox, GridGeometry, OccupancyGrid
-from mapper.grid.kernels.lattice import to_lattice
 from mapper.mapping.parameters import MappingConfig
-from server.stream.codecs import CODECS, Graph, TilePayload
+from server.stream.codecs import CHANGES, CODECS, TILES, Graph, TilePayload
 from server.stream.tiles import TilePicture, picture_range
 
-MAX_FRAME_TILES = 2048
 MAX_BODIES = 8  #: different bodies of a layer that are kept between two ticks
 
 Point = tuple[float, float]
@@ -31,6 +29,7 @@ Point = tuple[float, float]
 class Body:
     """The encoded body of a frame, with the fields of its header; ``tiles`` is the number of tiles in it."""
 
+    kind: int
     epoch: int
     count: int
     parts: Sequence[bytes]
@@ -121,6 +120,7 @@ class GridLayer(Layer):
         #: By what a client had and how much it takes: the body that it is sent, and what it has then. Of the clients
         #: that follow a session most have the same.
         self.bodies: dict[tuple[object, ...], tuple[Body | None, NDArray[np.uint32]]] = {}
+        self._changes: dict[int, Body] = {}  # by the number of updates
 
     @property
     def epoch(self) -> int:
@@ -194,6 +194,15 @@ class GridLayer(Layer):
         if self.picture is not None:
             self.picture.publish()
         self.bodies.clear()
+        self._changes.clear()
+
+    def changes(self, picture: TilePicture, updates: int) -> Body:
+        """Return a body with the cells that so many of the newest updates of the published ``picture`` changed."""
+        body = self._changes.get(updates)
+        if body is None:
+            count, parts = CHANGES.encode(picture.changes(updates))
+            body = self._changes[updates] = Body(CHANGES.kind, picture.epoch, count, (b"".join(parts),), tiles=count)
+        return body
 
     def cursor(self) -> GridCursor:
         """Return the cursor of a client that has no tile."""
@@ -208,7 +217,6 @@ class GridCursor(Cursor):
         self._picture: TilePicture | None = None
         self._announced: TilePicture | None = None
         self._has: NDArray[np.uint32] = np.zeros((0, 0), dtype=np.uint32)  # never written: cursors share it
-        self._complete = (0, -1)  #: epoch and revision of the picture at which the client was found to have all
 
     def _follow(self) -> TilePicture | None:
         """Return the layer's picture; for a new picture, clear the record."""
@@ -221,11 +229,11 @@ class GridCursor(Cursor):
     def is_behind(self) -> bool:
         """Whether tiles have to be sent."""
         picture = self._follow()
-        if picture is None or self._complete == (picture.epoch, picture.newest):
+        if picture is None or self._has is picture.revision:
             return False
         if (picture.revision != self._has).any():
             return True
-        self._complete = (picture.epoch, picture.newest)
+        self._has = picture.revision
         return False
 
     def dirty_tiles(self) -> int:
@@ -248,14 +256,23 @@ class GridCursor(Cursor):
             self._has = np.where(picture.revision <= revision, picture.revision, self._has)
 
     def take(self, room: int, share: int, focus_xy: Point, *, always: bool) -> Body | None:  # noqa: ARG002 - divided
-        """Return tiles of about ``share`` bytes, those nearest to ``focus_xy`` first."""
+        """Return the changes of the newest updates, if the client has all before them and ``share`` bytes hold them.
+
+        Otherwise return tiles of about ``share`` bytes, those nearest to ``focus_xy`` first.
+        """
         picture = self._follow()
         if picture is None:
             return None
+        updates = picture.updates_since(self._has)
+        if updates:
+            changes = self._layer.changes(picture, updates)
+            if len(changes.parts[0]) <= share:
+                self._has = picture.revision
+                return changes
         bodies = self._layer.bodies
         key = (picture.epoch, self._has.tobytes(), share, focus_xy, always)
         if key not in bodies:
-            body, has = _next_tiles(self._layer, picture, self._has, share, focus_xy, always=always)
+            body, has = _next_tiles(picture, self._has, share, focus_xy, always=always)
             if len(bodies) >= MAX_BODIES:
                 self._has = has
                 return body
@@ -266,14 +283,14 @@ class GridCursor(Cursor):
     def empty(self) -> Body | None:
         """Return a frame's body without tiles."""
         picture = self._follow()
-        return None if picture is None else Body(picture.epoch, 0, (), not self.is_behind())
+        return None if picture is None else Body(TILES.kind, picture.epoch, 0, (), not self.is_behind())
 
 
 def _next_tiles(
-    layer: GridLayer, picture: TilePicture, has: NDArray[np.uint32], share: int, focus_xy: Point, *, always: bool
+    picture: TilePicture, has: NDArray[np.uint32], share: int, focus_xy: Point, *, always: bool
 ) -> tuple[Body | None, NDArray[np.uint32]]:
     """Return the next tiles of a client with the revisions ``has``, as :meth:`Cursor.take`, and what it has then."""
-    order = _nearest_first(picture, picture.revision != has, focus_xy)
+    order = picture.nearest_first(picture.revision != has, focus_xy)
     tiles: list[TilePayload] = []
     size = 0
     for tile in picture.payloads(order):
@@ -281,28 +298,14 @@ def _next_tiles(
         if size > share and (tiles or not always):
             break
         tiles.append(tile)
-    has = has.copy()
     if not tiles:
         return None, has
+    has = has.copy()
     ty, tx = order[: len(tiles)].T
     has[ty, tx] = [tile.revision for tile in tiles]
-    count, parts = layer.codec.encode(tiles)
-    return Body(picture.epoch, count, parts, not (picture.revision != has).any(), count), has
-
-
-def _nearest_first(picture: TilePicture, dirty: NDArray[np.bool_], focus_xy: Point) -> NDArray[np.intp]:
-    """Return (n, 2) tiles (ty, tx) of the mask ``dirty``, nearest to ``focus_xy`` first, at most those of one frame."""
-    rows, cols = dirty.nonzero()
-    tiles = np.empty((len(rows), 2), dtype=np.intp)
-    tiles[:, 0], tiles[:, 1] = rows, cols
-    if len(tiles) > 1:
-        u, v = to_lattice(*focus_xy, picture.geometry.frame)
-        away = (rows - (v / TILE - 0.5)) ** 2 + (cols - (u / TILE - 0.5)) ** 2
-        if len(tiles) > MAX_FRAME_TILES:
-            nearest = np.argpartition(away, MAX_FRAME_TILES)[:MAX_FRAME_TILES]
-            tiles, away = tiles[nearest], away[nearest]
-        tiles = tiles[away.argsort(kind="stable")]
-    return tiles
+    complete = not (picture.revision != has).any()
+    count, parts = TILES.encode(tiles)
+    return Body(TILES.kind, picture.epoch, count, parts, complete, count), picture.revision if complete else has
 
 
 class WholeLayer(Layer):
@@ -387,4 +390,4 @@ class WholeCursor(Cursor):
         if not always and sum(map(len, parts)) > room:
             return None
         self._has = self._layer.number
-        return Body(self._has, count, parts)
+        return Body(self._layer.codec.kind, self._has, count, parts)

@@ -41,7 +41,7 @@ from server.stream.message_parts import (
 class Hello(Struct, tag_field="type", tag="hello"):
     """First message of a connection: description of the session."""
 
-    protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v2`")]
+    protocol: Annotated[str, Meta(description="name of the protocol, `gridbloom.v3`")]
     session: Annotated[str, Meta(description="id of the session")]
     kind: Annotated[
         str,

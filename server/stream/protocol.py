@@ -1,7 +1,7 @@
 """Frames of the stream between the server and a page: binary frames with layers, and text frames with JSON.
 
 A page opens one WebSocket for each session that it shows, `/api/sessions/{id}/stream`, with the subprotocol
-`gridbloom.v2` and without permessage-deflate.
+`gridbloom.v3` and without permessage-deflate.
 
 ## Layers
 
@@ -15,23 +15,26 @@ when it is selected again. The id of a layer is unique during the session.
 Binary frames go from the server to the browser. All numbers are little-endian.
 
 ```text
-header  kind u8 (1 = tiles, 2 = table, 3 = graph), flags u8 (bit 0: the layer is complete with this frame),
+header  kind u8 (1 = tiles, 2 = table, 3 = graph, 4 = changes), flags u8 (bit 0: the layer is complete with this frame),
         layer u16 (id), epoch u32, seq u32, count u32
 tiles   tx i16, ty i16, revision u32, nbytes u32, nbytes of zstd data          (count times)
 table   columns u16, reserved u16, then for each column count f32
 graph   columns u16, reserved u16, edges u32, then for each column count f32 (the nodes), then for each edge the indices
         of its nodes, from u32 and to u32, then for each edge a value f32
+changes revision u32, then tx i16, ty i16, cells u16, reserved u16 (count times), then for each of the cells, tile after
+        tile, place u16, then for each of them value i8
 ```
 
-Layers of the kind `grid` are sent as tiles, `points` and `path` as a table, `graph` as a graph. The names of the
-columns are in the message `layers`.
+Layers of the kind `grid` are sent as tiles and changes, `points` and `path` as a table, `graph` as a graph. The names
+of the columns are in the message `layers`.
 
 A tile is 64 x 64 int8, row 0 at the smallest y; (tx, ty) counts tiles from cell (0, 0) along columns and rows. A value
 q from -127 to +127 represents `low + (q + 127) / 254 * (high - low)`, with the limits of the layer's message
 `geometry`; -128 is a cell without a value. In a layer of the style `belief` the values are log-odds, and -128 is a cell
 that was never observed; of the values that give the cell's own state (free, unknown, occupied), q is the nearest to the
 cell's log-odds. `epoch` changes with the geometry: tiles of an older epoch are ignored. Tiles that were never sent
-have no values.
+have no values. To a browser that has all tiles, a few changed cells are sent as changes instead: `place` is the cell's
+row times 64 plus its column within the tile, `value` its new value, and `revision` that of all these tiles with them.
 
 A table or a graph is the whole content of its layer; `epoch` is the number of that content. NaN is no value.
 
@@ -72,7 +75,7 @@ import msgspec
 from server.stream.commands import Command
 from server.stream.messages import ServerMessage
 
-SUBPROTOCOL = "gridbloom.v2"
+SUBPROTOCOL = "gridbloom.v3"
 MAX_COMMAND_BYTES = 64 * 1024
 _TYPE_WORDS = {
     "float": "a number",

@@ -1,4 +1,4 @@
-"""The int8 picture of a grid, the revisions of its tiles, and each tile compressed once.
+"""The int8 picture of a grid, the revisions of its tiles, each tile compressed once, and the newest changes of cells.
 
 The picture is written by the session's computation (:meth:`TilePicture.update`, on a worker thread) and read by the
 event loop (:meth:`TilePicture.payloads`). A tile that is compressed while it is written may contain parts of two
@@ -16,9 +16,11 @@ import zstandard
 from numpy.typing import NDArray
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
+from mapper.grid.kernels.changed_cells import sort_by_tile
+from mapper.grid.kernels.lattice import to_lattice
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from server.stream.codecs import TilePayload
+from server.stream.codecs import CellChanges, TilePayload
 
 #: Level 1 for so few bytes, with smaller tables, which cost less to clear, and matches of at least seven bytes, which
 #: are found sooner: tiles are 2 % smaller and take less time than with the level's own numbers.
@@ -28,6 +30,9 @@ ZSTD_PARAMETERS = zstandard.ZstdCompressionParameters(
 #: Log-odds below which a cell is free, and above which it is occupied.
 STATE_BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
 
+#: Most changed cells that are kept, of the newest updates: more of them take more bytes than their tiles, compressed.
+MOST_CHANGES = 3072
+MAX_FRAME_TILES = 2048
 MOST_AT_ONCE = 32  #: tiles that are compressed in one call
 #: Where each of so many tiles begins in one array, and its size, as python-zstandard takes them.
 _SEGMENTS = np.array([(i * TILE * TILE, TILE * TILE) for i in range(MOST_AT_ONCE)], dtype=np.uint64).tobytes()
@@ -56,8 +61,8 @@ def picture_range(config: MappingConfig) -> tuple[float, float]:
 class TilePicture:
     """The picture of one geometry: ``cells`` (rows, cols) int8, ``revision`` (tile rows, tile cols) uint32.
 
-    Revision 0: the tile has never had a value. ``low`` … ``high`` are the values of −127 … 127. ``epoch``
-    is greater than that of any earlier picture.
+    ``revision`` is replaced, never modified. Revision 0: the tile has never had a value. ``low`` … ``high`` are
+    the values of −127 … 127. ``epoch`` is greater than that of any earlier picture.
     """
 
     def __init__(self, geometry: GridGeometry, low: float, high: float, revision: int = 0) -> None:
@@ -69,6 +74,10 @@ class TilePicture:
         tiles = (-(-geometry.rows // TILE), -(-geometry.cols // TILE))
         self.revision: NDArray[np.uint32] = np.zeros(tiles, dtype=np.uint32)
         self._changed: NDArray[np.bool_] = np.zeros(tiles, dtype=np.bool_)
+        self._cells: NDArray[np.uint32] = np.empty(MOST_CHANGES, dtype=np.uint32)  # changed since publish()
+        self._n_cells = 0  # how many changed, of which at most MOST_CHANGES are listed
+        #: Of the newest published updates, the newest last: ``revision`` before it, and the cells that it changed.
+        self._updates: list[tuple[NDArray[np.uint32], NDArray[np.uint32]]] = []
         self._payloads: dict[tuple[int, int], TilePayload] = {}
 
     def shows(self, geometry: GridGeometry, low: float, high: float) -> bool:
@@ -77,12 +86,12 @@ class TilePicture:
 
     def update(self, grid: OccupancyGrid, box: CellBox) -> int:
         """Update a box of the picture from an occupancy grid (worker thread); return the number of changed cells."""
-        return int(
-            quantise(
-                grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
-                box.row0, box.row1, box.col0, box.col1, TILE, self.cells, self._changed,
-            )
+        listed = self._n_cells
+        self._n_cells = quantise(
+            grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
+            box.row0, box.row1, box.col0, box.col1, TILE, self.cells, self._changed, self._cells, listed,
         )  # fmt: skip
+        return self._n_cells - listed
 
     def set(
         self,
@@ -119,15 +128,58 @@ class TilePicture:
         changed = differs.reshape(rows, TILE, cols, TILE).any(axis=(1, 3))
         self._changed[first_row : first_row + rows, first_col : first_col + cols] |= changed
         picture[:] = cells
+        self._n_cells = MOST_CHANGES + 1  # not listed
 
     def publish(self) -> int:
         """Give tiles that changed since the last call a new revision (event loop); return their number."""
         count = int(np.count_nonzero(self._changed))
         if count:
             self.newest += 1
+            before, self.revision = self.revision, self.revision.copy()
             self.revision[self._changed] = self.newest
             self._changed[:] = False
+            self._keep_changes(before)
+        self._n_cells = 0
         return count
+
+    def _keep_changes(self, before: NDArray[np.uint32]) -> None:
+        """Keep the cells of the newest update, and of those before it as many as there is room for."""
+        if self._n_cells > MOST_CHANGES:
+            self._updates.clear()
+            return
+        self._updates.append((before, self._cells[: self._n_cells].copy()))
+        total = sum(len(cells) for _, cells in self._updates)
+        while total > MOST_CHANGES:
+            total -= len(self._updates.pop(0)[1])
+
+    def updates_since(self, revision: NDArray[np.uint32]) -> int:
+        """Return the number of updates since ``revision`` was the picture's, the same array; 0 if they are not kept."""
+        return next((len(self._updates) - i for i, (old, _) in enumerate(self._updates) if old is revision), 0)
+
+    def changes(self, updates: int) -> CellChanges:
+        """Return what so many of the newest published updates changed (event loop).
+
+        The values are the present ones: a cell that is written meanwhile is in the next update's changes again.
+        """
+        cells = np.concatenate([cells for _, cells in self._updates[-updates:]])
+        tiles = np.zeros((len(cells), 4), dtype=np.int16)
+        places, values = np.empty(len(cells), dtype=np.uint16), np.empty(len(cells), dtype=np.int8)
+        count = sort_by_tile(self.cells, cells, TILE, tiles, places, values)
+        return CellChanges(self.newest, tiles[:count], places, values)
+
+    def nearest_first(self, mask: NDArray[np.bool_], focus_xy: tuple[float, float]) -> NDArray[np.intp]:
+        """Return (n, 2) tiles (ty, tx) of a ``mask``, nearest to ``focus_xy`` first, at most those of one frame."""
+        rows, cols = mask.nonzero()
+        tiles = np.empty((len(rows), 2), dtype=np.intp)
+        tiles[:, 0], tiles[:, 1] = rows, cols
+        if len(tiles) > 1:
+            u, v = to_lattice(*focus_xy, self.geometry.frame)
+            away = (rows - (v / TILE - 0.5)) ** 2 + (cols - (u / TILE - 0.5)) ** 2
+            if len(tiles) > MAX_FRAME_TILES:
+                nearest = np.argpartition(away, MAX_FRAME_TILES)[:MAX_FRAME_TILES]
+                tiles, away = tiles[nearest], away[nearest]
+            tiles = tiles[away.argsort(kind="stable")]
+        return tiles
 
     def payloads(self, tiles: NDArray[np.intp]) -> Iterator[TilePayload]:
         """Yield ``tiles`` (n, 2), (ty, tx), at their present revisions; each is compressed once for all clients."""

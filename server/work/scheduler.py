@@ -8,7 +8,8 @@ address share the part of the address.
 
 A job is urgent while it is interactive (a user waits for it) and has computed for at most :data:`URGENT_S`. Other jobs
 are deferred while an urgent one computes or waits: the threads of this process share the interpreter and the cores.
-They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing.
+They still get one slice after each :data:`DEFERRED_EVERY_S` of urgent computing. Urgent jobs of an address that
+computed much of late are deferred likewise while an urgent one of an address that computed much less computes or waits.
 
 While several turns are held, only the address that has computed least of late may use more than one core for its turn:
 a map that a user waits for is then made as when the user is alone, but for one core that is shared.
@@ -17,7 +18,6 @@ a map that a user waits for is then made as when the user is alone, but for one 
 from __future__ import annotations
 
 import asyncio
-import math
 import threading
 import time
 from collections import OrderedDict
@@ -27,6 +27,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
 from mapper.core.parallel import share_cores
+from server.work.recent_computing import HEAVY_S, RecentComputing
 from server.work.waiting_turns import WaitingTurns
 
 T = TypeVar("T")
@@ -34,7 +35,6 @@ T = TypeVar("T")
 SLICE_S = 0.05  #: length of a turn while others wait
 URGENT_S = 0.4  #: computing time for which a job stays urgent
 DEFERRED_EVERY_S = 0.2  #: urgent computing after which a deferred job gets a slice
-RECENT_S = 5.0  #: time after which computing counts 1 / e of what it did
 _MAX_HISTORY = 1024  #: addresses and visitors whose last turn is recorded
 
 
@@ -118,12 +118,11 @@ class Scheduler:
         self._lock = threading.Lock()
         self._urgent, self._deferrable = WaitingTurns(), WaitingTurns()  #: turns that wait
         self._running: list[Turn] = []
-        #: Number of the last turn of each address and visitor.
-        self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()
-        #: Computing of each address of late, seconds, and when it was computed.
-        self._recent: OrderedDict[str, tuple[float, float]] = OrderedDict()
+        self._served: OrderedDict[tuple[str, ...], int] = OrderedDict()  #: last turn of each address and visitor
+        self._recent = RecentComputing()
         self._count = 0
-        self._urgent_s = 0.0  #: urgent computing since the last slice of a deferred job
+        self._urgent_s = 0.0  #: urgent computing since the last slice of a job that is not urgent
+        self._light_s = 0.0  #: urgent computing since the last slice of an address that computed HEAVY_S of late
         self._startable: list[Turn] = []  #: turns that were granted, and whose tasks have no thread yet
         #: Finished tasks that their event loop has not been told of: it is woken once for all of them.
         self._finished: dict[asyncio.AbstractEventLoop, list[_Finished]] = {}
@@ -228,8 +227,8 @@ class Scheduler:
         lasted = self._clock() - turn.began
         if lasted >= self._slice_s:
             return bool(self._urgent or self._deferrable)
-        if not self._is_urgent(turn):
-            return not turn.was_deferred and self._has_urgent_besides(turn)
+        if self._is_deferred(turn):
+            return not turn.was_deferred
         return bool(self._urgent) and len(self._running) > 1 and self._is_one_too_many(turn)
 
     def _is_one_too_many(self, turn: Turn) -> bool:
@@ -238,16 +237,13 @@ class Scheduler:
         To wait for the end of a slice takes longer than many a map that a user waits for.
         """
         with self._lock:
-            if not self._urgent:  # since the caller looked
-                return False
             addresses, owners = self._held()
             own, here = turn.owner, turn.owner.address
-            other = self._urgent.first_address(addresses)
-            if addresses.get(other, 0) + 2 <= addresses[here]:
+            address = self._urgent.first_address(addresses)
+            if address is not None and addresses.get(address, 0) + 2 <= addresses[here]:
                 return True
-            if not self._urgent.waits_at(here):
-                return False
-            return owners.get(self._urgent.first_owner(here, owners), 0) + 2 <= owners[own]
+            owner = self._urgent.first_owner(here, owners)
+            return owner is not None and owners.get(owner, 0) + 2 <= owners[own]
 
     def _held(self) -> tuple[dict[str, int], dict[JobOwner, int]]:
         """Return how many turns each address and each owner holds."""
@@ -265,15 +261,11 @@ class Scheduler:
             if not others:
                 return False
             now, address = self._clock(), turn.owner.address
-            own = self._computed_of_late(address, now) + now - turn.began
+            own = self._recent.of(address, now) + now - turn.began
             return any(
-                one.owner.address == address or self._computed_of_late(one.owner.address, now) + now - one.began <= own
+                one.owner.address == address or self._recent.of(one.owner.address, now) + now - one.began <= own
                 for one in others
             )
-
-    def _computed_of_late(self, address: str, now: float) -> float:
-        seconds, at = self._recent.get(address, (0.0, now))
-        return seconds * math.exp((at - now) / RECENT_S)
 
     def yield_turn(self, turn: Turn) -> None:
         """Yield a held turn to the next job, and request another one, which may be granted at once."""
@@ -310,8 +302,18 @@ class Scheduler:
         """Return the queue of a turn that does not run: its computing time grows only while it runs."""
         return self._urgent if self._is_urgent(turn) else self._deferrable
 
-    def _has_urgent_besides(self, turn: Turn) -> bool:
-        return bool(self._urgent) or any(self._is_urgent(other) for other in self._running if other is not turn)
+    def _is_deferred(self, turn: Turn) -> bool:
+        """Return whether a turn that does not wait should wait while urgent jobs wait or run."""
+        if not self._is_urgent(turn):
+            return bool(self._urgent) or any(self._is_urgent(other) for other in self._running if other is not turn)
+        return turn.owner.address in self._heavy()
+
+    def _heavy(self) -> set[str]:
+        """Return the addresses whose urgent turns are deferred: see :meth:`RecentComputing.much_more`."""
+        if not self._recent.any_heavy(now := self._clock()):
+            return set()
+        running = (one.owner.address for one in self._running.copy() if self._is_urgent(one))
+        return self._recent.much_more({*self._urgent.addresses(), *running}, now)
 
     def _is_urgent(self, turn: Turn) -> bool:
         running_s = self._clock() - turn.began if turn in self._running else 0.0
@@ -319,16 +321,13 @@ class Scheduler:
 
     def _end_slice(self, turn: Turn) -> None:
         was_urgent = self._is_urgent(turn)
-        now, address = self._clock(), turn.owner.address
-        lasted = now - turn.began
+        lasted = (now := self._clock()) - turn.began
         self._running.remove(turn)
         turn.computed_s += lasted
-        self._recent[address] = (self._computed_of_late(address, now) + lasted, now)
-        self._recent.move_to_end(address)
-        if len(self._recent) > _MAX_HISTORY:
-            self._recent.popitem(last=False)
+        self._recent.add(turn.owner.address, lasted, now)
         if was_urgent:
             self._urgent_s += lasted
+            self._light_s += lasted
 
     def _grant_free(self) -> None:
         """Grant free turns to waiting jobs that may run."""
@@ -336,9 +335,11 @@ class Scheduler:
             self._queue_of(turn).remove(turn)
             self._running.append(turn)
             turn.began = self._clock()
+            turn.was_deferred = self._is_deferred(turn)
             if not self._is_urgent(turn):
-                turn.was_deferred = self._has_urgent_besides(turn)
                 self._urgent_s = 0.0
+            if self._recent.of(turn.owner.address, turn.began) >= HEAVY_S:
+                self._light_s = 0.0
             self._count += 1
             for key in ((turn.owner.address,), (turn.owner.address, turn.owner.visitor)):
                 self._served[key] = self._count
@@ -359,7 +360,10 @@ class Scheduler:
             self._urgent_s >= DEFERRED_EVERY_S or not (self._urgent or any(map(self._is_urgent, self._running)))
         ):
             return self._deferrable.first(*self._held())
-        return self._urgent.first(*self._held()) if self._urgent else None
+        if not self._urgent:
+            return None
+        is_their_turn = self._light_s >= DEFERRED_EVERY_S
+        return self._urgent.first(*self._held(), without=set() if is_their_turn else self._heavy())
 
 
 _current = threading.local()

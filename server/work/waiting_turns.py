@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections import deque
 from collections.abc import Hashable, Mapping
+from collections.abc import Set as AbstractSet
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 if TYPE_CHECKING:
@@ -38,14 +39,22 @@ class _ServiceOrder(Generic[K]):
         if place is not None:
             del self._order[bisect_left(self._order, place)]
 
-    def first(self, running: Mapping[K, int]) -> K:
-        """Return the first key of those with the fewest turns in ``running``. At least one key must wait."""
-        # At most as many keys as turns run are passed over.
-        best = self._order[0][2]
+    def keys(self) -> list[K]:
+        """Return the keys that wait (any thread)."""
+        return list(self._places)
+
+    def first(self, running: Mapping[K, int], without: AbstractSet[K] = frozenset()) -> K | None:
+        """Return the first key of those with the fewest turns in ``running``; None if all that wait are in ``without``.
+
+        At most as many others are looked at as there are in ``running`` and ``without``.
+        """
+        best: K | None = None
         for _, _, key in self._order:
+            if key in without:
+                continue
             if not running.get(key):
                 return key
-            if running[key] < running[best]:
+            if best is None or running[key] < running[best]:
                 best = key
         return best
 
@@ -101,18 +110,26 @@ class WaitingTurns:
         if owner in self._queues:
             self._owners[owner.address].place(owner, count, count)
 
-    def first(self, addresses: Mapping[str, int], owners: Mapping[JobOwner, int]) -> Turn:
-        """Return the next turn to grant, where addresses and owners hold so many turns. At least one must wait."""
-        return self._queues[self.first_owner(self.first_address(addresses), owners)][0]
+    def first(
+        self, addresses: Mapping[str, int], owners: Mapping[JobOwner, int], without: AbstractSet[str] = frozenset()
+    ) -> Turn | None:
+        """Return the next turn to grant, where addresses and owners hold so many turns.
 
-    def first_address(self, running: Mapping[str, int]) -> str:
+        None if no turn waits but those of the addresses ``without``.
+        """
+        address = self.first_address(addresses, without)
+        owner = None if address is None else self.first_owner(address, owners)
+        return None if owner is None else self._queues[owner][0]
+
+    def first_address(self, running: Mapping[str, int], without: AbstractSet[str] = frozenset()) -> str | None:
         """Return the waiting address with the fewest running turns that was served least recently."""
-        return self._addresses.first(running)
+        return self._addresses.first(running, without)
 
-    def first_owner(self, address: str, running: Mapping[JobOwner, int]) -> JobOwner:
-        """Return the owner at a waiting address with the fewest running turns who was served least recently."""
-        return self._owners[address].first(running)
+    def first_owner(self, address: str, running: Mapping[JobOwner, int]) -> JobOwner | None:
+        """Return the waiting owner at an address with the fewest running turns who was served least recently."""
+        owners = self._owners.get(address)
+        return None if owners is None else owners.first(running)
 
-    def waits_at(self, address: str) -> bool:
-        """Return whether a turn of the address waits."""
-        return address in self._addresses
+    def addresses(self) -> list[str]:
+        """Return the addresses of the turns (any thread)."""
+        return self._addresses.keys()

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
 import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
+from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.quantise import quantise
 from mapper.grid.merge import merged
 from mapper.grid.metrics import entropy, information_gain
-from tests.agreement.inputs import PictureCase, StatesCase, TwoMaps
+from tests.agreement.inputs import ListedCells, PictureCase, StatesCase, TwoMaps
 
 TILE = 8
 BOUNDS = (float(log_odds(FREE_THRESHOLD)), float(log_odds(OCCUPIED_THRESHOLD)))
@@ -25,8 +27,11 @@ def tiles_of(picture: np.ndarray) -> tuple[int, int]:
 def picture_by_kernel(case: PictureCase) -> tuple[Any, ...]:
     picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
     changed = np.zeros(tiles_of(picture), dtype=np.bool_)
-    count = quantise(case.log_odds, case.observed, case.low, case.high, *BOUNDS, *case.box, TILE, picture, changed)
-    return picture, changed, count
+    cells = np.zeros(case.room, dtype=np.uint32)
+    count = quantise(
+        case.log_odds, case.observed, case.low, case.high, *BOUNDS, *case.box, TILE, picture, changed, cells, 0
+    )
+    return picture, changed, count, cells if count <= case.room else None
 
 
 def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
@@ -44,9 +49,29 @@ def picture_by_textbook(case: PictureCase) -> tuple[Any, ...]:
     picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
     picture[row0:row1, col0:col1] = quantised[row0:row1, col0:col1]
     changed = np.zeros(tiles_of(picture), dtype=np.bool_)
-    for row, col in np.argwhere(picture != -128):
-        changed[row // TILE, col // TILE] = True
-    return picture, changed, np.count_nonzero(picture != -128)
+    cells = [row << 16 | col for row, col in np.argwhere(picture != -128).tolist()]
+    for cell in cells:
+        changed[(cell >> 16) // TILE, (cell & 0xFFFF) // TILE] = True
+    listed = np.array(cells + [0] * (case.room - len(cells)), dtype=np.uint32)
+    return picture, changed, len(cells), listed if len(cells) <= case.room else None
+
+
+def sorted_by_kernel(case: ListedCells) -> tuple[Any, ...]:
+    n = len(case.cells)
+    tiles, places = np.zeros((n, 3), dtype=np.int16), np.zeros(n, dtype=np.uint16)
+    values = np.zeros(n, dtype=np.int8)
+    count = sort_by_tile(case.picture, case.cells, TILE, tiles, places, values)
+    return tiles[:count], places, values
+
+
+def sorted_by_textbook(case: ListedCells) -> tuple[Any, ...]:
+    """By Python's stable sort."""
+    cells = [divmod(int(cell), 1 << 16) for cell in case.cells]
+    cells.sort(key=lambda cell: (cell[0] // TILE, cell[1] // TILE))
+    groups = itertools.groupby(cells, key=lambda cell: (cell[1] // TILE, cell[0] // TILE))
+    tiles = np.array([(*tile, len(list(group))) for tile, group in groups], dtype=np.int16).reshape(-1, 3)
+    places = np.array([row % TILE * TILE + col % TILE for row, col in cells], dtype=np.uint16)
+    return tiles, places, np.array([case.picture[cell] for cell in cells], dtype=np.int8)
 
 
 def merged_by_core(case: TwoMaps) -> tuple[Any, ...]:

@@ -195,13 +195,14 @@ def rays(draw: st.DrawFn) -> RayCase:
 
 @dataclass(frozen=True)
 class PictureCase:
-    """Log-odds, a box of them to quantise and the range to quantise over."""
+    """Log-odds, a box of them to quantise, the range to quantise over, and room for so many changed cells."""
 
     log_odds: np.ndarray
     observed: np.ndarray
     box: tuple[int, int, int, int]
     low: float
     high: float
+    room: int
 
 
 @st.composite
@@ -215,7 +216,25 @@ def pictures(draw: st.DrawFn) -> PictureCase:
         (draw(bound), draw(bound), draw(bound), draw(bound)),
         draw(some(-2.0, low=-10, high=-0.1)),
         draw(some(3.5, low=0.1, high=10)),
+        draw(st.integers(0, 400)),
     )
+
+
+@dataclass(frozen=True)
+class ListedCells:
+    """A picture and cells of it, ``row << 16 | col``, some of them twice."""
+
+    picture: np.ndarray
+    cells: np.ndarray
+
+
+@st.composite
+def listed_cells(draw: st.DrawFn) -> ListedCells:
+    rows, cols = draw(st.integers(1, 40)), draw(st.integers(1, 40))
+    random = np.random.default_rng(draw(SEEDS))
+    n = draw(st.integers(0, 60))
+    cells = random.integers(0, rows, n) << 16 | random.integers(0, cols, n)
+    return ListedCells(random.integers(-128, 128, (rows, cols)).astype(np.int8), cells.astype(np.uint32))
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,8 @@ from tests.agreement.grids import (
     merged_by_textbook,
     picture_by_kernel,
     picture_by_textbook,
+    sorted_by_kernel,
+    sorted_by_textbook,
     states_by_core,
     states_by_textbook,
 )
@@ -49,6 +51,7 @@ from tests.agreement.inputs import (
     clouds,
     depths,
     lines,
+    listed_cells,
     mapping_cases,
     pictures,
     rays,
@@ -134,6 +137,7 @@ from tests.agreement.planning import (
     spread_by_textbook,
 )
 from tests.agreement.reflection import reflected_by_kernel, reflected_by_textbook, reflection_cases
+from tests.agreement.relaxation import relaxed_by_kernel, relaxed_by_textbook, rough_paths
 from tests.agreement.sensors import (
     cloud_by_core,
     cloud_by_textbook,
@@ -266,6 +270,7 @@ TABLE = (
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
+    Row("changed cells by tile", sorted_by_kernel, sorted_by_textbook, listed_cells()),
     Row("scan out of a cloud", cloud_by_core, cloud_by_textbook, clouds()),
     Row("scan out of a depth image", depth_by_core, depth_by_textbook, depths()),
     Row("points and normals of scans", prepared_by_kernel, prepared_by_textbook, match_cases(), 1e-5),
@@ -322,6 +327,7 @@ TABLE = (
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("readings as text", text_by_kernel, text_by_encoder, readings()),
     Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
+    Row("relaxed paths of the explorer", relaxed_by_kernel, relaxed_by_textbook, rough_paths()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),

@@ -131,7 +131,7 @@ def _at_the_end(person: httpx.Client, address: str, path: Path, stack: ExitStack
     stream = stack.enter_context(
         connect(
             f"{address.replace('http', 'ws', 1)}/api/sessions/{answer.json()['id']}/stream",
-            subprotocols=["gridbloom.v2"],  # type: ignore[list-item]
+            subprotocols=["gridbloom.v3"],  # type: ignore[list-item]
             compression=None,
             max_size=None,
             additional_headers={"Cookie": "; ".join(f"{k}={v}" for k, v in person.cookies.items())},

@@ -141,7 +141,7 @@ def sharing(log: ScanLog) -> None:
                 cookie = "; ".join(f"{name}={value}" for name, value in cookies.items())
                 with connect(
                     address,
-                    subprotocols=[Subprotocol("gridbloom.v2")],
+                    subprotocols=[Subprotocol("gridbloom.v3")],
                     additional_headers={"Cookie": cookie},
                     max_size=None,
                 ) as socket:

@@ -182,7 +182,7 @@ def streaming(port: int, session: str) -> Iterator[None]:
         connection.sendall(
             f"GET /api/sessions/{session}/stream HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n".encode()
             + b"Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-            + b"Sec-WebSocket-Protocol: gridbloom.v2\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+            + b"Sec-WebSocket-Protocol: gridbloom.v3\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
         )
         assert connection.recv(12) == b"HTTP/1.1 101"
         yield

@@ -90,7 +90,7 @@ def test_no_port_answers_another_sites_page_without_the_token(guarded: tuple[int
                     assert set(answer.json()) == {"code", "message", "detail"}
                 for path in ("/", scene, f"/api/sessions/{session_id}/stream"):
                     for origin in (f"https://{EVIL}", f"http://127.0.0.1:{one}", "null", None):
-                        for protocol in (VISER, "gridbloom.v2"):
+                        for protocol in (VISER, "gridbloom.v3"):
                             with pytest.raises((InvalidHandshake, EOFError)):
                                 opened(one, path, host, origin, protocol)
         assert ports == {port}

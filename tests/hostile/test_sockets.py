@@ -75,7 +75,7 @@ def open_raw(service: Service, session_id: str, receive_buffer: int | None = Non
     connection.sendall(
         f"GET /api/sessions/{session_id}/stream HTTP/1.1\r\nHost: 127.0.0.1:{service.port}\r\n".encode()
         + b"Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-        + b"Sec-WebSocket-Protocol: gridbloom.v2\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+        + b"Sec-WebSocket-Protocol: gridbloom.v3\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
     )
     answer = b""
     while b"\r\n\r\n" not in answer:

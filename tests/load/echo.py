@@ -27,7 +27,7 @@ def application(text_bytes: int, tile_bytes: int) -> object:
             await send({"type": "lifespan.shutdown.complete"})
             return
         await receive()
-        await send({"type": "websocket.accept", "subprotocol": "gridbloom.v2"})
+        await send({"type": "websocket.accept", "subprotocol": "gridbloom.v3"})
         with contextlib.suppress(Exception):
             seq = 0
             while True:

@@ -45,5 +45,5 @@ def ending(*counts: int) -> None:
     print(f"load {os.getloadavg()[0]:.1f} before the run; a viewer for each session, 1 of 10 stalled")
     for count in counts or (1, 64):
         with service(count, 4) as process:
-            seconds = asyncio.run(_ended(begun(process, count), process.pid, process.port))
+            seconds = asyncio.run(_ended(begun(process.port, count), process.pid, process.port))
         print(f"{count:>4} sessions: {seconds:.2f} s from SIGTERM to the end of the process", flush=True)

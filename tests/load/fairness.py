@@ -54,7 +54,7 @@ def _fine_maps(server: str, _: int, over: threading.Event) -> None:
     """Have the whole log mapped with cells of 2 cm, again and again."""
     with _session(server) as (_http, session_id):
         address = f"{server.replace('http', 'ws', 1)}/api/sessions/{session_id}/stream"
-        with connect(address, subprotocols=[Subprotocol("gridbloom.v2")], max_size=None) as stream:
+        with connect(address, subprotocols=[Subprotocol("gridbloom.v3")], max_size=None) as stream:
             slider = Slider(stream)
             slider.at_the_end(600)
             for resolution in itertools.cycle((0.02, 0.021)):
@@ -147,7 +147,7 @@ def fairness() -> None:
         session_id, count, cookies = begin(server, LOG)
         cookie = "; ".join(f"{name}={value}" for name, value in cookies.items())
         address = f"{server.replace('http', 'ws', 1)}/api/sessions/{session_id}/stream"
-        headers, protocols = {"Cookie": cookie}, [Subprotocol("gridbloom.v2")]
+        headers, protocols = {"Cookie": cookie}, [Subprotocol("gridbloom.v3")]
         for case in ("long stories", *CASES):
             alone: list[float] = []
             beside: list[float] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from tests.load.served import echo, figures, service
-from tests.load.sessions import HEAD, begun, row
+from tests.load.sessions import HEAD, row, streams
 from tests.load.viewer import PERIOD_S
 
 
@@ -15,9 +15,9 @@ def followers(*counts: int) -> None:
     print(HEAD)
     for count in counts or (300,):
         with service(4, count + 1) as process:
-            ours = figures([(process, path) for path in begun(process, 1)] * count, count // 10, PERIOD_S)
+            ours = figures([process], streams(process.port, 1) * count, count // 10, PERIOD_S)
         with echo(ours.text_bytes, ours.tile_bytes) as process:
-            theirs = figures([(process, "/")] * count, count // 10, PERIOD_S)
+            theirs = figures([process], [(process.port, "/")] * count, count // 10, PERIOD_S)
         print(row(f"{count} followers", ours))
         print(row(f"{count} echoes", theirs))
         print(f"{'ratio':<20}{'':>55}{ours.us_per_frame / theirs.us_per_frame:>11.1f}", flush=True)

@@ -13,7 +13,7 @@ import httpx
 
 from server.sessions.registry import REAP_EVERY_S
 from tests.load.served import Process, service
-from tests.load.sessions import WHO, begun
+from tests.load.sessions import begun, who
 
 SESSIONS = 64
 SILENT = 10_000
@@ -41,15 +41,15 @@ def memory(*counts: int) -> None:
     count, silent = (*counts, *(SESSIONS, SILENT)[len(counts) :])[:2]
     print(f"load {os.getloadavg()[0]:.1f} before the run; resident memory of the service, MB")
     with service(count, 4) as process:
-        first = begun(process, 1)  # what the first session loads is not its own
+        first = begun(process.port, 1)  # what the first session loads is not its own
         before = _steady_mb(process)
-        paths = begun(process, count - 1)
+        paths = begun(process.port, count - 1)
         with_all = _steady_mb(process)
-        with httpx.Client(base_url=f"http://127.0.0.1:{process.port}", timeout=60.0, headers=WHO) as http:
+        with httpx.Client(base_url=f"http://127.0.0.1:{process.port}", timeout=60.0, headers=who(0)) as http:
             for path in (*first, *paths):
                 http.delete(path.removesuffix("/stream")).raise_for_status()
             after = _steady_mb(process)
-            again = begun(process, count - 1)
+            again = begun(process.port, count - 1)
             repeated = _steady_mb(process)
             for path in again:
                 http.delete(path.removesuffix("/stream")).raise_for_status()

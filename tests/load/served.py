@@ -9,12 +9,18 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
+import httpx
 import numpy as np
 
+from tests.browser.running import free_port
+from tests.haproxy import running_haproxy
 from tests.load.viewer import watch
+from tests.server.library.postgresql import running_postgresql
+from tests.server.service import until
 
 SECONDS = 10.0
 
@@ -62,8 +68,11 @@ def _process(command: Sequence[str], **environment: str) -> Iterator[Process]:
 
 
 @contextmanager
-def service(sessions: int, clients: int, threads: int | None = None) -> Iterator[Process]:
-    """Run the service with room for so many sessions, and clients of each; ``threads`` compute maps, None: as set."""
+def service(sessions: int, clients: int, threads: int | None = None, stores: Sequence[str] = ()) -> Iterator[Process]:
+    """Run the service with room for so many sessions, and clients of each; ``threads`` compute maps, None: as set.
+
+    ``stores`` are the options of a database and a store of logs that it shares with others.
+    """
     with tempfile.TemporaryDirectory() as folder:
         limits = {
             "GRIDBLOOM_MAX_SESSIONS": str(sessions),
@@ -83,9 +92,35 @@ def service(sessions: int, clients: int, threads: int | None = None) -> Iterator
             "0",
             "--data-dir",
             folder,
+            *stores,
         ]
         with _process(command, **limits) as process:
             yield process
+
+
+@contextmanager
+def replicas(sessions: int, clients: int, count: int) -> Iterator[tuple[list[Process], int]]:
+    """Run so many services of one thread each on one PostgreSQL and one folder, behind HAProxy.
+
+    Yields the services, and the proxy's port once it reaches them.
+    """
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        cluster = stack.enter_context(running_postgresql())
+        stores = ["--database", cluster.new_database(), "--blobs", str(folder / "blobs")]
+        services = [stack.enter_context(service(sessions, clients, 1, stores)) for _ in range(count)]
+        port = free_port()
+        address = stack.enter_context(running_haproxy(folder, port, [one.port for one in services]))
+        with httpx.Client(base_url=address, timeout=60.0) as http:
+            until(lambda: _is_ready(http))
+        yield services, port
+
+
+def _is_ready(http: httpx.Client) -> bool:
+    try:
+        return http.get("/readyz").is_success
+    except httpx.TransportError:
+        return False
 
 
 @contextmanager
@@ -95,14 +130,13 @@ def echo(text_bytes: int, tile_bytes: int) -> Iterator[Process]:
         yield process
 
 
-def figures(streams: Sequence[tuple[Process, str]], stalled: int, period_s: float) -> Figures:
-    """Watch ``streams``, processes and paths, the last ``stalled`` of them without reading.
+def figures(processes: Sequence[Process], streams: Sequence[tuple[int, str]], stalled: int, period_s: float) -> Figures:
+    """Watch ``streams``, ports and paths, the last ``stalled`` of them without reading.
 
-    Return what the viewers saw, and what it cost in the same seconds.
+    Return what the viewers saw, and what it cost the ``processes`` in the same seconds.
     """
-    places = [(process.port, path) for process, path in streams]
-    pids = {process.pid for process, _ in streams}
-    seen, lasted, cpu, own = asyncio.run(watch(places, SECONDS, stalled=stalled, pids=[*pids]))
+    pids = [process.pid for process in processes]
+    seen, lasted, cpu, own = asyncio.run(watch(streams, SECONDS, stalled=stalled, pids=pids))
     rates = np.array([len(one.ages) / lasted for one in seen])
     ages = np.concatenate([one.ages for one in seen])
     frames = sum(len(one.ages) for one in seen)

@@ -18,7 +18,7 @@ PERIOD_S = 0.1  #: between two looks of a viewer
 _UPGRADE = (
     "GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
-    "Sec-WebSocket-Protocol: gridbloom.v2\r\n\r\n"
+    "Sec-WebSocket-Protocol: gridbloom.v3\r\n\r\n"
 )
 
 

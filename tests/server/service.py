@@ -19,7 +19,6 @@ from typing import Any
 import httpx
 import msgspec
 import numpy as np
-import zstandard
 from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
@@ -29,6 +28,7 @@ from server.serving import Server, listen, make_server
 from server.sessions import KINDS, Kind, SessionNotFoundError
 from server.settings import Settings
 from server.stream.messages import ServerMessage
+from tests.server.stream.applied_frames import apply_frame
 
 PATIENCE_S = 240.0  #: how long a test waits for what a machine with other work to do is slow at; only then it fails
 SCAN = ("scan_pose", "ranges", "angle_min", "angle_increment", "range_max")  # of a frame message: only when new
@@ -67,7 +67,7 @@ async def eventually(condition: Callable[[], bool]) -> None:
 
 def stream_at(address: str, **more: Any) -> Any:
     """Open the stream at an address."""
-    return connect(address, subprotocols=["gridbloom.v2"], compression=None, max_size=None, **more)  # type: ignore[list-item]
+    return connect(address, subprotocols=["gridbloom.v3"], compression=None, max_size=None, **more)  # type: ignore[list-item]
 
 
 class Service:
@@ -196,23 +196,13 @@ class Watcher:
 
     async def _tiles(self, data: bytes) -> None:
         kind, flags, layer, epoch, seq, count = struct.unpack_from("<BBHIII", data)
-        assert kind == 1
+        assert kind in (1, 4)
         if layer != self.layer_id():
             self.unacknowledged = seq
             self.of_other_layers[layer] = self.of_other_layers.get(layer, 0) + count
             return
-        at = 16
-        for _ in range(count):
-            tx, ty, revision, nbytes = struct.unpack_from("<hhII", data, at)
-            at += 12
-            raw = zstandard.ZstdDecompressor().decompress(data[at : at + nbytes])
-            at += nbytes
-            tile = np.frombuffer(raw, dtype=np.int8).reshape(64, 64)
-            if epoch == self.epoch:
-                into = self.picture[ty * 64 : ty * 64 + 64, tx * 64 : tx * 64 + 64]
-                into[:] = tile[: into.shape[0], : into.shape[1]]
-            self.revision = max(self.revision, revision)
-        assert at == len(data)
+        if epoch == self.epoch:
+            self.revision = max(self.revision, apply_frame(data, self.picture)[0])
         self.frames += 1
         self.unacknowledged = seq
         self.complete = bool(flags & 1) and epoch == self.epoch

@@ -76,9 +76,9 @@ def test_no_log_line_contains_a_secret(
         httpx.get(f"{base}/?token={TOKEN}", timeout=PATIENCE_S)
         httpx.get(f"{base}/api/sessions/{session_id}?token=wrong-{TOKEN}", timeout=PATIENCE_S)
         for one in (session_id, guest_id, world_id):
-            visit(service, f"/api/sessions/{one}/stream", "gridbloom.v2")
+            visit(service, f"/api/sessions/{one}/stream", "gridbloom.v3")
             visit(service, f"/scenes/{one}/", f"viser-v{viser.__version__}")
-        visit(service, f"/api/sessions/{session_id}/stream", "gridbloom.v2", refused=True)
+        visit(service, f"/api/sessions/{session_id}/stream", "gridbloom.v3", refused=True)
         until(lambda: len(service.state.scenes) == 3)
         with monkeypatch.context() as patched:
             patched.setattr("server.scenes.scene.Scene._draw", failing)

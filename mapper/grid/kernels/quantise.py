@@ -1,11 +1,13 @@
-"""From log-odds to the int8 picture that goes over the wire, and which of its tiles changed."""
+"""From log-odds to the int8 picture that goes over the wire, and which of its tiles and cells changed."""
 
 from __future__ import annotations
 
-from numpy import int8, int32
+import numpy as np
+from numpy import int8, int32, uint32
 
-from mapper.core.array_types import BoolArray, Float32Array, Int8Array
+from mapper.core.array_types import BoolArray, Float32Array, Int8Array, UInt32Array
 from mapper.core.jit import jit
+from mapper.grid.kernels.changed_cells import ROW_SHIFT
 
 NEVER_OBSERVED = -128  #: the picture's value for a cell that no beam touched
 
@@ -25,15 +27,18 @@ def quantise(
     tile: int,
     picture: Int8Array,
     changed: BoolArray,
+    cells: UInt32Array,
+    listed: int,
 ) -> int:
-    """Bring the box [row0, row1) × [col0, col1) of ``picture`` up to date; return how many of its cells changed.
+    """Bring the box [row0, row1) × [col0, col1) of ``picture`` up to date; return ``listed`` + how many cells changed.
 
     ``log_odds`` (rows, cols) float32, ``observed`` (rows, cols) bool; ``picture`` (rows, cols) int8 is written, and
     ``changed`` (⌈rows / tile⌉, ⌈cols / tile⌉) bool becomes true for each tile of ``tile`` × ``tile`` cells in which a
     cell's value changed. Log-odds ``low`` … ``high`` spread over −127 … 127, values beyond are held at the ends;
     −128 is "never observed". Each value is the nearest one of the same state, free below and occupied above two
     log-odds: the picture never shows a cell in another state than it is in. The part of the box outside the grid is
-    ignored.
+    ignored. Changed cells are listed in ``cells`` (n,) uint32, as ``row << 16 | col``, from the entry ``listed`` on;
+    those for which there is no more room are only counted.
     """
     rows, cols = log_odds.shape
     scale = 254.0 / (high - low)
@@ -51,7 +56,8 @@ def quantise(
         int32(least_occupied - 1),
         int32(least_occupied),
     )
-    count = 0
+    count = listed
+    quantised = np.empty(tile, dtype=int8)
     col_low, col_high = max(col0, 0), min(col1, cols)
     for r in range(max(row0, 0), min(row1, rows)):
         start = col_low
@@ -75,9 +81,17 @@ def quantise(
                 q = int32(127) if q > 127 else q
                 new = int8(q) if seen[c] else int8(NEVER_OBSERVED)
                 differing += int32(shown[c] != new)
-                shown[c] = new
+                quantised[c] = new
             if differing > 0:
                 changed[r // tile, start // tile] = True
+                if count + differing <= len(cells):
+                    at = count
+                    for c in range(stop - start):
+                        if shown[c] != quantised[c]:
+                            cells[at] = uint32((r << ROW_SHIFT) | (start + c))
+                            at += 1
+                for c in range(stop - start):
+                    shown[c] = quantised[c]
                 count += int(differing)
             start = stop
     return count

@@ -41,27 +41,48 @@ _FAR_OUT = 1 << 30  # cells: no line from beyond comes near a grid, and all othe
 
 
 @jit
-def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int, limit: float, resolution: float,
-             inclusive: bool) -> int:  # fmt: skip
+def _slope(major: int, minor: int) -> int:
+    """Return the steps along the minor axis for one along the major axis, in fixed point, rounded up."""
+    steps = uint64(max(major, 1))
+    return int(((uint64(minor) << uint64(_BITS)) + steps - uint64(1)) // steps)
+
+
+@jit
+def _is_within(d_u: float, d_v: float, limit: float, resolution: float, inclusive: bool) -> bool:
+    """Return whether √(d_u² + d_v²) · resolution < ``limit``, which is not negative, or with ``inclusive`` equal to it.
+
+    The root is taken only where the squares are so close that rounding may decide.
+    """
+    square = d_u * d_u + d_v * d_v
+    apart = square * (resolution * resolution) - limit * limit
+    if abs(apart) > 1e-9 * limit * limit:
+        return apart < 0.0
+    s = sqrt(square) * resolution
+    return s < limit or (inclusive and s == limit)
+
+
+@jit
+def _reaches(u: float, v: float, row: int, col: int, end_row: int, end_col: int, slope: int, length: float,
+             limit: float, resolution: float, inclusive: bool) -> int:  # fmt: skip
     """Return how many cells at the start of a line have their centre nearer to (u, v) than ``limit`` metres.
 
     Along a line that starts in the cell of (u, v) the distance never falls: the search starts at an
-    estimate and steps to the border.
+    estimate and steps to the border. ``slope`` is that of :func:`_slope`, ``length`` of the line in cells, at least 1.
     """
+    if limit < 0.0:
+        return 0
     d_row, d_col = abs(end_row - row), abs(end_col - col)
     s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
     steep = d_row > d_col
-    major, minor = (d_row, d_col) if steep else (d_col, d_row)
-    twice = max(2 * major, 1)
-    guess = limit / resolution * major / max(sqrt(float(major * major + minor * minor)), 1.0)
+    major = d_row if steep else d_col
+    guess = limit / resolution * major / length
     i = int(min(max(guess, 0.0), float(major)))
     falling = False
     while 0 <= i <= major:
-        n = (2 * i * minor + major) // twice
+        n = (_HALF + i * slope) >> _BITS
         d_v = row + s_row * (i if steep else n) + 0.5 - v
         d_u = col + s_col * (n if steep else i) + 0.5 - u
-        s = sqrt(d_u * d_u + d_v * d_v) * resolution
-        if s < limit or (inclusive and s == limit):
+        if _is_within(d_u, d_v, limit, resolution, inclusive):
             if falling:
                 return i + 1
             i += 1
@@ -142,8 +163,11 @@ def plan_lines(
                 px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
                 eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
                 end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
-                near = _reaches(u, v, row, col, end_row, end_col, z - half, resolution, False)
-                far = _reaches(u, v, row, col, end_row, end_col, z + half, resolution, True)
+                d_row, d_col = abs(end_row - row), abs(end_col - col)
+                slope = _slope(max(d_row, d_col), min(d_row, d_col))
+                length = max(sqrt(float(d_row * d_row + d_col * d_col)), 1.0)
+                near = _reaches(u, v, row, col, end_row, end_col, slope, length, z - half, resolution, False)
+                far = _reaches(u, v, row, col, end_row, end_col, slope, length, z + half, resolution, True)
                 at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
             lines[ROW, j], lines[COL, j], lines[END_ROW, j], lines[END_COL, j] = row, col, end_row, end_col
             lines[NEAR, j], lines[FAR, j], lines[AT, j] = near, far, at

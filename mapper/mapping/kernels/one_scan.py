@@ -2,19 +2,48 @@
 
 from __future__ import annotations
 
-from math import floor
+from math import floor, sqrt
 
 import numpy as np
+from numpy import uint64
 
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
 from mapper.core.jit import jit
-from mapper.grid.kernels.lattice import Frame, to_lattice
-from mapper.mapping.kernels.bresenham import LINE_FIELDS, draw_lines, plan_lines, reach
-from mapper.mapping.kernels.types import Cells, LogOddsUpdate, ReadingFilter, Scans
+from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
+from mapper.mapping.kernels.bresenham import _BITS, _HALF, _clip, _reaches, _slope, _step_at, reach
+from mapper.mapping.kernels.negative_zero import _without_minus_zero
+from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter
 
 _to_lattice = jit(to_lattice)
+_cell_of = jit(cell_of)
 
 BEYOND = -1  #: the scan reaches beyond the grid, which has to grow first
+
+
+@jit
+def _add_steps(
+    log_odds: Float32Array, observed: BoolArray, start: int, along: int, across: int, slope: int, begin: int, end: int,
+    left_out: int, increment: np.float32, low: np.float32, high: np.float32, clamped: np.float32,
+) -> None:  # fmt: skip
+    """Add ``increment`` to the steps [begin, end) of a line but ``left_out``, where the cell is not ``clamped``."""
+    position = _HALF + begin * slope
+    for i in range(begin, end):
+        cell = uint64(start + i * along + (position >> _BITS) * across)
+        position += slope
+        value = log_odds[cell]
+        if value != clamped and i != left_out:
+            log_odds[cell] = min(max(value + increment, low), high)
+            observed[cell] = True
+
+
+@jit
+def _clamped(increment: np.float32, low: np.float32, high: np.float32, log_odds_prior: float) -> np.float32:
+    """Return the log-odds at which ``increment`` changes nothing, in cells that were observed; NaN if there are none.
+
+    A cell that was never observed holds the prior.
+    """
+    limit = low if increment <= np.float32(0.0) else high
+    return limit if limit != np.float32(log_odds_prior) else np.float32(np.nan)
 
 
 @jit
@@ -27,30 +56,96 @@ def add_scan(
     frame: Frame,
     reading_filter: ReadingFilter,
     log_odds_update: LogOddsUpdate,
+    log_odds_prior: float,
     box: Int64Array,
 ) -> int:
     """Add one scan to ``log_odds`` and ``observed`` (rows, cols); return the number of cell updates.
 
     Where the scan reaches beyond the grid, :data:`BEYOND` is returned, and nothing was written. ``ranges`` (n_beams,)
     metres, ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser``, ``beams`` (n_beams, 2) cosine and sine of the bearings.
+    Cells that are not ``observed`` hold ``log_odds_prior``; a cell at the clamp is only read.
     ``box`` (4,) int64 (row0, row1, col0, col1), half-open, is widened to hold what was touched. The same bits as
-    :func:`plan_lines` and :func:`draw_lines` give, which it calls; its textbook is theirs.
+    :func:`plan_lines` and :func:`draw_lines` of :mod:`mapper.mapping.kernels.bresenham` give; its textbook is theirs.
     """
     rows, cols = log_odds.shape
-    readings = ranges.reshape(1, len(ranges))
+    n_beams = ranges.shape[0]
     sensors = np.empty((1, 4))
     sensors[0, 0], sensors[0, 1], sensors[0, 2], sensors[0, 3] = sensor
     bounds = np.array([np.inf, np.inf, -np.inf, -np.inf])
-    reach(readings, sensors, beams, reading_filter, bounds)
+    reach(ranges.reshape(1, n_beams), sensors, beams, reading_filter, bounds)
     for corner in range(4):
         u, v = _to_lattice(bounds[2 * (corner % 2)], bounds[1 + 2 * (corner // 2)], frame)
         if not (0 <= floor(v) < rows and 0 <= floor(u) < cols):
             return BEYOND
-    lines = np.empty((LINE_FIELDS, len(ranges)), dtype=np.int32)
-    work = np.zeros(rows + 1)
-    reached = np.array([rows, 0, cols, 0])
-    # Lines need no fields and no headings: the bearings, which have the right type, are passed for them.
-    scans = Scans(readings, sensors, beams, beams, beams)
-    plan_lines(scans, frame, reading_filter, 0, lines, work, reached)
-    cells = Cells(log_odds.reshape(-1), observed.reshape(-1), cols)
-    return draw_lines(cells, lines, log_odds_update, False, 0, rows, box, True)
+    x, y, cos, sin = sensor
+    range_min, range_max, window, growth, no_return_free = reading_filter
+    resolution = frame.resolution
+    miss, hit, low, high = _without_minus_zero(log_odds_update)
+    miss_clamped, hit_clamped = _clamped(miss, low, high, log_odds_prior), _clamped(hit, low, high, log_odds_prior)
+    flat, flat_observed = log_odds.reshape(-1), observed.reshape(-1)
+    u, v = _to_lattice(x, y, frame)
+    row, col = int(_cell_of(v)), int(_cell_of(u))
+    top, bottom, left, right = box[0], box[1], box[2], box[3]
+    count = 0
+    for k in range(n_beams):
+        z = float(ranges[k])
+        no_return = z > range_max
+        if no_return:
+            if not no_return_free:
+                continue
+            z = range_max
+        elif not z >= range_min:  # too near, NaN or −Inf
+            continue
+        cos_k, sin_k = beams[k, 0], beams[k, 1]
+        px, py = z * cos_k, z * sin_k
+        eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
+        hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
+        end_row, end_col = hit_row, hit_col
+        half = 0.0
+        if window > 0.0 and not no_return:
+            half = 0.5 * (window + growth * z)
+            px, py = (z + half) * cos_k, (z + half) * sin_k
+            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
+            end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
+        d_row, d_col = abs(end_row - row), abs(end_col - col)
+        s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
+        steep = d_row > d_col
+        major, minor = (d_row, d_col) if steep else (d_col, d_row)
+        slope = _slope(major, minor)
+        near, stop, at = major, major, major
+        if no_return:
+            near, stop, at = major + 1, major + 1, -1
+        elif window > 0.0:
+            length = max(sqrt(float(d_row * d_row + d_col * d_col)), 1.0)
+            near = _reaches(u, v, row, col, end_row, end_col, slope, length, z - half, resolution, False)
+            stop = _reaches(u, v, row, col, end_row, end_col, slope, length, z + half, resolution, True)
+            at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
+        first = 0
+        stop = min(stop, major + 1)
+        if min(row, end_row) < 0 or max(row, end_row) >= rows or min(col, end_col) < 0 or max(col, end_col) >= cols:
+            # Rounding may put an end out of the grid.
+            first, stop = _clip(row, s_row, 0, rows, major, minor, steep, first, stop)
+            first, stop = _clip(col, s_col, 0, cols, major, minor, not steep, first, stop)
+        if first < stop:
+            start = row * cols + col
+            along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)
+            middle = max(min(near, stop), first)
+            _add_steps(flat, flat_observed, start, along, across, slope, first, middle, at, miss, low, high,
+                       miss_clamped)  # fmt: skip
+            _add_steps(flat, flat_observed, start, along, across, slope, middle, stop, at, hit, low, high,
+                       hit_clamped)  # fmt: skip
+            count += stop - first - (1 if first <= at < stop else 0)
+            n0, n1 = (_HALF + first * slope) >> _BITS, (_HALF + (stop - 1) * slope) >> _BITS
+            r0, r1 = row + s_row * (first if steep else n0), row + s_row * (stop - 1 if steep else n1)
+            c0, c1 = col + s_col * (n0 if steep else first), col + s_col * (n1 if steep else stop - 1)
+            top, bottom = min(top, r0, r1), max(bottom, r0 + 1, r1 + 1)
+            left, right = min(left, c0, c1), max(right, c0 + 1, c1 + 1)
+        if not no_return and 0 <= hit_row < rows and 0 <= hit_col < cols:
+            cell = uint64(hit_row * cols + hit_col)
+            flat[cell] = min(max(flat[cell] + hit, low), high)
+            flat_observed[cell] = True
+            top, bottom = min(top, hit_row), max(bottom, hit_row + 1)
+            left, right = min(left, hit_col), max(right, hit_col + 1)
+            count += 1
+    box[0], box[1], box[2], box[3] = top, bottom, left, right
+    return count

@@ -35,6 +35,11 @@ SEARCHED_POINTS = 20  #: of a path, among which the nearest to the robot is soug
 GOAL_POINTS = 14  #: points before its end at which a path is not looked at yet
 ARRIVED = 0.7  #: metres before a goal at which the next is chosen, so that the robot does not halt
 STUCK_AFTER = 2.5  #: seconds without progress after which the goal is given up
+OPEN = 0.9  #: metres of clearance above which the robot is in the open
+
+MOTION_S, MOTION_SAMPLES = 0.5, 5  #: the motion that is tested ahead: seconds, and places in it beyond the first
+MOVED = 0.2  #: metres along an axis after which the edges near by are chosen again
+REACH = MOVED + MAX_LINEAR * MOTION_S + 0.05  #: metres along each axis within which places are tested against them
 
 #: The state of a robot that :func:`drive` changes: ``T_map_base`` (m, m, rad) now and a step ago, velocities (m/s,
 #: rad/s), the commanded ones, the place (m, m) and the time (s) of its last progress, and the first point of the path
@@ -103,6 +108,27 @@ def _half_turned(angle: float) -> float:
 @jit
 def _clip(value: float, limit: float) -> float:
     return max(-limit, min(limit, value))
+
+
+@jit
+def _near_by(segments: Float64Array, radius: float, x: float, y: float) -> Float64Array:
+    """Return the edges, in their order, that decide at places within :data:`REACH` of (x, y) along both axes.
+
+    That is, the edges within the greatest distance that a decision asks for, and those that a ray to the right, by
+    which :func:`nearest_edge` tells the inside of solids, may cross. All edges where the robot does not fit.
+    """
+    room = REACH + max(OPEN, radius + 0.1) + 1e-6
+    near = np.empty((segments.shape[0], 4))
+    count = 0
+    for k in range(segments.shape[0]):
+        ax, ay, bx, by = segments[k, 0] - x, segments[k, 1] - y, segments[k, 2] - x, segments[k, 3] - y
+        right, low, high = max(ax, bx), min(ay, by), max(ay, by)
+        is_close = (min(ax, bx) <= room) & (right >= -room) & (low <= room) & (high >= -room)
+        may_be_crossed = (right >= -room) & (low <= REACH + 1e-6) & (high >= -REACH - 1e-6)
+        for i in range(4):
+            near[count, i] = segments[k, i]
+        count += 1 if is_close | may_be_crossed else 0
+    return near[:count] if nearest_edge(near[:count], x, y, np.zeros(2)) >= radius else segments
 
 
 @jit
@@ -175,24 +201,30 @@ def _needs_plan(path: Float64Array, time: float, state: Float64Array) -> bool:
 
 
 @jit
-def _steer(segments: Float64Array, radius: float, path: Float64Array, state: Float64Array, two: float) -> None:
-    """Command the velocities that follow the path; ``two`` is 2.
+def _steer(
+    segments: Float64Array, near: Float64Array, radius: float, path: Float64Array, state: Float64Array, two: float
+) -> None:
+    """Command the velocities that follow the path; ``near`` is :func:`_near_by` of ``segments``, ``two`` is 2.
 
     See :meth:`mapper.simulation.textbook_driving.Drive.velocities`.
     """
     x, y, yaw = state[X], state[Y], state[YAW]
     left = path[int(state[FIRST]) :]
     ahead = min(left.shape[0] - 1, LOOKAHEAD_POINTS)
-    target = farthest_in_sight(segments, x, y, left, ahead, radius + 0.1)
+    beside = near
+    for i in range(1, ahead + 1):
+        if not (abs(left[i, 0] - x) <= REACH - MOVED and abs(left[i, 1] - y) <= REACH - MOVED):
+            beside = segments
+    target = farthest_in_sight(beside, x, y, left, ahead, radius + 0.1)
     if target == 0:
-        target = farthest_in_sight(segments, x, y, left, ahead, radius + MARGIN / 2)
+        target = farthest_in_sight(beside, x, y, left, ahead, radius + MARGIN / 2)
     if target == 0:
         target = min(1, ahead)
     target_x, target_y = left[target, 0], left[target, 1]
     bearing = _half_turned(math.atan2(target_y - y, target_x - x) - yaw)
     distance = max(0.3, _hypot(target_x - x, target_y - y))
-    clearance = nearest_edge(segments, x, y, np.zeros(2))
-    speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / 0.5))
+    clearance = nearest_edge(near, x, y, np.zeros(2))
+    speed = CAREFUL + (CRUISE - CAREFUL) * min(1.0, max(0.0, (clearance - 0.4) / (OPEN - 0.4)))
     # A power whose exponent the compiler does not know, as Python's: a product differs in the last bit now and then.
     facing = max(0.0, math.cos(bearing)) ** two if abs(bearing) < 1.2 else 0.0
     linear = speed * facing
@@ -203,7 +235,7 @@ def _steer(segments: Float64Array, radius: float, path: Float64Array, state: Flo
     angular = max(-MAX_ANGULAR, min(MAX_ANGULAR, angular))
     needed = min(radius + SPARE, clearance) - 1e-6
     for _ in range(3):
-        if arc_clearance(segments, x, y, yaw, linear, angular, 0.5, 5) >= needed:
+        if arc_clearance(near, x, y, yaw, linear, angular, MOTION_S, MOTION_SAMPLES) >= needed:
             state[WANTED_LINEAR], state[WANTED_ANGULAR] = linear, angular
             return
         linear *= 0.5
@@ -229,15 +261,21 @@ def drive(
     after which a scan is due at ``next_scan`` seconds, and after one after which the explorer notes where the robot is.
     ``known`` is what of the first decision is known; ``two`` is 2.
     """
+    near = segments
+    centre_x = centre_y = np.nan
     for done in range(count):
         number = steps + done
+        x, y = state[X], state[Y]
+        if known != VELOCITIES and not (abs(x - centre_x) <= MOVED and abs(y - centre_y) <= MOVED):
+            centre_x, centre_y = x, y
+            near = _near_by(segments, radius, x, y)
         if number % CONTROL_STEPS == 0 and known != VELOCITIES:
             if known == NOTHING and _needs_plan(path, number * STEP, state):
                 return done
-            _steer(segments, radius, path, state, two)
+            _steer(segments, near, radius, path, state, two)
         if known == PATH:
             known = NOTHING
-        _step(segments, radius, state)
+        _step(near, radius, state)
         if number % NOTE_STEPS == 0 or (number + 1) * STEP >= next_scan - 1e-9:
             return done + 1
     return count

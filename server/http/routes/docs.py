@@ -29,7 +29,7 @@ def _page(document: dict[str, Any]) -> str:
         f"<title>{escape(info['title'])}: HTTP interface</title></head><body><main>"
         f"<h1>{escape(info['title'])} {escape(info['version'])}: HTTP interface</h1>"
         '<p>For programs: <a href="/api/openapi.json">the OpenAPI document</a>. The stream of a session is a WebSocket '
-        "at <code>/api/sessions/{session_id}/stream</code>, subprotocol <code>gridbloom.v2</code>. Every error is "
+        "at <code>/api/sessions/{session_id}/stream</code>, subprotocol <code>gridbloom.v3</code>. Every error is "
         "<code>{code, message, detail}</code>.</p>"
         f"{sections}</main></body></html>"
     )

@@ -18,7 +18,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import public
-from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
+from server.http.services import AllPuzzles, FileDownloads, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session
 from server.library import Library
 from server.library.puzzles import MadePuzzle, PuzzleGoneError
@@ -68,6 +68,16 @@ def _public(made: MadePuzzle) -> dict[str, Any]:
 async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> dict[str, Any]:
     """Return the puzzles that come with the program, the faults that can be added, and this visitor's own puzzles."""
     return puzzles.described() | {"mine": [_public(one) for one in library.puzzles.of(visitor)]}
+
+
+@router.get("/api/puzzles/{puzzle}/map.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
+async def picture(downloads: FileDownloads, puzzles: AllPuzzles, puzzle: str, *, dark: bool = False) -> Response:
+    """Return a small picture of the map that an attempt at a puzzle that comes with the program begins with."""
+    return Response(
+        await puzzles.pictures.png(puzzle, downloads.run, dark=dark),
+        media_type="image/png",
+        headers={"Cache-Control": "private, max-age=300"},
+    )
 
 
 @router.post("/api/puzzles", status_code=201)

@@ -5,7 +5,7 @@ import { decompress } from "fzstd";
 import { byteAt } from "../grid/cellValues";
 import { Cells } from "../render/map/cells";
 import type { MapPicture } from "../render/map/mapPicture";
-import type { TilesFrame } from "../wire/decodeFrame";
+import type { ChangesFrame, TilesFrame } from "../wire/decodeFrame";
 import { type Geometry, ProtocolError } from "../wire/protocol";
 
 /** Called for a cell that is observed for the first time or crosses log-odds 0; `now` is performance.now(). */
@@ -47,7 +47,7 @@ export class DisplayedMap {
     this.#isRemade = true;
   }
 
-  takeTiles(frame: TilesFrame): void {
+  takeTiles(frame: TilesFrame | ChangesFrame): void {
     const coming = this.#coming;
     const picture = coming ?? this.#map.peek();
     if (!picture || picture.geometry.epoch !== frame.epoch) return; // of an older epoch
@@ -55,16 +55,20 @@ export class DisplayedMap {
     const listener = coming || !this.#complete || this.#isRemade ? null : this.onCellChange;
     const now = performance.now();
     const onChange = listener ? (row: number, col: number): void => listener(row, col, now) : undefined;
-    for (const tile of frame.tiles) {
-      let values: Uint8Array;
-      try {
-        // Without an output buffer: given one, fzstd allocates a tiny array whose buffer costs a browser more than the tile.
-        values = decompress(tile.data);
-        picture.cells.setTile(tile.tx, tile.ty, values, undecided, onChange);
-      } catch (error) {
-        throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
+    if (frame.kind === "changes") {
+      for (const { tx, ty, places, values } of frame.tiles)
+        picture.cells.setCells(tx, ty, places, values, undecided, onChange);
+      this.#newest = Math.max(this.#newest, frame.revision);
+    } else {
+      for (const tile of frame.tiles) {
+        try {
+          // Without an output buffer: given one, fzstd allocates a tiny array whose buffer costs a browser more than the tile.
+          picture.cells.setTile(tile.tx, tile.ty, decompress(tile.data), undecided, onChange);
+        } catch (error) {
+          throw new ProtocolError("tile.data", `Tile (${tile.tx}, ${tile.ty}) cannot be read: ${String(error)}`);
+        }
+        this.#newest = Math.max(this.#newest, tile.revision);
       }
-      this.#newest = Math.max(this.#newest, tile.revision);
     }
     batch(() => {
       if (coming && (frame.complete || performance.now() - coming.since > STALE_PICTURE_MS)) this.#show();

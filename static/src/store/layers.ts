@@ -110,7 +110,7 @@ export class Layers {
   take(frame: BinaryFrame): void {
     const info = this.#infos.peek().find(({ id }) => id === frame.layer);
     if (!info || !this.#watchers.has(info.name)) return; // removed, or no longer subscribed
-    if (frame.kind === "tiles") this.grid(info.name).takeTiles(frame);
+    if (frame.kind === "tiles" || frame.kind === "changes") this.grid(info.name).takeTiles(frame);
     else if (info.kind !== "grid") {
       const { columns, kind, style } = info;
       const { edges = null, values = null } = frame.kind === "graph" ? frame : {};

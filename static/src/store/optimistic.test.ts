@@ -121,7 +121,7 @@ function slowServer(judge: (value: number) => number | null) {
   const store: Store = new Store(send, new Outbox(send, (task) => void setTimeout(task, 16)));
   const hello: Hello = {
     type: "hello",
-    protocol: "gridbloom.v2",
+    protocol: "gridbloom.v3",
     session: "s",
     kind: "simulation",
     title: "t",

@@ -31,7 +31,7 @@ test("the outbox sends the newest of each kind, once per frame, with all values 
 
 const hello = (epoch_id: string): Hello => ({
   type: "hello",
-  protocol: "gridbloom.v2",
+  protocol: "gridbloom.v3",
   session: "s",
   kind: "simulation",
   title: "t",

@@ -100,7 +100,7 @@ class RecordingReceiver implements Receiver {
 
 const hello = {
   type: "hello",
-  protocol: "gridbloom.v2",
+  protocol: "gridbloom.v3",
   session: "s",
   kind: "simulation",
   title: "t",

@@ -189,7 +189,7 @@ export class Stream {
     const frame = decodeFrame(data);
     this.traffic.bytes += data.byteLength;
     this.traffic.frames++;
-    if (frame.kind === "tiles") this.traffic.tiles += frame.tiles.length;
+    if (frame.kind === "tiles" || frame.kind === "changes") this.traffic.tiles += frame.tiles.length;
     this.#receiver.take(frame);
     this.#environment.painted(() => {
       if (this.#socket === socket) this.send({ type: "ack", seq: frame.seq });

@@ -1,5 +1,6 @@
 /** The binary frames of the stream: a header, and a body that the decoder of the frame's kind reads. */
 
+import { type ChangesBody, decodeChanges } from "./decodeChanges";
 import { decodeGraph, decodeTable, type GraphBody, type TableBody } from "./decodeTable";
 import { decodeTiles, type TilesBody } from "./decodeTiles";
 import { ProtocolError } from "./protocol";
@@ -18,12 +19,22 @@ interface Header {
 }
 
 export type TilesFrame = Header & TilesBody;
-export type BinaryFrame = Header & (TilesBody | TableBody | GraphBody);
+export type ChangesFrame = Header & ChangesBody;
+export type BinaryFrame = Header & (TilesBody | ChangesBody | TableBody | GraphBody);
 
-type Decoder = (view: DataView<ArrayBuffer>, at: number, count: number) => TilesBody | TableBody | GraphBody;
+type Decoder = (
+  view: DataView<ArrayBuffer>,
+  at: number,
+  count: number,
+) => TilesBody | ChangesBody | TableBody | GraphBody;
 
 /** By the number in the header. */
-const DECODERS: Readonly<Record<number, Decoder>> = { 1: decodeTiles, 2: decodeTable, 3: decodeGraph };
+const DECODERS: Readonly<Record<number, Decoder>> = {
+  1: decodeTiles,
+  2: decodeTable,
+  3: decodeGraph,
+  4: decodeChanges,
+};
 
 /** Read a binary frame. Throws {@link ProtocolError} for one that is cut or of an unknown kind. */
 export function decodeFrame(buffer: ArrayBuffer): BinaryFrame {

@@ -57,7 +57,7 @@ function columnsOf(buffer: ArrayBuffer, first: number, columns: number, count: n
 }
 
 /** The frame has `first` bytes and then exactly `rest`, or any number of them. */
-function checkSize(view: DataView, first: number, rest?: number): void {
+export function checkSize(view: DataView, first: number, rest?: number): void {
   const size = view.byteLength;
   if (size < first + (rest ?? 0)) {
     throw new ProtocolError("frame.cut", `The frame states ${first + (rest ?? 0)} bytes and has ${size}.`);

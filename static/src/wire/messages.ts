@@ -18,7 +18,7 @@ import {
 } from "./checks";
 
 /** Version of the protocol, as the WebSocket's subprotocol. */
-export const SUBPROTOCOL = "gridbloom.v2";
+export const SUBPROTOCOL = "gridbloom.v3";
 
 /** value of a parameter */
 export type Value = number | string | boolean;
@@ -428,7 +428,7 @@ export interface ClassView {
 /** First message of a connection: description of the session. */
 export interface Hello {
   readonly type: "hello";
-  /** name of the protocol, `gridbloom.v2` */
+  /** name of the protocol, `gridbloom.v3` */
   readonly protocol: string;
   /** id of the session */
   readonly session: string;

@@ -49,6 +49,20 @@ describe("what the server writes is read", () => {
     expect([...read.values]).toEqual(values);
   });
 
+  test.each(vectors.changes.map((frame, i) => [i, frame] as const))("changes %i", (_, { hex, tiles, ...header }) => {
+    const read = decodeFrame(bytes(hex).buffer);
+    if (read.kind !== "changes") throw new Error(read.kind);
+    expect(read).toMatchObject({ ...header, complete: true });
+    expect(
+      read.tiles.map(({ tx, ty, places, values }) => ({
+        tx,
+        ty,
+        places: [...places],
+        values: [...new Int8Array(values)],
+      })),
+    ).toEqual(tiles);
+  });
+
   test.each(vectors.broken.map(({ hex, code }) => [hex.slice(0, 40), hex, code] as const))(
     "refused: %s…",
     (_, hex, code) => {
@@ -122,7 +136,7 @@ describe("text frames", () => {
     ["a message", '{"type":"weather","rain":true}', "message.unknown"],
     ["a message named as a method", '{"type":"toString"}', "message.unknown"],
     ["a session kind", JSON.stringify({ ...hello, kind: "slam" }), "hello.kind"],
-    ["a protocol", JSON.stringify({ ...hello, protocol: "gridbloom.v3" }), "hello.protocol"],
+    ["a protocol", JSON.stringify({ ...hello, protocol: "gridbloom.v4" }), "hello.protocol"],
   ])("%s of a newer server means that the page is outdated", (_, text, code) => {
     let thrown: unknown;
     try {

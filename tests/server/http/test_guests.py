@@ -130,6 +130,7 @@ NEVER = {
     ("PUT", "/api/classes/{code}/puzzle"),
     ("DELETE", "/api/classes/{code}/puzzle"),
     ("GET", "/api/puzzles"),
+    ("GET", "/api/puzzles/{puzzle}/map.png"),
     ("POST", "/api/puzzles"),
     ("DELETE", "/api/puzzles/{token}"),
     ("POST", "/api/puzzles/{puzzle}/sessions"),

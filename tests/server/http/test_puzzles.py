@@ -10,9 +10,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
+from numpy.typing import NDArray
+from PIL import Image
 
 from mapper.puzzles import CAUSES
+from server.library.log_picture import DARK, LIGHT
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for
 
 TOKEN = "long enough"
@@ -162,3 +166,34 @@ def test_a_class_solves_a_puzzle_and_its_results_have_no_names(
     assert owner.delete(path).status_code == 204
     assert owner.delete(f"/api/classes/{code}").status_code == 204
     assert guest.get(f"/api/sessions/{session}").status_code in (401, 404)
+
+
+def pixels(client: httpx.Client, path: str) -> NDArray[np.uint8]:
+    answer = client.get(path)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "image/png"
+    return np.asarray(Image.open(io.BytesIO(answer.content)).convert("RGB"))
+
+
+def test_the_picture_of_a_puzzle_is_the_map_that_an_attempt_begins_with(owner: httpx.Client) -> None:
+    picture = pixels(owner, "/api/puzzles/doorway/map.png")
+    session = begun(owner, "/api/puzzles/doorway/sessions")
+    grid = owner.get(f"/api/sessions/{session}/map.pgm")  # 0 occupied, 254 free, 205 unknown, as map_server writes
+    state = np.asarray(Image.open(io.BytesIO(grid.content)))
+    seen = state != 205
+    rows, cols = (seen.any(axis=axis).nonzero()[0] for axis in (1, 0))
+    state = state[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
+    drawn = np.select([(picture == colour).all(axis=2) for colour in LIGHT[:3]], [205, 254, 0], 99)
+    pixels_per_cell = max(drawn.shape) // max(state.shape)
+    assert pixels_per_cell > 1
+    # Cells between the two thresholds may lie at the border.
+    assert np.abs(np.subtract(drawn.shape, np.multiply(state.shape, pixels_per_cell))).max() <= 2 * pixels_per_cell
+    for value in (0, 254):
+        assert (drawn == value).sum() == (state == value).sum() * pixels_per_cell**2
+    dark = pixels(owner, "/api/puzzles/doorway/map.png?dark=true")
+    assert ((dark == DARK[2]).all(axis=2) == (drawn == 0)).all()
+
+
+def test_an_unknown_puzzle_has_no_picture(owner: httpx.Client) -> None:
+    answer = owner.get("/api/puzzles/nothing/map.png")
+    assert (answer.status_code, answer.json()["code"]) == (422, "puzzle.unknown")

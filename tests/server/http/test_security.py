@@ -66,7 +66,7 @@ async def test_other_sites_pages_can_neither_change_nor_watch(service: Service, 
         answer = service.http.request(method, path, headers={"origin": origin})
         assert is_error(answer, 403, "security.origin")
     with pytest.raises(InvalidStatus) as refused:
-        await connect(service.address(session_id), origin=origin, subprotocols=["gridbloom.v2"])  # type: ignore[arg-type,list-item]
+        await connect(service.address(session_id), origin=origin, subprotocols=["gridbloom.v3"])  # type: ignore[arg-type,list-item]
     assert refused.value.response.status_code == 403
     assert service.http.get(f"/api/sessions/{session_id}").status_code == 200
 
@@ -152,7 +152,7 @@ async def test_a_socket_needs_the_token_too(guarded: Service) -> None:
     guarded.http.headers["authorization"] = f"Bearer {TOKEN}"
     session_id = guarded.begin()
     with pytest.raises(InvalidStatus):
-        await connect(guarded.address(session_id), subprotocols=["gridbloom.v2"])  # type: ignore[list-item]
+        await connect(guarded.address(session_id), subprotocols=["gridbloom.v3"])  # type: ignore[list-item]
     async with guarded.connect(session_id, additional_headers={"authorization": f"Bearer {TOKEN}"}) as socket:
         assert json.loads(await socket.recv())["type"] == "hello"
 

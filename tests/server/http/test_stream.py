@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from websockets.asyncio.client import connect
+from websockets.typing import Subprotocol
 
 from mapper.io.maps import pgm_bytes
 from mapper.mapping.parameters import LOG_ONLY
@@ -317,9 +318,19 @@ async def test_the_socket_of_an_ended_session_is_closed_with_its_reason(service:
         assert socket.close_code == 4410
 
 
+async def test_a_page_of_an_older_protocol_hears_of_the_newer_one(service: Service) -> None:
+    older = Subprotocol("gridbloom.v2")
+    async with connect(service.address(service.begin()), subprotocols=[older]) as socket:
+        assert socket.subprotocol == older
+        hello = json.loads(await asyncio.wait_for(socket.recv(), PATIENCE_S))
+        assert (hello["type"], hello["protocol"]) == ("hello", "gridbloom.v3")
+        await until_closed(socket)
+        assert socket.close_code == 1008
+
+
 async def test_the_stream_is_not_compressed_twice(service: Service) -> None:
-    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v2"]) as socket:  # type: ignore[list-item]
-        assert socket.subprotocol == "gridbloom.v2"
+    async with connect(service.address(service.begin()), subprotocols=["gridbloom.v3"]) as socket:  # type: ignore[list-item]
+        assert socket.subprotocol == "gridbloom.v3"
         assert "Sec-WebSocket-Extensions" not in socket.response.headers  # type: ignore[union-attr]
 
 

@@ -207,7 +207,7 @@ async def test_the_page(service: Service) -> None:
 async def test_a_client_of_another_version_is_refused(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     url = f"ws://127.0.0.1:{service.port}/scenes/{session.id}"
-    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v2")]):
+    for protocols in (None, [Subprotocol("viser-v0.0.1")], [Subprotocol("gridbloom.v3")]):
         with pytest.raises((InvalidStatus, ConnectionClosed)):
             async with connect(url, subprotocols=protocols) as socket:
                 await socket.recv()

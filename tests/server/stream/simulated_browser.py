@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import json
 import struct
+from collections import Counter
 from typing import Any
 
 import numpy as np
-import zstandard
 
 from mapper.grid import CellBox, GridGeometry, OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from server.stream.hub import Hub
 from server.stream.layers import GridLayer
 from server.stream.tiles import TilePicture
+from tests.server.stream.applied_frames import apply_frame
 
 ROWS, COLS = 64 * 4, 64 * 5
 TICK_S = 1.0 / 30.0
@@ -60,6 +61,12 @@ class Source:
         self.grid.observed[row, col] = True
         self.layer.update(self.grid, self.config, CellBox(row, row + 1, col, col + 1), whole=False)
 
+    def fill(self, row: int, col: int, rows: int, cols: int, value: float) -> None:
+        box = np.s_[row : row + rows, col : col + cols]
+        self.grid.log_odds[box] = value
+        self.grid.observed[box] = True
+        self.layer.update(self.grid, self.config, CellBox(row, row + rows, col, col + cols), whole=False)
+
     def publish(self, *, settled: bool = False) -> None:
         self.hub.publish({"index": self.hub.frame_number}, {"scan": self.hub.frame_number}, (0.0, 0.0), settled=settled)
 
@@ -76,6 +83,7 @@ class Browser:
         self.kept: tuple[int, int] | None = None  #: (epoch, revision) of the newest complete picture
         self.times: list[float] = []
         self.order: list[tuple[int, int]] = []
+        self.kinds: Counter[int] = Counter()
 
     def read(self) -> int:
         """Take what is sent; return the number of messages."""
@@ -96,20 +104,16 @@ class Browser:
 
     def _apply(self, frame: bytes) -> None:
         kind, flags, layer, epoch, seq, count = struct.unpack_from("<BBHIII", frame)
-        assert (kind, layer) == (1, 1)
+        assert kind in (1, 4)
+        assert layer == 1
         assert seq == self.seq + 1
         assert epoch == self.epoch
-        at, self.seq = 16, seq
-        for _ in range(count):
-            tx, ty, revision, nbytes = struct.unpack_from("<hhII", frame, at)
-            at += 12
-            tile = np.frombuffer(zstandard.decompress(frame[at : at + nbytes]), dtype=np.int8).reshape(64, 64)
-            at += nbytes
-            into = self.cells[64 * ty : 64 * ty + 64, 64 * tx : 64 * tx + 64]
-            into[:] = tile[: into.shape[0], : into.shape[1]]
-            self.order.append((ty, tx))
-            self.newest = max(getattr(self, "newest", 0), revision)
-        assert at == len(frame)
+        self.seq = seq
+        newest, places = apply_frame(frame, self.cells)
+        assert len(places) == count
+        self.order += places
+        self.kinds[kind] += 1
+        self.newest = max(getattr(self, "newest", 0), newest)
         if flags & 1:
             self.kept = (epoch, getattr(self, "newest", 0))
 

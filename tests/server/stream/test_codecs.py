@@ -10,7 +10,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from server.stream.codecs import CODECS, GRAPH, TABLE, TILES, Codec, Graph, TilePayload, decode_frame, encode_frame
+from server.stream.codecs import (
+    CHANGES,
+    CODECS,
+    GRAPH,
+    TABLE,
+    TILES,
+    CellChanges,
+    Codec,
+    Graph,
+    TilePayload,
+    decode_frame,
+    encode_frame,
+)
 from server.stream.protocol import ProtocolError
 
 U16, U32 = st.integers(0, 2**16 - 1), st.integers(0, 2**32 - 1)
@@ -40,10 +52,21 @@ def graphs(draw: st.DrawFn) -> Graph:
     )
 
 
+@st.composite
+def changes(draw: st.DrawFn) -> CellChanges:
+    numbers = draw(st.lists(st.integers(0, 6), max_size=4))
+    tiles = np.zeros((len(numbers), 4), dtype=np.int16)
+    tiles[:, :2] = draw(arrays(np.int16, (len(numbers), 2)))
+    tiles[:, 2] = numbers
+    places = draw(arrays(np.uint16, sum(numbers), elements=st.integers(0, 4095)))
+    return CellChanges(draw(U32), tiles, places, draw(arrays(np.int8, sum(numbers))))
+
+
 CONTENTS = st.one_of(
     PAYLOADS.map(lambda content: (TILES, content)),
     TABLES.map(lambda content: (TABLE, content)),
     graphs().map(lambda content: (GRAPH, content)),
+    changes().map(lambda content: (CHANGES, content)),
 )
 
 
@@ -54,6 +77,9 @@ def assert_same(codec: Codec[Any], read: Any, content: Any) -> None:
     pairs = [(read, content)]
     if codec is GRAPH:
         pairs = [(read.nodes, content.nodes), (read.edges, content.edges), (read.values, content.values)]
+    if codec is CHANGES:
+        assert read.revision == content.revision
+        pairs = list(zip(read[1:], content[1:], strict=True))
     for one, other in pairs:
         assert (one.shape, one.tobytes()) == (other.shape, other.tobytes())
 
@@ -80,6 +106,16 @@ def test_the_bytes_are_those_of_the_protocols_text() -> None:
         "03 00 0200 03000000 04000000 02000000  0200 0000 01000000  0000803f 00000040  000080bf 0000807f"
         "01000000 00000000  00000040"
     )
+    changes = CellChanges(
+        9,
+        np.array([[-2, 3, 2, 0], [1, 0, 1, 0]], dtype=np.int16),
+        np.array([4095, 1, 64], dtype=np.uint16),
+        np.array([-128, 5, 127], dtype=np.int8),
+    )
+    assert encode_frame(CHANGES, changes, layer=2, epoch=3, seq=4) == bytes.fromhex(
+        "04 00 0200 03000000 04000000 02000000  09000000  feff 0300 0200 0000  0100 0000 0100 0000"
+        "ff0f 0100 4000  80057f"
+    )
 
 
 @given(CONTENTS, st.data())
@@ -98,6 +134,14 @@ def test_an_edge_to_no_node_is_refused() -> None:
     with pytest.raises(ProtocolError, match="node 3 of 3") as refused:
         decode_frame(encode_frame(GRAPH, graph, layer=1, epoch=1, seq=1))
     assert refused.value.code == "frame.edge"
+
+
+def test_a_cell_beyond_its_tile_is_refused() -> None:
+    tiles = np.array([[0, 0, 1, 0]], dtype=np.int16)
+    outside = CellChanges(1, tiles, np.array([4096], dtype=np.uint16), np.zeros(1, dtype=np.int8))
+    with pytest.raises(ProtocolError, match="4096 cells") as refused:
+        decode_frame(encode_frame(CHANGES, outside, layer=1, epoch=1, seq=1))
+    assert refused.value.code == "frame.cell"
 
 
 def test_each_encoding_has_its_own_number() -> None:

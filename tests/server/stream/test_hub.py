@@ -14,12 +14,16 @@ from hypothesis import strategies as st
 from mapper.grid import CellBox
 from server.stream.hub import ACK_TIMEOUT_S, MAX_ANSWERS, SLOW_ACK_S, Client
 from server.stream.protocol import ProtocolError
+from server.stream.tiles import MOST_CHANGES
 from tests.server.stream.simulated_browser import COLS, ROWS, TICK_S, Browser, Source
 
 ACTIONS = st.lists(
     st.one_of(
         st.tuples(
             st.just("paint"), st.integers(0, 1000), st.integers(0, 1000), st.sampled_from([-2.0, -0.4, 0.0, 0.85, 3.5])
+        ),
+        st.tuples(
+            st.just("fill"), st.integers(0, 200), st.integers(0, 200), st.integers(1, 99), st.sampled_from([-1.0, 1.0])
         ),
         st.tuples(st.just("publish")),
         st.tuples(st.just("read")),
@@ -41,6 +45,9 @@ def test_in_the_end_every_client_has_the_picture(actions: list[tuple[Any, ...]])
         match name:
             case "paint":
                 source.paint(*arguments)
+            case "fill":
+                row, col, side, value = arguments
+                source.fill(row, col, side, side, value)
             case "publish":
                 source.publish()
             case "read":
@@ -278,6 +285,54 @@ def test_resume_of_another_epoch_changes_nothing() -> None:
     assert client.dirty_tiles == 1
     client.resume("map", source.epoch, source.picture.newest)
     assert client.dirty_tiles == 0
+
+
+def test_few_changes_are_sent_alone_and_many_as_tiles() -> None:
+    source = Source()
+    source.paint(3, 4, 1.0)
+    source.publish()
+    browser, behind = Browser(source), Browser(source)
+    for one in (browser, behind):
+        one.read()
+        one.acknowledge()
+        assert one.kinds == {1: 1}
+    for row in (70, 71):  # two updates, in two tiles each
+        source.fill(row, 50, 1, 30, -1.0)
+        source.publish()
+        browser.read()
+        browser.acknowledge()
+    assert browser.kinds == {1: 1, 4: 2}
+    assert browser.order[-4:] == 2 * [(1, 0), (1, 1)]
+    behind.read()  # both updates at once
+    behind.acknowledge()
+    assert behind.kinds == {1: 1, 4: 1}
+    assert source.hub.traffic.tiles == 2 + 4 + 2
+    source.fill(0, 0, 64, MOST_CHANGES // 64 + 1, 2.0)
+    source.publish()
+    for one in (browser, behind):
+        one.read()
+        assert one.kinds[1] == 2
+        assert one.cells.tobytes() == source.picture.cells.tobytes()
+
+
+def test_a_client_that_missed_more_updates_than_are_kept_gets_tiles() -> None:
+    source = Source()
+    source.publish()
+    behind, late = Browser(source), Browser(source)
+    for one in (behind, late):
+        one.read()
+        one.acknowledge()
+    for row in range(0, 160, 40):
+        late.read()
+        late.acknowledge()
+        source.fill(row, 0, MOST_CHANGES // 100, 40, 1.0)
+        source.publish()
+    kinds = late.kinds.copy()
+    for one in (behind, late):
+        one.read()
+        assert one.cells.tobytes() == source.picture.cells.tobytes()
+    assert behind.kinds[4] == 0
+    assert late.kinds - kinds == {4: 1}
 
 
 def test_clients_with_the_same_tiles_are_sent_the_same_bytes_and_others_what_they_lack():

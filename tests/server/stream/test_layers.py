@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
-from server.stream.codecs import GRAPH, TABLE, TILES, decode_frame
+from server.stream.codecs import CHANGES, GRAPH, TABLE, TILES, decode_frame
 from server.stream.hub import MIN_BATCH_BYTES, Hub
 from server.stream.layers import GraphLayer, GridLayer, Layer, TableLayer
+from tests.server.stream.applied_frames import apply_frame
 from tests.server.stream.simulated_browser import Clock
 
 SHAPE = (128, 192)
@@ -76,16 +76,13 @@ class Page:
             return
         name = self.names[frame.layer]
         self.frames.append((name, len(data)))
-        if frame.kind != TILES.kind:
+        if frame.kind not in {TILES.kind, CHANGES.kind}:
             self.contents[name] = frame.content
             return
         assert frame.epoch == self.epochs[name]
-        for tile in frame.content:
-            values = np.frombuffer(zstandard.decompress(tile.data), dtype=np.int8).reshape(64, 64)
-            into = self.cells[name][64 * tile.ty : 64 * tile.ty + 64, 64 * tile.tx : 64 * tile.tx + 64]
-            into[:] = values[: into.shape[0], : into.shape[1]]
-            self.revisions[name] = max(self.revisions.get(name, 0), tile.revision)
-            self.tiles += 1
+        revision, places = apply_frame(data, self.cells[name])
+        self.revisions[name] = max(self.revisions.get(name, 0), revision)
+        self.tiles += len(places)
 
     def catch_up(self) -> None:
         """Read and acknowledge until nothing comes any more."""

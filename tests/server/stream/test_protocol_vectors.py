@@ -20,11 +20,23 @@ from mapper.grid import GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
 from mapper.mapping.traversal import bresenham
 from server.stream import commands, messages
-from server.stream.codecs import GRAPH, HEADER, TABLE, TILES, Graph, TilePayload, decode_frame, encode_frame
+from server.stream.codecs import (
+    CHANGES,
+    GRAPH,
+    HEADER,
+    TABLE,
+    TILES,
+    CellChanges,
+    Graph,
+    TilePayload,
+    decode_frame,
+    encode_frame,
+)
 from server.stream.protocol import ProtocolError, decode_command, encode_text
 from server.stream.tiles import STATE_BOUNDS
 from tests.server.stream.examples import COMMANDS, MESSAGES
 
+UNLISTED = np.empty(0, dtype=np.uint32)
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "wire" / "protocol.vectors.json"
 TILE = 64
 
@@ -106,6 +118,28 @@ def graphs() -> list[dict[str, Any]]:
     return out
 
 
+def changes() -> list[dict[str, Any]]:
+    """Binary frames with changes of cells, and what is in them."""
+    out = []
+    for layer, epoch, seq, revision, tiles in (
+        (1, 1, 1, 0, []),
+        (65535, 4294967295, 2, 4294967295, [(-3, 300, [0, 4095, 64], [-128, 127, 1]), (32767, -32768, [7], [-1])]),
+        (2, 7, 9, 3, [(0, 0, [], []), (0, 1, [5], [5])]),
+    ):
+        content = CellChanges(
+            revision,
+            np.array([(tx, ty, len(places), 0) for tx, ty, places, _ in tiles], dtype=np.int16).reshape(-1, 4),
+            np.array([place for _, _, places, _ in tiles for place in places], dtype=np.uint16),
+            np.array([value for _, _, _, values in tiles for value in values], dtype=np.int8),
+        )
+        frame = encode_frame(CHANGES, content, layer=layer, epoch=epoch, seq=seq, complete=True)
+        said = [{"tx": tx, "ty": ty, "places": places, "values": values} for tx, ty, places, values in tiles]
+        out.append(
+            {"hex": frame.hex(), "layer": layer, "epoch": epoch, "seq": seq, "revision": revision, "tiles": said}
+        )
+    return out
+
+
 def broken() -> list[dict[str, str]]:
     """Frames that cannot be read, and the code that says why."""
     payloads = [TilePayload(0, 0, 1, b"abcdef"), TilePayload(1, 0, 2, b"gh")]
@@ -116,16 +150,24 @@ def broken() -> list[dict[str, str]]:
         encode_frame(TILES, payloads, layer=1, epoch=1, seq=1),
         encode_frame(TABLE, nodes, layer=1, epoch=1, seq=1),
         encode_frame(GRAPH, Graph(nodes, edge, value), layer=1, epoch=1, seq=1),
+        encode_frame(CHANGES, cells_at(4095), layer=1, epoch=1, seq=1),
     ):
         bad += [whole[:cut] for cut in range(0, len(whole), 5)] + [whole + b"x", b"\x09" + whole[1:]]
     bad += [b"", encode_frame(GRAPH, Graph(nodes, edge + 1, value), layer=1, epoch=1, seq=1)]
-    bad += [HEADER.pack(kind, 0, 0, 1, 1, 0xFFFFFFFF) + bytes([255] * 8) for kind in (1, 2, 3)]
+    bad += [encode_frame(CHANGES, cells_at(4096), layer=1, epoch=1, seq=1)]
+    bad += [HEADER.pack(kind, 0, 0, 1, 1, 0xFFFFFFFF) + bytes([255] * 8) for kind in (1, 2, 3, 4)]
     out = []
     for frame in bad:
         with pytest.raises(ProtocolError) as error:
             decode_frame(frame)
         out.append({"hex": frame.hex(), "code": error.value.code})
     return out
+
+
+def cells_at(place: int) -> CellChanges:
+    """Changes of two cells of tile (0, 1), at places 3 and ``place``."""
+    tiles, places = np.array([[0, 1, 2, 0]], dtype=np.int16), np.array([3, place], dtype=np.uint16)
+    return CellChanges(5, tiles, places, np.array([1, -1], dtype=np.int8))
 
 
 def lattices() -> list[dict[str, Any]]:
@@ -158,7 +200,22 @@ def quantised() -> dict[str, Any]:
     observed = np.ones_like(values, dtype=np.bool_)
     observed[0, 0] = False
     picture = np.full(values.shape, NEVER_OBSERVED, dtype=np.int8)
-    quantise(values, observed, low, high, *STATE_BOUNDS, 0, 1, 0, 40, TILE, picture, np.zeros((1, 1), dtype=np.bool_))
+    quantise(
+        values,
+        observed,
+        low,
+        high,
+        *STATE_BOUNDS,
+        0,
+        1,
+        0,
+        40,
+        TILE,
+        picture,
+        np.zeros((1, 1), dtype=np.bool_),
+        UNLISTED,
+        0,
+    )
     return {
         "low": low,
         "high": high,
@@ -180,6 +237,7 @@ def vectors() -> dict[str, Any]:
         "frames": frames(),
         "tables": tables(),
         "graphs": graphs(),
+        "changes": changes(),
         "broken": broken(),
         "messages": [encode_text(message) for message in MESSAGES],
         "commands": [encode_text(command) for command in COMMANDS],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
@@ -10,7 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from mapper.core.parallel import cores
-from server.work.scheduler import DEFERRED_EVERY_S, RECENT_S, URGENT_S, JobOwner, Scheduler, Turn, checkpoint
+from server.work.recent_computing import HEAVY_S, LIGHTER, RECENT_S, RecentComputing
+from server.work.scheduler import DEFERRED_EVERY_S, URGENT_S, JobOwner, Scheduler, Turn, checkpoint
 from tests.server.service import PATIENCE_S
 
 SLICE_S = 1.0 / 16.0  #: exact in binary, so that sums of it are
@@ -208,6 +210,91 @@ def test_the_address_that_computed_least_of_late_may_use_more_cores() -> None:
     simulated.now += 20.0 * RECENT_S  # what was computed long ago counts no more
     simulated.request("again", "ann", "a", interactive=True)
     assert (leaves("again"), leaves("other")) == (False, True)
+
+
+def _computed(seconds: float) -> Simulated:
+    """Return two slots that both compute urgent jobs of "ann" since ``seconds``; more jobs of hers wait."""
+    simulated = Simulated(2)
+    for n in range(4):
+        simulated.request(f"map {n}", "ann", "a", interactive=True)
+    while simulated.now < seconds:
+        name = simulated.slices(1)[0]
+        simulated.release(name)  # the map is made: the next one is requested
+        simulated.request(name, "ann", "a", interactive=True)
+    return simulated
+
+
+def test_urgent_jobs_of_an_address_that_computed_much_of_late_are_deferred() -> None:
+    simulated = _computed(2.0 * HEAVY_S)
+    simulated.request("slider", "bob", "b", interactive=True)
+    held = simulated.running()
+    assert len(held) == 2
+    simulated.now += SLICE_S / 4.0
+    for name in held:
+        assert simulated.scheduler.should_yield(simulated.turns[name])
+        simulated.scheduler.yield_turn(simulated.turns[name])
+    assert simulated.running() == ["slider"]  # it has the machine for itself
+    assert not simulated.scheduler.leaves_cores(simulated.turns["slider"])
+    simulated.now += SLICE_S / 4.0
+    assert not simulated.scheduler.should_yield(simulated.turns["slider"])
+    simulated.release("slider")
+    assert len(simulated.running()) == 2
+
+
+def test_an_address_that_computed_much_still_gets_slices() -> None:
+    """Urgent jobs of others without a pause leave it slices, and a job that no user waits for too."""
+    simulated = Simulated(1)
+    for n in range(3):
+        simulated.scheduler._recent.add("a", 2.0, 0.0)
+        simulated.request(f"map {n}", "ann", "a", interactive=True)
+    simulated.request("slider", "bob", "b", interactive=True)
+    simulated.request("story", "cis", "c")
+    seen = Counter[str]()
+    for n in range(60):
+        name = simulated.running()[0]
+        simulated.now += SLICE_S if name[:3] in ("map", "sto") else SLICE_S / 4.0
+        seen[name[:3]] += 1
+        turn = simulated.turns[name]
+        if name[:3] != "sli":
+            assert simulated.scheduler.should_yield(turn)
+            simulated.scheduler.yield_turn(turn)
+            continue
+        simulated.request(f"slider {n}", "bob", "b", interactive=True)
+        simulated.release(name)
+    assert seen["sli"] > 40
+    assert seen["map"] >= 1
+    assert seen["sto"] >= 1
+
+
+@pytest.mark.parametrize(("seconds", "idle_s"), [(HEAVY_S / 4.0, 0.0), (2.0 * HEAVY_S, 20.0 * RECENT_S)])
+def test_an_address_that_computed_little_of_late_keeps_one_of_two_turns(seconds: float, idle_s: float) -> None:
+    simulated = _computed(seconds)
+    for name in list(simulated.turns):
+        simulated.release(name)
+    simulated.now += idle_s
+    for n in range(2):
+        simulated.request(f"map {n}", "ann", "a", interactive=True)
+    simulated.request("slider", "bob", "b", interactive=True)
+    simulated.slices(1, SLICE_S / 4.0)
+    running = simulated.running()
+    assert "slider" in running
+    assert len(running) == 2
+    simulated.slices(2, SLICE_S / 4.0)
+    assert simulated.running() == running
+
+
+@pytest.mark.parametrize(
+    ("computed", "more"),
+    [({"a": HEAVY_S, "b": LIGHTER * HEAVY_S}, {"a"}), ({"a": HEAVY_S, "b": 0.9 * HEAVY_S}, set()), ({"a": 9.0}, set())],
+)
+def test_much_more_is_relative_and_of_late(computed: dict[str, float], more: set[str]) -> None:
+    recent = RecentComputing()
+    for address, seconds in computed.items():
+        recent.add(address, 2.0 * seconds, 0.0)
+    later = RECENT_S * math.log(2.0)  # it counts half
+    assert recent.much_more(set(computed), 0.999 * later) == more
+    assert recent.much_more(set(computed), later + 20.0 * RECENT_S) == set()
+    assert {address: recent.of(address, later) for address in computed} == pytest.approx(computed)
 
 
 async def test_a_job_has_the_cores_that_the_scheduler_leaves_it() -> None:

@@ -22,7 +22,7 @@ class Plain:
     def held(self) -> tuple[Counter[str], Counter[JobOwner]]:
         return Counter(one.owner.address for one in self.running), Counter(one.owner for one in self.running)
 
-    def first(self) -> Turn:
+    def first(self, among: list[Turn]) -> Turn:
         addresses, owners = self.held()
 
         def order(turn: Turn) -> tuple[int, ...]:
@@ -30,7 +30,7 @@ class Plain:
             at_address = (addresses[owner.address], served.get(owner.address, 0))
             return (*at_address, owners[owner], served.get(owner, 0), turn.number)
 
-        return min(self.waiting, key=order)
+        return min(among, key=order)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -48,8 +48,9 @@ def test_the_next_turn_is_that_of_a_search_among_all(seed: int) -> None:
                 plain.waiting.append(turn)
                 turns.add(turn, served)
             case "grant" if plain.waiting and len(plain.running) < slots:
-                turn = turns.first(*plain.held())
-                assert turn is plain.first()
+                found = turns.first(*plain.held())
+                turn = plain.first(plain.waiting)
+                assert found is turn
                 turns.remove(turn)
                 plain.waiting.remove(turn)
                 plain.running.append(turn)
@@ -64,8 +65,10 @@ def test_the_next_turn_is_that_of_a_search_among_all(seed: int) -> None:
                 turns.remove(turn)
         assert bool(turns) == bool(plain.waiting)
         assert all(one in turns for one in plain.waiting)
+        assert {*turns.addresses()} == {one.owner.address for one in plain.waiting}
         for address in {one.address for one in owners}:
-            assert turns.waits_at(address) == any(one.owner.address == address for one in plain.waiting)
+            others = [one for one in plain.waiting if one.owner.address != address]
+            assert turns.first(*plain.held(), without={address}) is (plain.first(others) if others else None)
     assert granted > 50
 
 

@@ -5,6 +5,7 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
+import { PuzzlePicture } from "./PuzzlePicture";
 import {
   type AllPuzzles,
   allPuzzles,
@@ -102,6 +103,7 @@ interface CardProps {
 function Card({ puzzle, points, onOpen }: CardProps) {
   return (
     <li class="card">
+      <PuzzlePicture puzzle={puzzle} />
       <h3>{puzzle.title}</h3>
       <p class="card-text">{puzzle.story}</p>
       <div class="actions">

@@ -58,7 +58,6 @@ export class Cells {
    */
   setTile(tx: number, ty: number, values: Uint8Array, undecided = 0, onChange?: OnCellChange): void {
     if (values.length !== TILE * TILE) throw new RangeError(`A tile has ${TILE * TILE} cells, not ${values.length}.`);
-    this.#revision++;
     const chunk = this.#chunkOf(ty >> 3, tx >> 3);
     const level0 = chunk.pyramid[0] as Uint8Array;
     const row0 = (ty & (TILES - 1)) * TILE;
@@ -73,7 +72,39 @@ export class Cells {
         if (onChange && (old === NEVER || now > undecided !== old > undecided)) onChange(ty * TILE + r, tx * TILE + c);
       }
     }
-    reduce(chunk.pyramid, row0, col0, TILE);
+    this.#note(chunk, tx, ty);
+  }
+
+  /** Set single cells of a tile: `places` are row · 64 + column within it, `values` int8. The rest is as in {@link setTile}. */
+  setCells(
+    tx: number,
+    ty: number,
+    places: Uint16Array,
+    values: Uint8Array,
+    undecided = 0,
+    onChange?: OnCellChange,
+  ): void {
+    const chunk = this.#chunkOf(ty >> 3, tx >> 3);
+    const level0 = chunk.pyramid[0] as Uint8Array;
+    const first = (ty & (TILES - 1)) * TILE * CHUNK + (tx & (TILES - 1)) * TILE;
+    for (let i = 0; i < places.length; i++) {
+      const place = places[i] as number;
+      const row = Math.floor(place / TILE);
+      const col = place % TILE;
+      const at = first + row * CHUNK + col;
+      const now = (values[i] as number) ^ 0x80;
+      const old = level0[at] as number;
+      level0[at] = now;
+      if (onChange && now !== old && (old === NEVER || now > undecided !== old > undecided))
+        onChange(ty * TILE + row, tx * TILE + col);
+    }
+    this.#note(chunk, tx, ty);
+  }
+
+  /** Note that cells of a tile were set. */
+  #note(chunk: Chunk, tx: number, ty: number): void {
+    this.#revision++;
+    reduce(chunk.pyramid, (ty & (TILES - 1)) * TILE, (tx & (TILES - 1)) * TILE, TILE);
     chunk.stale[(ty & (TILES - 1)) * TILES + (tx & (TILES - 1))] = ALL_LEVELS;
     for (const listener of this.listeners) listener(tx, ty);
   }

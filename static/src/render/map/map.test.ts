@@ -111,6 +111,22 @@ describe("cells", () => {
     expect(changed.length).toBe(2);
   });
 
+  test("cells set one by one are those of a whole tile, with what lies above them and what is reported", () => {
+    const [whole, single] = [new Cells(), new Cells()];
+    const tile = new Uint8Array(4096).fill(0x80);
+    for (const cells of [whole, single]) cells.setTile(-3, 9, tile);
+    const changed: number[][][] = [[], []];
+    const places = Uint16Array.of(0, 63, 64, 2000, 4095);
+    const values = Uint8Array.of(0x10, 0x90, 0x7f, 0x81, 0xff);
+    for (const [i, place] of places.entries()) tile[place] = values[i] as number;
+    whole.setTile(-3, 9, tile, 100, (row, col) => changed[0]?.push([row, col]));
+    single.setCells(-3, 9, places, values, 100, (row, col) => changed[1]?.push([row, col]));
+    expect(changed[1]).toEqual(changed[0]);
+    expect(changed[0]?.length).toBe(5);
+    expect(single.chunk(1, -1)?.pyramid).toEqual(whole.chunk(1, -1)?.pyramid);
+    expect(single.revision).toBe(whole.revision);
+  });
+
   test("a tile of another size is refused", () => {
     expect(() => new Cells().setTile(0, 0, new Uint8Array(100))).toThrow(/4096/);
   });

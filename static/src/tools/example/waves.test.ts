@@ -13,7 +13,7 @@ import vectors from "./waves.vectors.json";
 
 const HELLO = JSON.stringify({
   type: "hello",
-  protocol: "gridbloom.v2",
+  protocol: "gridbloom.v3",
   session: "s",
   kind: "waves",
   title: "Waves",

@@ -1,0 +1,28 @@
+import { useSignal } from "@preact/signals";
+import { Icon } from "../../ui/Icon";
+import { isDark } from "../../ui/theme";
+import type { Offered } from "./puzzles";
+
+/** The map that an attempt at a puzzle begins with. The server draws it when it is first asked for. */
+export function PuzzlePicture({ puzzle }: { readonly puzzle: Offered }) {
+  const state = useSignal<"awaited" | "shown" | "failed">("awaited");
+  return (
+    <div class={`card-picture ${state.value}`}>
+      {state.value !== "shown" && <Icon name="map" />}
+      {state.value !== "failed" && (
+        <img
+          src={`/api/puzzles/${encodeURIComponent(puzzle.name)}/map.png?dark=${isDark.value}`}
+          alt={`Map of ${puzzle.title}`}
+          loading="lazy"
+          decoding="async"
+          onLoad={() => {
+            state.value = "shown";
+          }}
+          onError={() => {
+            state.value = "failed";
+          }}
+        />
+      )}
+    </div>
+  );
+}
