@@ -20,6 +20,7 @@ from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCod
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
 from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, encode_text, integer, text
+from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
 
 MAX_MALFORMED = 20  #: frames that break the protocol before the socket is closed
@@ -173,7 +174,7 @@ class Outgoing:
         self._session, self._client, self._direct = session, client, direct
         self._loop = asyncio.get_running_loop()
         self._is_running = self._is_scheduled = False
-        self._timer: asyncio.TimerHandle | None = None
+        self._timer = MovableTimer(self._schedule)
         client.on_wake = self._schedule
 
     async def run(self) -> None:
@@ -191,8 +192,7 @@ class Outgoing:
     def close(self) -> None:
         """Send nothing any more."""
         self._client.on_wake = self._client.wake.set
-        if self._timer is not None:
-            self._timer.cancel()
+        self._timer.close()
 
     def _schedule(self) -> None:
         if not self._is_running:
@@ -217,17 +217,8 @@ class Outgoing:
             raise
 
     def _arm(self) -> None:
-        """Look again at the latest when the client says so; a timer that ends earlier is left as it is."""
-        due = self._loop.time() + self._client.wait_s()
-        if self._timer is not None:
-            if self._timer.when() <= due:
-                return
-            self._timer.cancel()
-        self._timer = self._loop.call_at(due, self._look)
-
-    def _look(self) -> None:
-        self._timer = None
-        self._schedule()
+        """Look again at the latest when the client says so."""
+        self._timer.set_in(self._client.wait_s())
 
 
 def _messages(session: SessionHost, client: Client) -> list[str | bytes]:

@@ -32,8 +32,8 @@ from server.sessions.tick_pace import MAX_TICK_S, TICK_S, TickPace
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
+from server.work.movable_timer import MovableTimer
 from server.work.scheduler import URGENT_S, JobOwner, Scheduler, checkpoint
-from server.work.waiting import set_within
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -93,7 +93,8 @@ class SessionHost:
         self._catching_up_since: float | None = None  #: when the first of the ticks began that make one map
         self._caught_up = asyncio.Event()  #: whether there is no such map
         self._caught_up.set()
-        self._showing: Showing | None = None  #: of the progress of such a map
+        self._showing: Showing  #: of the progress of such a map, and of each tick
+        self._timer = MovableTimer(self._wake.set)
 
     # -- on the event loop --------------------------------------------------------------------------------------
 
@@ -102,6 +103,7 @@ class SessionHost:
         self.model = model
         self.hub = Hub(model.layers, self._clock, self._traffic, self._draw_on_demand)
         self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
+        self._showing = self._long_work.showing()
         for message in model.messages():
             self.hub.set_slot(message)
         publish_frame(self.model, self.hub, watched=self.watched)
@@ -120,6 +122,8 @@ class SessionHost:
         if self._task is not None:
             self._long_work.close()
             await asyncio.gather(self._task, return_exceptions=True)
+            self._showing.close()
+            self._timer.close()
         for client in self.hub.clients:
             client.notify()
         call_each(self.on_close)
@@ -267,7 +271,8 @@ class SessionHost:
             dt = min(now - last, MAX_TICK_S) if due else 0.0
             last = now if due else last
             await self._tick(commands, dt)
-            await asyncio.sleep(0)  # a listener that reads the model has its turn before the next tick
+            if self.listeners:
+                await asyncio.sleep(0)  # one that reads the model has its turn before the next tick
 
     async def _tick(self, commands: list[QueuedCommand], dt: float) -> None:
         """Compute a tick with ``commands``, the first ones of the queue, and send its result."""
@@ -291,8 +296,10 @@ class SessionHost:
 
     async def _computed_tick(self, job: Callable[[], TickResult]) -> TickResult:
         """Compute a tick; progress is shown of all ticks together that make one map."""
-        began = self._clock() if self._catching_up_since is None else self._catching_up_since
-        self._showing = self._showing or self._long_work.show()
+        began = self._catching_up_since
+        if began is None:
+            began = self._clock()
+            self._showing.begin()
         is_catching_up = False
         try:
             is_urgent = self._clock() - began < URGENT_S
@@ -309,9 +316,7 @@ class SessionHost:
             return
         self._caught_up.set()
         self._catching_up_since = None
-        if self._showing is not None:
-            self._showing.cancel()
-            self._showing = None
+        self._showing.end()
 
     def _tick_s(self) -> float:
         return self._pace.tick_s(self.hub, has_listeners=bool(self.listeners))
@@ -344,11 +349,12 @@ class SessionHost:
 
     async def on_thread(self, job: Callable[[], T], *, interactive: bool = True) -> T:
         """Compute ``job`` on a worker thread as scheduled; clients receive its progress if it takes long."""
-        showing = self._long_work.show()
+        showing = self._long_work.showing()
+        showing.begin()
         try:
             return await self.scheduler.run(self._pool, self.job_owner, job, interactive=interactive)
         finally:
-            showing.cancel()
+            showing.close()
 
     def cancellable(self, *, by_newer: bool = True) -> AbstractContextManager[None]:
         """Return a context in which ``cancel``, and a newer command, cancels the computation (worker thread)."""
@@ -375,7 +381,10 @@ class SessionHost:
         """Wait for a command or a client, at most ``seconds``."""
         self._wake.clear()
         if not (self.closed or self._queue or (seconds is not None and seconds <= 0.0)):
-            await set_within(self._wake, seconds)
+            if seconds is not None:
+                self._timer.set_in(seconds)
+            await self._wake.wait()
+            self._timer.set(None)
 
     def deliver(self, result: TickResult) -> None:
         """Send the result of a computation (event loop)."""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Coroutine
 
 from server.sessions.messages import working_message
 from server.stream.hub import Hub
+from server.work.movable_timer import MovableTimer
 from server.work.scheduler import checkpoint, wait_without_turn
 
 SHOWN_AFTER_S = 0.3  #: computations that take longer send their progress,
@@ -18,21 +19,34 @@ MAX_BACKGROUND_WAIT_S = 60.0
 
 
 class Showing:
-    """Runs ``show`` as a task after :data:`SHOWN_AFTER_S`: most computations end earlier and need no task."""
+    """Runs ``show`` as a task while a computation lasts, from :data:`SHOWN_AFTER_S` after its begin on.
+
+    Most computations end earlier and need no task. It may be begun again.
+    """
 
     def __init__(self, show: Callable[[], Coroutine[None, None, None]]) -> None:
         self._show = show
         self._task: asyncio.Task[None] | None = None
-        self._timer = asyncio.get_running_loop().call_later(SHOWN_AFTER_S, self._begin)
+        self._timer = MovableTimer(self._start)
 
-    def _begin(self) -> None:
+    def begin(self) -> None:
+        """Note that a computation has begun."""
+        self._timer.set_in(SHOWN_AFTER_S)
+
+    def _start(self) -> None:
         self._task = asyncio.ensure_future(self._show())
 
-    def cancel(self) -> None:
-        """End it."""
-        self._timer.cancel()
+    def end(self) -> None:
+        """Note that the computation has ended."""
+        self._timer.set(None)
         if self._task is not None:
             self._task.cancel()
+            self._task = None
+
+    def close(self) -> None:
+        """Note that the computation has ended, and that none follows."""
+        self.end()
+        self._timer.close()
 
 
 class LongWork:
@@ -48,8 +62,8 @@ class LongWork:
         self._nothing_long = threading.Event()  #: whether nothing is computed whose progress is shown
         self._nothing_long.set()
 
-    def show(self) -> Showing:
-        """Send the progress, from :data:`SHOWN_AFTER_S` on, until the result is cancelled."""
+    def showing(self) -> Showing:
+        """Return what sends the progress of a computation from its begin to its end."""
         return Showing(self._show)
 
     async def _show(self) -> None:

@@ -20,7 +20,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
@@ -206,7 +206,7 @@ class Scheduler:
         with self._lock:
             self._count += 1
             turn = Turn(owner, interactive, self._count, None if task else _uncancellable(), task=task)
-            self._queue_of(turn).add(turn)
+            self._add(turn)
             self._grant_free()
         self._start()
         return turn
@@ -237,15 +237,22 @@ class Scheduler:
         To wait for the end of a slice takes longer than many a map that a user waits for.
         """
         with self._lock:
-            addresses = Counter(one.owner.address for one in self._running)
-            visitors = Counter(one.owner for one in self._running)
+            addresses, owners = self._held()
             own, here = turn.owner, turn.owner.address
-            return any(
-                visitors[owner] + 2 <= visitors[own]
-                if owner.address == here
-                else addresses[owner.address] + 2 <= addresses[here]
-                for owner in self._urgent.owners()
-            )
+            address = self._urgent.first_address(addresses)
+            if address is not None and addresses.get(address, 0) + 2 <= addresses[here]:
+                return True
+            owner = self._urgent.first_owner(here, owners)
+            return owner is not None and owners.get(owner, 0) + 2 <= owners[own]
+
+    def _held(self) -> tuple[dict[str, int], dict[JobOwner, int]]:
+        """Return how many turns each address and each owner holds."""
+        addresses: dict[str, int] = {}
+        owners: dict[JobOwner, int] = {}
+        for one in self._running:
+            addresses[one.owner.address] = addresses.get(one.owner.address, 0) + 1
+            owners[one.owner] = owners.get(one.owner, 0) + 1
+        return addresses, owners
 
     def leaves_cores(self, turn: Turn) -> bool:
         """Return whether a held turn should compute on its own thread only, and leave the other cores to others."""
@@ -283,8 +290,13 @@ class Scheduler:
     def _request_again(self, turn: Turn) -> None:
         self._count += 1
         turn.request, turn.number = _uncancellable(), self._count
-        self._queue_of(turn).add(turn)
+        self._add(turn)
         self._grant_free()
+
+    def _add(self, turn: Turn) -> None:
+        owner = turn.owner
+        served = (self._served.get((owner.address,), 0), self._served.get((owner.address, owner.visitor), 0))
+        self._queue_of(turn).add(turn, served)
 
     def _queue_of(self, turn: Turn) -> WaitingTurns:
         """Return the queue of a turn that does not run: its computing time grows only while it runs."""
@@ -300,8 +312,8 @@ class Scheduler:
         """Return the addresses whose urgent turns are deferred: see :meth:`RecentComputing.much_more`."""
         if not self._recent.any_heavy(now := self._clock()):
             return set()
-        owners = [*self._urgent.owners(), *(one.owner for one in self._running.copy() if self._is_urgent(one))]
-        return self._recent.much_more({owner.address for owner in owners}, now)
+        running = (one.owner.address for one in self._running.copy() if self._is_urgent(one))
+        return self._recent.much_more({*self._urgent.addresses(), *running}, now)
 
     def _is_urgent(self, turn: Turn) -> bool:
         running_s = self._clock() - turn.began if turn in self._running else 0.0
@@ -334,6 +346,8 @@ class Scheduler:
                 self._served.move_to_end(key)
             while len(self._served) > _MAX_HISTORY:
                 self._served.popitem(last=False)
+            for waiting in (self._urgent, self._deferrable):
+                waiting.note_served(turn.owner, self._count)
             if turn.task is not None and not turn.granted_before:
                 self._startable.append(turn)
             turn.granted_before = True
@@ -345,25 +359,11 @@ class Scheduler:
         if self._deferrable and (
             self._urgent_s >= DEFERRED_EVERY_S or not (self._urgent or any(map(self._is_urgent, self._running)))
         ):
-            return self._fairest(self._deferrable.firsts())
-        urgent = self._urgent.firsts()
-        if urgent and self._light_s < DEFERRED_EVERY_S and (heavy := self._heavy()):
-            urgent = [turn for turn in urgent if turn.owner.address not in heavy]
-        return self._fairest(urgent) if urgent else None
-
-    def _fairest(self, firsts: list[Turn]) -> Turn:
-        """Return the fairest of the first turns of each owner: an owner's turns differ in their numbers only."""
-        if len(firsts) == 1:
-            return firsts[0]
-        addresses = Counter(turn.owner.address for turn in self._running)
-        visitors = Counter(turn.owner for turn in self._running)
-
-        def order(turn: Turn) -> tuple[int, int, int, int, int]:
-            owner = turn.owner
-            served = (self._served.get((owner.address,), 0), self._served.get((owner.address, owner.visitor), 0))
-            return (addresses[owner.address], served[0], visitors[owner], served[1], turn.number)
-
-        return min(firsts, key=order)
+            return self._deferrable.first(*self._held())
+        if not self._urgent:
+            return None
+        is_their_turn = self._light_s >= DEFERRED_EVERY_S
+        return self._urgent.first(*self._held(), without=set() if is_their_turn else self._heavy())
 
 
 _current = threading.local()

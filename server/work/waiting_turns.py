@@ -1,19 +1,71 @@
-"""Turns that wait, by owner: with hundreds of them the next one is found without a look at each."""
+"""Turns that wait, in the order in which owners get them: with hundreds of visitors few of them are looked at."""
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
 from collections import deque
-from typing import TYPE_CHECKING
+from collections.abc import Hashable, Mapping
+from collections.abc import Set as AbstractSet
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 if TYPE_CHECKING:
     from server.work.scheduler import JobOwner, Turn
 
+K = TypeVar("K", bound=Hashable)
+
+
+class _ServiceOrder(Generic[K]):
+    """Keys that wait, the one served least recently first; of those never served, the one that has waited longest."""
+
+    def __init__(self) -> None:
+        self._order: list[tuple[int, int, K]] = []  #: when it was served, the number of the turn it waits for, the key
+        self._places: dict[K, tuple[int, int, K]] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._order)
+
+    def __contains__(self, key: K) -> bool:
+        return key in self._places
+
+    def place(self, key: K, served: int, number: int) -> None:
+        """Add a key, or put it at another place. ``number`` is another one for each key."""
+        self.remove(key)
+        self._places[key] = place = (served, number, key)
+        insort(self._order, place)
+
+    def remove(self, key: K) -> None:
+        """Remove a key, if it waits."""
+        place = self._places.pop(key, None)
+        if place is not None:
+            del self._order[bisect_left(self._order, place)]
+
+    def keys(self) -> list[K]:
+        """Return the keys that wait (any thread)."""
+        return list(self._places)
+
+    def first(self, running: Mapping[K, int], without: AbstractSet[K] = frozenset()) -> K | None:
+        """Return the first key of those with the fewest turns in ``running``; None if all that wait are in ``without``.
+
+        At most as many others are looked at as there are in ``running`` and ``without``.
+        """
+        best: K | None = None
+        for _, _, key in self._order:
+            if key in without:
+                continue
+            if not running.get(key):
+                return key
+            if best is None or running[key] < running[best]:
+                best = key
+        return best
+
 
 class WaitingTurns:
-    """The waiting turns of each owner, the one that has waited longest first."""
+    """The waiting turns of each owner, the one that has waited longest first, and the order of the owners."""
 
     def __init__(self) -> None:
         self._queues: dict[JobOwner, deque[Turn]] = {}
+        self._addresses: _ServiceOrder[str] = _ServiceOrder()
+        self._owners: dict[str, _ServiceOrder[JobOwner]] = {}  #: of each address
 
     def __bool__(self) -> bool:
         return bool(self._queues)
@@ -21,21 +73,63 @@ class WaitingTurns:
     def __contains__(self, turn: Turn) -> bool:
         return turn in self._queues.get(turn.owner, ())
 
-    def add(self, turn: Turn) -> None:
-        """Add a turn, which has waited for the shortest time."""
-        self._queues.setdefault(turn.owner, deque()).append(turn)
+    def add(self, turn: Turn, served: tuple[int, int]) -> None:
+        """Add a turn, which has waited for the shortest time.
+
+        ``served`` are the numbers of the last turns that its address and its owner got, 0 if they never got one.
+        """
+        owner = turn.owner
+        queue = self._queues.get(owner)
+        if queue is not None:
+            queue.append(turn)
+            return
+        self._queues[owner] = deque((turn,))
+        if owner.address not in self._addresses:
+            self._owners[owner.address] = _ServiceOrder()
+            self._addresses.place(owner.address, served[0], turn.number)
+        self._owners[owner.address].place(owner, served[1], turn.number)
 
     def remove(self, turn: Turn) -> None:
         """Remove a turn. Raises :class:`ValueError` if it does not wait."""
-        queue = self._queues.get(turn.owner, deque())
+        owner = turn.owner
+        queue = self._queues.get(owner, deque())
         queue.remove(turn)
-        if not queue:
-            del self._queues[turn.owner]
+        if queue:
+            return
+        del self._queues[owner]
+        owners = self._owners[owner.address]
+        owners.remove(owner)
+        if not owners:
+            del self._owners[owner.address]
+            self._addresses.remove(owner.address)
 
-    def owners(self) -> list[JobOwner]:
-        """Return the owners of the turns."""
-        return list(self._queues)
+    def note_served(self, owner: JobOwner, count: int) -> None:
+        """Note that a turn was granted to an owner, at its address, as the ``count``-th one of all."""
+        if owner.address in self._addresses:
+            self._addresses.place(owner.address, count, count)
+        if owner in self._queues:
+            self._owners[owner.address].place(owner, count, count)
 
-    def firsts(self) -> list[Turn]:
-        """Return the turn of each owner that has waited longest."""
-        return [queue[0] for queue in self._queues.values()]
+    def first(
+        self, addresses: Mapping[str, int], owners: Mapping[JobOwner, int], without: AbstractSet[str] = frozenset()
+    ) -> Turn | None:
+        """Return the next turn to grant, where addresses and owners hold so many turns.
+
+        None if no turn waits but those of the addresses ``without``.
+        """
+        address = self.first_address(addresses, without)
+        owner = None if address is None else self.first_owner(address, owners)
+        return None if owner is None else self._queues[owner][0]
+
+    def first_address(self, running: Mapping[str, int], without: AbstractSet[str] = frozenset()) -> str | None:
+        """Return the waiting address with the fewest running turns that was served least recently."""
+        return self._addresses.first(running, without)
+
+    def first_owner(self, address: str, running: Mapping[JobOwner, int]) -> JobOwner | None:
+        """Return the waiting owner at an address with the fewest running turns who was served least recently."""
+        owners = self._owners.get(address)
+        return None if owners is None else owners.first(running)
+
+    def addresses(self) -> list[str]:
+        """Return the addresses of the turns (any thread)."""
+        return self._addresses.keys()
