@@ -6,6 +6,7 @@ import { plural } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
+import { FleetStart } from "./FleetStart";
 import { type Counts, chosen, ORDERS, type Order, SHOWN, type Shown } from "./fleetLogs";
 import { counts, fleetError, fleetLogs, isBusy, mapAll, stopMapping, totalOf, watchFleet, workers } from "./fleetState";
 
@@ -39,14 +40,7 @@ export function Fleet() {
           <Icon name="warning" /> {fleetError.value}
         </p>
       )}
-      {logs !== null && totalOf(all) === 0 && (
-        <p class="notice">
-          <span>
-            There are no logs with scans yet, beside the sample. Add some on the page <a href="/logs.html">Logs</a>, or
-            start the service with <code>--logs-dir</code>.
-          </span>
-        </p>
-      )}
+      {logs !== null && totalOf(all) === 0 && <FleetStart />}
       {logs !== null && totalOf(all) > 0 && (
         <>
           <Work all={all} />
