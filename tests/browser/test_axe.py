@@ -239,7 +239,6 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str) -> None:
     await_map(page)
     open_group(page, "Findings")
     doctor = page.get_by_role("region", name="Log doctor")
-    doctor.get_by_role("button", name="No problems found").click(timeout=4 * SECONDS * 1000)
     expect(doctor).to_contain_text("Poses:", timeout=4 * SECONDS * 1000)
     for _ in open_groups(page):
         page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")

@@ -6,6 +6,7 @@ import { plural } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
+import { FleetStart } from "./FleetStart";
 import { type Counts, chosen, ORDERS, type Order, placeOf, SHOWN, type Shown, troubleOf } from "./fleetLogs";
 import {
   cluster,
@@ -51,14 +52,7 @@ export function Fleet() {
           <Icon name="warning" /> {fleetError.value}
         </p>
       )}
-      {logs !== null && totalOf(all) === 0 && (
-        <p class="notice">
-          <span>
-            There are no logs with scans yet, beside the sample. Add some on the page <a href="/logs.html">Logs</a>, or
-            start the service with <code>--logs-dir</code>.
-          </span>
-        </p>
-      )}
+      {logs !== null && totalOf(all) === 0 && <FleetStart />}
       {logs !== null && totalOf(all) > 0 && (
         <>
           {trouble !== null && (
