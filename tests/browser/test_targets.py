@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, open_groups, without_canvas_in_3d
-from tests.marks import also_long_rows
+from tests.marks import also_long
 
 LEAST = 24
 
@@ -44,11 +44,8 @@ def small(page: Page) -> list[object]:
 
 
 @pytest.mark.usefixtures("mapped_logs")
-@pytest.mark.parametrize(
-    ("context", "every"), [("phone", 3), *also_long_rows(("phone", 1), ("desktop", 1))], indirect=["context"]
-)
-def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page], every: int) -> None:
-    """One group of the docks in ``every`` is looked at."""
+@pytest.mark.parametrize("context", ["phone", *also_long("desktop")], indirect=True)
+def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page]) -> None:
     page.emulate_media(reduced_motion="reduce")
     found: dict[str, list[object]] = {}
     page.goto(server)
@@ -79,7 +76,7 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
             found["puzzles"] = small(page)
             page.get_by_role("button", name="Open The thick walls").click()
             await_map(page)
-        for title in open_groups(page, every):
+        for title in open_groups(page):
             page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
             found[f"{place}, {title}"] = small(page)
     assert {where: targets for where, targets in found.items() if targets} == {}
