@@ -76,6 +76,7 @@ def alike() -> ScanLog:
     return drive_with(77)
 
 
+@pytest.mark.long
 def test_wrongly_recognized_places_are_left_out(alike: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(MapAgreement, "score", lambda *_: 0.0)

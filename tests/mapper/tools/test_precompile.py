@@ -7,9 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from mapper.tools import precompile
 
 
+@pytest.mark.long
 def test_every_kernel_is_ready_where_all_are_kept_from_a_run_before():
     # `make test` has run it before the tests. What only kernels call is then not compiled of itself.
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_DISABLE_JIT"}
