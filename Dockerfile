@@ -17,20 +17,31 @@ COPY mapper mapper
 COPY server server
 RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels .
 
-# The service and its dependencies in an environment of their own, without pip, packages' tests, and what linkers and
-# debuggers read of extension modules. strip damages files that were rewritten when their wheel was made: libraries below
-# *.libs, and numba's thread pools, are left as they are, and all others are loaded once.
+# The service and its dependencies in an environment of their own, without what it does not use: pip; packages' tests,
+# headers and stubs of types; the parts of SciPy, NumPy and SQLAlchemy that none of its modules imports, and zstandard's for
+# PyPy; Pillow's AVIF; bytecode of modules that are never imported; what linkers and debuggers read of extension modules. strip damages files
+# that were rewritten when their wheel was made: libraries below *.libs, and numba's thread pools, are left as they are,
+# and all others are loaded once. import_all.py fails where something that is used was removed. Licences stay.
 FROM ${BASE} AS environment
 RUN apt-get update && apt-get install --yes --no-install-recommends binutils && rm -r /var/lib/apt/lists
 COPY requirements/runtime.txt requirements/
 RUN python -m venv --without-pip /opt/gridbloom \
-    && pip --python /opt/gridbloom/bin/python install --no-cache-dir --require-hashes --requirement requirements/runtime.txt \
-    && find /opt/gridbloom -type d -name tests -prune -exec rm -r {} + \
-    && find /opt/gridbloom -type f -name '*.so' -not -path '*.libs/*' -not -path '*/numba/np/ufunc/*' \
+    && pip --python /opt/gridbloom/bin/python install --no-cache-dir --no-compile --require-hashes \
+        --requirement requirements/runtime.txt \
+    && cd /opt/gridbloom/lib/python3*/site-packages \
+    && for part in cluster datasets differentiate fft fftpack integrate interpolate io misc odr optimize signal stats; \
+        do rm -r scipy/$part; done \
+    && rm -r numpy/distutils sqlalchemy/testing scipy/special/cython_special.*.so zstandard/_cffi.*.so PIL/_avif.*.so \
+        pillow.libs/libavif-*.so* \
+    && find . -type d -name tests -prune -exec rm -r {} + \
+    && find . -type f '(' -name '*.pyi' -o -name '*.pxd' -o -name '*.pyx' -o -name '*.h' -o -name '*.a' ')' -delete \
+    && find . -type f -name '*.so' -not -path '*.libs/*' -not -path '*/numba/np/ufunc/*' \
         -exec strip --strip-unneeded {} + \
-        -exec /opt/gridbloom/bin/python -c "import ctypes, sys; [ctypes.CDLL(path) for path in sys.argv[1:]]" {} +
+        -exec /opt/gridbloom/bin/python -B -c "import ctypes, sys; [ctypes.CDLL(path) for path in sys.argv[1:]]" {} +
+COPY deploy/import_all.py deploy/
 RUN --mount=type=bind,from=wheel,source=/wheels,target=/wheels \
-    pip --python /opt/gridbloom/bin/python install --no-cache-dir --no-deps /wheels/gridbloom-*.whl
+    pip --python /opt/gridbloom/bin/python install --no-cache-dir --no-compile --no-deps /wheels/gridbloom-*.whl \
+    && PYTHONDONTWRITEBYTECODE= /opt/gridbloom/bin/python deploy/import_all.py
 
 # What runs: no compiler, no Node.
 FROM ${BASE} AS runtime

@@ -142,8 +142,8 @@ class Cluster:
         if self._client is None:
             client = Client(self._place, asynchronous=True, timeout=CONNECT_S, set_as_default=False)
             try:
-                await client
-            except Exception:
+                await asyncio.wait_for(client, CONNECT_S)  # its own timeout leaves out who accepts and never answers
+            except BaseException:
                 await _closed(client)
                 raise
             self._client = client

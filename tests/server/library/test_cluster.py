@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import socket
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +14,7 @@ from typing import Any
 import pytest
 
 from server.library import Library, Record, cluster_tasks
+from server.library.cluster import Cluster
 from server.settings import Settings
 from tests.server.dask_cluster import DaskCluster, dask_cluster, kill
 from tests.server.library.conftest import Make
@@ -119,6 +123,32 @@ async def test_a_worker_with_another_version_gets_no_logs(
     await eventually(lambda: "1 of 1 workers get no logs" in state(library)["error"])
     assert "here 0.0.1" in state(library)["error"]
     assert state(library)["threads"] == 0
+
+
+@pytest.mark.parametrize("says", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n" + 4096 * b"x"])
+async def test_what_is_no_scheduler_is_told_and_does_not_keep_the_service_from_ending(
+    says: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.cluster.CONNECT_S", 0.5)
+    taken: list[socket.socket] = []
+
+    def take() -> None:
+        with contextlib.suppress(OSError):  # it was closed
+            while True:
+                taken.append(listening.accept()[0])
+                taken[-1].sendall(says)
+
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        taking = threading.Thread(target=take)
+        taking.start()
+        cluster = Cluster(f"tcp://127.0.0.1:{listening.getsockname()[1]}")
+        assert "not reached" in (await asyncio.to_thread(cluster.await_first_look)).error
+        await asyncio.to_thread(cluster.close)
+        assert not any(thread.name == "dask cluster" for thread in threading.enumerate())
+        listening.shutdown(socket.SHUT_RDWR)
+        taking.join()
+    for one in taken:
+        one.close()
 
 
 async def test_what_a_log_fails_with_is_told_and_no_fault_of_the_cluster(
