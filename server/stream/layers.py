@@ -23,6 +23,7 @@ from server.stream.tiles import TilePicture, picture_range
 MAX_BODIES = 8  #: different bodies of a layer that are kept between two ticks
 
 Point = tuple[float, float]
+Lists = Sequence[NDArray[np.uint32]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +135,7 @@ class GridLayer(Layer):
         box: CellBox | None,
         *,
         whole: bool,
-        cells: Sequence[NDArray[np.uint32]] | None = None,
+        cells: Lists | None = None,
     ) -> bool:
         """Update the picture from an occupancy grid, ``whole`` or in a ``box`` (worker thread).
 
@@ -211,7 +212,7 @@ class GridLayer(Layer):
         body = self._changes.get(updates)
         if body is None:
             count, parts = CHANGES.encode(picture.changes(updates))
-            body = self._changes[updates] = Body(CHANGES.kind, picture.epoch, count, (b"".join(parts),), tiles=count)
+            body = self._changes[updates] = Body(CHANGES.kind, picture.epoch, count, parts, tiles=count)
         return body
 
     def cursor(self) -> GridCursor:
@@ -241,7 +242,7 @@ class GridCursor(Cursor):
         picture = self._follow()
         if picture is None or self._has is picture.revision:
             return False
-        if (picture.revision != self._has).any():
+        if picture.updates_since(self._has) or (picture.revision != self._has).any():
             return True
         self._has = picture.revision
         return False
@@ -276,7 +277,7 @@ class GridCursor(Cursor):
         updates = picture.updates_since(self._has)
         if updates:
             changes = self._layer.changes(picture, updates)
-            if len(changes.parts[0]) <= share:
+            if sum(map(len, changes.parts)) <= share:
                 self._has = picture.revision
                 return changes
         bodies = self._layer.bodies

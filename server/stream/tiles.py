@@ -144,9 +144,8 @@ class TilePicture:
         count = int(np.count_nonzero(self._changed))
         if count:
             self.newest += 1
-            before, self.revision = self.revision, self.revision.copy()
-            self.revision[self._changed] = self.newest
-            self._changed[:] = False
+            before, self.revision = self.revision, np.where(self._changed, np.uint32(self.newest), self.revision)
+            self._changed.fill(False)
             self._keep_changes(before)
         self._n_cells = 0
         return count
@@ -170,8 +169,9 @@ class TilePicture:
 
         The values are the present ones: a cell that is written meanwhile is in the next update's changes again.
         """
-        cells = np.concatenate([cells for _, cells in self._updates[-updates:]])
-        tiles = np.zeros((len(cells), 4), dtype=np.int16)
+        lists = [cells for _, cells in self._updates[-updates:]]
+        cells = lists[0] if updates == 1 else np.concatenate(lists)
+        tiles = np.zeros((min(len(cells), self.revision.size), 4), dtype=np.int16)
         places, values = np.empty(len(cells), dtype=np.uint16), np.empty(len(cells), dtype=np.int8)
         count = sort_by_tile(self.cells, cells, TILE, tiles, places, values)
         return CellChanges(self.newest, tiles[:count], places, values)

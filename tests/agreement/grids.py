@@ -46,6 +46,7 @@ def picture_of_cells_by_kernel(case: PictureCase) -> tuple[Any, ...]:
         changed, cells, 0,
     )  # fmt: skip
     cells[:count].sort()
+    cells[count:] = 0
     return picture, changed, count, cells if count <= case.room else None
 
 

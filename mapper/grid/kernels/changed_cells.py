@@ -24,9 +24,9 @@ def sort_by_tile(
     """Sort listed ``cells`` (n,) uint32, each ``row << 16 | col``, by tile; return the number k of tiles.
 
     ``picture`` (rows, cols) int8; a tile has ``tile`` × ``tile`` cells. Written: of each tile, in the order of the rows
-    of tiles, its column, its row and the number of its cells to ``tiles`` (k, 3), which has a row for each cell; and of
-    each cell, in the order of the list within its tile, to ``places`` (n,) ``row · tile + col`` within the tile and to
-    ``values`` (n,) its value in the picture now. A counting sort (Knuth, The Art of Computer Programming, 5.2).
+    of tiles, its column, its row and the number of its cells to ``tiles`` (k, 3), which may have more rows and columns;
+    and of each cell, in the order of the list within its tile, to ``places`` (n,) ``row · tile + col`` within the tile
+    and to ``values`` (n,) its value in the picture now. A counting sort (Knuth, The Art of Computer Programming, 5.2).
     """
     tile_cols = -(-picture.shape[1] // tile)
     tile_rows = -(-picture.shape[0] // tile)

@@ -129,8 +129,12 @@ def quantise_cells(
     cells: UInt32Array,
     listed: int,
 ) -> int:
-    """As :func:`quantise`, for the cells ``written`` (m,) uint32: ``row · cols + col``, any of them repeated."""
+    """As :func:`quantise`, for the cells ``written`` (m,) uint32: ``row · cols + col``, any of them repeated.
+
+    The entry of ``cells`` after the listed ones may be written, too.
+    """
     cols = uint32(log_odds.shape[1])
+    side = uint32(tile)
     scale = 254.0 / (high - low)
     bounds = _bounds_of_states(low, high, free_below, occupied_above)
     count = listed
@@ -138,10 +142,11 @@ def quantise_cells(
         r, c = written[i] // cols, written[i] % cols
         q = _step_of(float(log_odds[r, c]), low, scale, free_below, occupied_above, bounds)
         new = int8(q) if observed[r, c] else int8(NEVER_OBSERVED)
-        if picture[r, c] != new:
-            picture[r, c] = new
-            changed[r // uint32(tile), c // uint32(tile)] = True
-            if count < len(cells):
-                cells[count] = uint32((r << uint32(ROW_SHIFT)) | c)
-            count += 1
+        # Without a branch that depends on the picture, whose cells are read from memory: the reads overlap.
+        differs = picture[r, c] != new
+        picture[r, c] = new
+        changed[r // side, c // side] |= differs
+        if count < len(cells):
+            cells[count] = uint32((r << uint32(ROW_SHIFT)) | c)
+        count += int(differs)
     return count
