@@ -18,7 +18,7 @@ RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 # and each service that a test starts would be compiled anew.
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages kernels programs test test-long bench dev clean
+.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long bench dev clean
 
 serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
@@ -87,7 +87,10 @@ programs: setup ## find Chromium, PostgreSQL and HAProxy, or install them where 
 	$(BIN)/python -m tests.haproxy
 
 test: setup ## what CI runs; PYTEST=tests/mapper names some of the tests
-	$(MAKE) --jobs 2 check-python kernels check-pages test-pages programs
+	$(MAKE) --jobs 2 kernels check-python programs
+	$(MAKE) --jobs 2 test-python check-pages test-pages
+
+test-python: setup # needs kernels and programs; waits for browsers and processes while Node checks the pages beside it
 	$(RUN_TESTS) -m 'not long' $(PYTEST)
 
 test-long: setup kernels programs ## what takes too long for `make test`, and all cases of what it samples: hours

@@ -60,10 +60,17 @@ class Settings(BaseSettings):
         description="Where logs are read: by default in a process of this machine; tcp://HOST:PORT or tls://HOST:PORT "
         "is a Dask scheduler whose workers access the data folder at the same path.",
     )
+    fleet_executor: str | None = Field(
+        default=None,
+        pattern=r"^(tcp|tls)://[^/]+:[0-9]+$",
+        description="Where the page /fleet.html has logs mapped: by default in processes of this machine; "
+        "tcp://HOST:PORT or tls://HOST:PORT is a Dask scheduler, to whose workers the logs are sent.",
+    )
     fleet_workers: int = Field(
         default_factory=lambda: max(1, (os.cpu_count() or 2) - 1),
         ge=1,
-        description="Number of logs that are read, examined and mapped at once by the page /fleet.html.",
+        description="Number of logs that are read, examined and mapped at once by the page /fleet.html on this "
+        "machine; a cluster does as many as its workers have threads.",
     )
     logs_dir: Path | None = Field(default=None, description="Folder of logs that all visitors see, read-only.")
     max_sessions: int = Field(default=64, ge=1, description="Maximum number of concurrent sessions.")

@@ -177,7 +177,7 @@ def test_the_long_tests_are_listed() -> None:
         str(path.relative_to(root))
         for path in (root / "tests").rglob("*.py")
         if path.name.startswith(("test_", "conftest"))
-        and re.search(r"pytest\.mark\.(long|sampled)\b|\balso_long\(", path.read_text())
+        and re.search(r"pytest\.mark\.(long|sampled)\b|\balso_long(_rows)?\(", path.read_text())
     }
     assert set(re.findall(r"^\| `(tests/[^`]+)`", TESTING.read_text(), flags=re.MULTILINE)) == marked
 

@@ -47,7 +47,8 @@ def compose_one(
 
     The same bits: NumPy's cosine and sine may differ from those of :mod:`math` in the last one.
     """
-    c, s = float(np.cos(a[2])), float(np.sin(a[2]))
+    is_turn = b[0] == 0.0 and b[1] == 0.0  # as a sensor at the middle of a robot: neither is needed
+    c, s = (1.0, 0.0) if is_turn else (float(np.cos(a[2])), float(np.sin(a[2])))
     turned = a[2] + b[2]
     turned -= 2.0 * math.pi * math.floor((turned + math.pi) / (2.0 * math.pi))
     return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], turned)

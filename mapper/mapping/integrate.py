@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TypeAlias
 
@@ -51,6 +51,8 @@ class Change:
     box: CellBox | None
     geometry_changed: bool
     cells_updated: int
+    #: The cells of ``box`` in which anything changed, ``row · cols + col``, some of them repeatedly; None: not listed.
+    cells: NDArray[np.uint32] | None = field(default=None, compare=False)
 
 
 def _add(grid: OccupancyGrid, batch: ScanBatch, plan: UpdatePlan) -> Change:
@@ -63,9 +65,9 @@ def _add_parts(grid: OccupancyGrid, parts: Sequence[PlannedBatch]) -> Change:
     return _change(*update_in_turns(grid, parts[0].plan, [turns_of(parts, grid.geometry)]))
 
 
-def _change(count: int, box: NDArray[np.int64]) -> Change:
-    touched = CellBox(*(int(n) for n in box)) if box[1] > box[0] else None
-    return Change(touched, geometry_changed=False, cells_updated=count)
+def _change(count: int, box: NDArray[np.int64], cells: NDArray[np.uint32] | None = None) -> Change:
+    touched = CellBox(*box.tolist()) if box[1] > box[0] else None
+    return Change(touched, geometry_changed=False, cells_updated=count, cells=cells)
 
 
 def bounds_of_log(log: ScanLog, config: MappingConfig, trajectory: str | None = None) -> Bounds:

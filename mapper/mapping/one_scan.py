@@ -20,7 +20,10 @@ from mapper.mapping.update import WORTH_SHARING
 from mapper.mapping.update_plan import UpdatePlan, check_beam_length
 from mapper.sensors.scan import LaserScan, RangeScan
 
-Touched = tuple[int, NDArray[np.int64]]  #: the number of cell updates, and the box (row0, row1, col0, col1)
+#: The number of cell updates, the box (row0, row1, col0, col1), and the cells that were written, row · cols + col, some
+#: of them repeatedly; None where they are too many.
+Touched = tuple[int, NDArray[np.int64], NDArray[np.uint32] | None]
+MOST_WRITTEN = 8192  #: most cells that are listed; a scan writes about 1,000 that are not at the clamp
 
 
 def is_simple(scan: RangeScan, plan: UpdatePlan) -> TypeGuard[LaserScan]:
@@ -49,11 +52,12 @@ def update_with_scan(
     sign = -1.0 if plan.upside_down else 1.0
     beams = _even_directions(sign, scan.angle_min, scan.angle_increment, len(scan.ranges))
     box = np.array([geometry.rows, 0, geometry.cols, 0], dtype=np.int64)
-    count = add_scan(
+    written = np.empty(MOST_WRITTEN, dtype=np.uint32)
+    count, n = add_scan(
         grid.log_odds, grid.observed, scan.ranges, (x, y, float(np.cos(theta)), float(np.sin(theta))), beams,
-        geometry.frame, plan.reading_filter, plan.log_odds_update, grid.log_odds_prior, box,
+        geometry.frame, plan.reading_filter, plan.log_odds_update, grid.log_odds_prior, box, written,
     )  # fmt: skip
-    return None if count == BEYOND else (count, box)
+    return None if count == BEYOND else (count, box, written[:n] if n <= MOST_WRITTEN else None)
 
 
 @lru_cache(maxsize=32)

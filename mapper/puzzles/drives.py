@@ -18,7 +18,7 @@ from mapper.simulation.edits import Drawn, Edits, edited
 from mapper.simulation.faults import lengthened, with_lengthened
 from mapper.simulation.floor_plans import WORLDS
 from mapper.simulation.kernels.driving import STEP
-from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.kernels.lidar import cast_rays
 from mapper.simulation.lidar import RANGE_MIN, SensorConfig
 from mapper.simulation.odometry import drifting_odometry
 from mapper.simulation.robot import PoseTuple

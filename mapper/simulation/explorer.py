@@ -6,6 +6,7 @@ space where it can. :mod:`mapper.simulation.kernels.driving` follows it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -43,13 +44,13 @@ class _Passable:
     """Cells of a world where a robot can drive; shared by all robots of one radius.
 
     ``cells`` (n, 2) are the cells that a path may pass, ``centres`` (n, 2) their centres, metres; ``cost`` (rows, cols)
-    is that of a metre, +inf where nothing passes; ``goals`` (rows, cols) says where a goal may be.
+    is that of a metre, +inf where nothing passes; ``goals`` (m,) are the cells, row · cols + col, where a goal may be.
     """
 
     cells: NDArray[np.int64]
     centres: Float64Array
     cost: Float64Array
-    goals: NDArray[np.bool_]
+    goals: NDArray[np.int64]
 
 
 @lru_cache(maxsize=16)
@@ -64,7 +65,7 @@ def _passable(world: World, radius: float) -> _Passable:
         cells,
         _centres_of(lattice.geometry)[cells[:, 0], cells[:, 1]],
         np.where(passes, 1.0 + 6.0 * crowding**2, np.inf),
-        clearance >= radius + GOAL_CLEARANCE,
+        np.flatnonzero(clearance >= radius + GOAL_CLEARANCE),
     )
 
 
@@ -120,13 +121,14 @@ class Explorer:
         row, col = self._entry(robot, passable)
         distance, parent = np.empty(cost.shape), np.empty(cost.shape, dtype=np.int64)
         shortest_paths(cost, row, col, distance, parent)
-        metres = distance * clearance_lattice(self.world).geometry.resolution
-        candidates = np.flatnonzero((metres < np.inf) & passable.goals & (metres > 2.0 * ARRIVED))
+        metres = distance.ravel()[passable.goals] * clearance_lattice(self.world).geometry.resolution
+        candidates = np.flatnonzero((metres < np.inf) & (metres > 2.0 * ARRIVED))
         if not len(candidates):
             return np.empty((0, 2))
-        rows, cols = divmod(candidates[self.rng.integers(len(candidates), size=GOALS_TRIED)], cost.shape[1])
+        chosen = candidates[self.rng.integers(len(candidates), size=GOALS_TRIED)]
+        rows, cols = divmod(passable.goals[chosen], cost.shape[1])
         # Seconds since the last visit, less twice the seconds that it costs to go there.
-        worth = (time - self.visited[rows, cols]) - 2.0 * metres[rows, cols] / CAREFUL
+        worth = (time - self.visited[rows, cols]) - 2.0 * metres[chosen] / CAREFUL
         goal = int(np.argmax(worth))
         return self._smoothed(self._cells_to(int(rows[goal]), int(cols[goal]), parent), robot)
 
@@ -135,22 +137,36 @@ class Explorer:
         x, y, _ = robot.pose
         if not len(passable.cells):
             return 0, 0
+        cell = self._cell_at(passable, x, y)
+        if cell is not None and self._can_enter(self._centres[cell].tolist(), robot):
+            return cell
         gaps = np.hypot(passable.centres[:, 0] - x, passable.centres[:, 1] - y)
-        index = nearest = int(np.argmin(gaps))
-        if not self._can_enter(passable, index, robot):  # the others are seldom needed
-            near = np.arange(len(gaps))
-            if len(gaps) > ENTRIES_TRIED:
-                near = np.flatnonzero(gaps <= np.partition(gaps, ENTRIES_TRIED - 1)[ENTRIES_TRIED - 1])
-            order = near[np.argsort(gaps[near], kind="stable")][:ENTRIES_TRIED].tolist()
-            index = next((i for i in order if self._can_enter(passable, i, robot)), nearest)
+        near = np.arange(len(gaps))
+        if len(gaps) > ENTRIES_TRIED:
+            near = np.flatnonzero(gaps <= np.partition(gaps, ENTRIES_TRIED - 1)[ENTRIES_TRIED - 1])
+        order = near[np.argsort(gaps[near], kind="stable")][:ENTRIES_TRIED].tolist()
+        places = passable.centres[order].tolist()
+        index = next((i for i, place in zip(order, places, strict=True) if self._can_enter(place, robot)), order[0])
         row, col = passable.cells[index].tolist()
         return row, col
 
-    def _can_enter(self, passable: _Passable, index: int, robot: Robot) -> bool:
-        """Return whether the robot can drive straight to a passable cell."""
-        x, y, _ = robot.pose
-        px, py = passable.centres[index].tolist()
-        return chord_clearance(self.world.segments, x, y, px, py) >= robot.radius
+    def _cell_at(self, passable: _Passable, x: float, y: float) -> tuple[int, int] | None:
+        """Return the passable cell nearest to (x, y), where the one that holds (x, y) is passable; else None."""
+        (x0, y0), (rows, cols) = self.world.bounds[:2], passable.cost.shape
+        step = clearance_lattice(self.world).geometry.resolution
+        row, col = int((y - y0) / step), int((x - x0) / step)
+        if not (0 <= row < rows and 0 <= col < cols and passable.cost[row, col] < np.inf):
+            return None
+        first_row, first_col = max(row - 1, 0), max(col - 1, 0)  # on a border rounding decides
+        around = np.s_[first_row : row + 2, first_col : col + 2]
+        gaps = np.hypot(self._centres[around][..., 0] - x, self._centres[around][..., 1] - y)
+        nearest = int(np.argmin(np.where(passable.cost[around] < np.inf, gaps, np.inf)))
+        return first_row + nearest // gaps.shape[1], first_col + nearest % gaps.shape[1]
+
+    def _can_enter(self, place: Sequence[float], robot: Robot) -> bool:
+        """Return whether the robot can drive straight to a place (2,), metres."""
+        (x, y, _), (to_x, to_y) = robot.pose, place
+        return chord_clearance(self.world.segments, x, y, to_x, to_y) >= robot.radius
 
     def _cells_to(self, row: int, col: int, parent: NDArray[np.int64]) -> Float64Array:
         """Return the centres (n, 2) of the cells from the start to (row, col)."""

@@ -17,13 +17,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.simulation.kernels.reflection import reflect
-from mapper.simulation.lidar import SensorConfig, true_ranges
+from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at
+from mapper.simulation.robot import PoseTuple
 from mapper.simulation.sonar import ranges_in_cones, rays_of_cone
 from mapper.simulation.worlds import Float64Array, World
 
 SPECULAR_ANGLE = math.radians(30.0)  #: a beam that meets a polished wall farther than this off its normal is lost
 POLISHED_LENGTH = 2.5  #: metres: straight faces at least this long are polished
 ON_WALL = 1e-6  # metres by which the end of a beam may miss the face that ended it
+_MOST_SINE = math.sin(SPECULAR_ANGLE)
+_LENGTHENED = np.array([0.0, np.inf], dtype=np.float16)  # of a lidar's beam that returns and of one that does not
 
 
 FAULT_PARAMETERS: tuple[Parameter, ...] = (
@@ -99,11 +102,17 @@ def reflected_away(world: World, ranges: ArrayLike, angles: ArrayLike, sensor_po
     (failures of a range finder: specular reflection, of sonars on every smooth wall, of lidars on glass and polished
     surfaces).
     """
-    distance = np.ascontiguousarray(ranges, dtype=np.float64)
-    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
-    bearings = yaw + np.asarray(angles, dtype=np.float64)
-    out = np.empty(len(distance), dtype=np.bool_)
-    reflect(polished_faces(world), distance, bearings, x, y, math.sin(SPECULAR_ANGLE), ON_WALL, out)
+    radians = np.asarray(angles, dtype=np.float64)
+    beams = np.stack([np.cos(radians), np.sin(radians)], axis=-1)
+    return _reflected(world, np.ascontiguousarray(ranges, dtype=np.float64), beams, pose_of(sensor_pose))
+
+
+def _reflected(world: World, ranges: Float64Array, beams: Float64Array, sensor_pose: PoseTuple) -> NDArray[np.bool_]:
+    """Return :func:`reflected_away` for beams with these cosines and sines (n, 2) of their angles."""
+    x, y, yaw = sensor_pose
+    sensor = (x, y, math.cos(yaw), math.sin(yaw))
+    out = np.empty(len(ranges), dtype=np.bool_)
+    reflect(polished_faces(world), ranges, beams, sensor, _MOST_SINE, ON_WALL, out)
     return out
 
 
@@ -115,10 +124,10 @@ def lengthened(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> ND
     within :data:`SPECULAR_ANGLE` of the normal, and whatever is not polished. Half precision, a thousandth of the
     distance, is less than any sensor's noise.
     """
-    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
+    x, y, yaw = pose = pose_of(sensor_pose)
     if sensor.kind == "lidar":
-        gone = reflected_away(world, true_ranges(world, sensor, (x, y, yaw)), sensor.bearings, (x, y, yaw))
-        return np.where(gone, np.float16(np.inf), np.float16(0.0))
+        gone = _reflected(world, ranges_at(world, sensor, pose), sensor.directions, pose)
+        return np.take(_LENGTHENED, gone.view(np.uint8))
     heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
     angles = sensor.bearings[:, np.newaxis] + rays_of_cone(sensor.beam_width)
     lost = reflected_away(world, heard.ravel(), angles.ravel(), (x, y, yaw)).reshape(heard.shape)

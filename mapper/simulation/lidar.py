@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_fields, check_names, check_table
 from mapper.sensors.scan import LaserScan
-from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.kernels.lidar import add_noise, cast_rays
+from mapper.simulation.robot import PoseTuple
 from mapper.simulation.sonar import ranges_in_cones
 from mapper.simulation.worlds import Float64Array, World
 
@@ -115,6 +116,11 @@ class SensorConfig:
         """Bearings of the readings (n_readings,) in the laser frame, radians."""
         return _bearings(self.angle_min, self.angle_increment, self.n_readings)
 
+    @property
+    def directions(self) -> Float64Array:
+        """Cosine and sine (n_readings, 2) of :attr:`bearings`."""
+        return _directions(self.angle_min, self.angle_increment, self.n_readings)
+
     def with_values(self, values: Mapping[str, Any]) -> SensorConfig:
         """Return a copy with some values replaced; raise :class:`ConfigError` for an unknown name or a bad value."""
         check_names(values, SENSOR_PARAMETERS, "sensor parameter")
@@ -132,17 +138,38 @@ def _bearings(angle_min: float, angle_increment: float, count: int) -> Float64Ar
     return bearings
 
 
+@lru_cache(maxsize=64)
+def _directions(angle_min: float, angle_increment: float, count: int) -> Float64Array:
+    bearings = _bearings(angle_min, angle_increment, count)
+    directions: Float64Array = np.stack([np.cos(bearings), np.sin(bearings)], axis=-1)
+    directions.setflags(write=False)
+    return directions
+
+
+def pose_of(numbers: ArrayLike) -> PoseTuple:
+    """Return a pose (3,) as plain numbers."""
+    if isinstance(numbers, tuple):
+        return cast("PoseTuple", numbers)
+    x, y, yaw = np.asarray(numbers, dtype=np.float64).tolist()
+    return (x, y, yaw)
+
+
 def true_ranges(world: World, sensor: SensorConfig, sensor_pose: ArrayLike) -> Float64Array:
     """Return the exact distance (n_readings,), metres, from ``sensor_pose`` (3,), ``T_map_laser``, to the first solid.
 
     +inf where a beam, or a sonar's cone, meets nothing within ``sensor.range_max``.
     """
-    x, y, yaw = (float(v) for v in np.asarray(sensor_pose, dtype=np.float64))
+    return ranges_at(world, sensor, pose_of(sensor_pose)).copy()
+
+
+def ranges_at(world: World, sensor: SensorConfig, sensor_pose: PoseTuple) -> Float64Array:
+    """Return :func:`true_ranges`. It may be shared and must not be modified."""
+    x, y, yaw = sensor_pose
     if sensor.kind == "sonar_ring":
         heard = ranges_in_cones(world, (x, y, yaw), sensor.bearings, sensor.beam_width, sensor.range_max)
         nearest: Float64Array = heard.min(axis=1)
         return nearest
-    return _thin_ranges(world, sensor, x, y, yaw).copy()
+    return _thin_ranges(world, sensor, x, y, yaw)
 
 
 @lru_cache(maxsize=128)  # a scan and what polished walls do to it ask for the same, one after the other
@@ -163,9 +190,8 @@ def measure(
     """
     # Drawn even where σ = 0: the noise of later scans does not depend on it.
     noise = rng.standard_normal(sensor.n_readings)
-    ranges = np.maximum(true_ranges(world, sensor, sensor_pose) + sensor.range_noise * noise, RANGE_MIN).astype(
-        np.float32
-    )
-    ranges[ranges > sensor.range_max] = np.inf
+    ranges = np.empty(sensor.n_readings, dtype=np.float32)
+    true = ranges_at(world, sensor, pose_of(sensor_pose))
+    add_noise(true, noise, sensor.range_noise, RANGE_MIN, sensor.range_max, ranges)
     limits = (RANGE_MIN, sensor.range_max)
     return LaserScan(ranges, sensor.angle_min, sensor.angle_increment, *limits, stamp_ns, sensor.cone)

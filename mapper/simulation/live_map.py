@@ -274,8 +274,9 @@ class LiveMap:
         odometry = self._odometer.move(pose)
         longer = self._lengthened(pose)
         recording.append(scan, pose, odometry, longer)
-        reported = with_lengthened(scan.ranges, longer, scan.range_max) if self.faults.specular else scan.ranges
-        self.newest, self.newest_pose = replace(scan, ranges=reported), pose
+        self.newest, self.newest_pose = scan, pose
+        if self.faults.specular:
+            self.newest = replace(scan, ranges=with_lengthened(scan.ranges, longer, scan.range_max))
         self.believed_pose = odometry if self.faults.drift else pose
         if self.faults.heals:
             self._has_moved |= self.healing.add(recording, specular=self.faults.specular)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -95,16 +96,16 @@ class Recording:
                 "recording.scan",
                 f"A scan of (beams, angle_min, angle_increment, range_max) {given} is not of {wanted}.",
             )
-        pose = np.asarray(base_pose, dtype=np.float64)
-        if pose.shape != (3,) or not np.isfinite(pose).all():
-            raise ConfigError("recording.pose", f"A pose must be three finite numbers, not {pose.tolist()!r:.80}.")
+        if np.shape(base_pose) != (3,) or not all(map(math.isfinite, base_pose)):
+            pose = np.asarray(base_pose, dtype=np.float64).tolist()
+            raise ConfigError("recording.pose", f"A pose must be three finite numbers, not {pose!r:.80}.")
         if self._n == self.capacity:
             self._thin()
         if self._n == len(self._ranges):
             self._resize(np.arange(self._n), min(self.capacity, 2 * self._n))
         self._ranges[self._n] = scan.ranges
-        self._poses[self._n] = pose
-        self._odometry[self._n] = pose if odometry is None else odometry
+        self._poses[self._n] = base_pose
+        self._odometry[self._n] = base_pose if odometry is None else odometry
         self._longer[self._n] = 0.0 if longer is None else longer
         self._stamps[self._n] = scan.stamp_ns
         self._numbers[self._n] = self._taken

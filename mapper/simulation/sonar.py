@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.kernels.lidar import cast_rays
 from mapper.simulation.worlds import Float64Array, World
 
 RAY_STEP = math.radians(1.0)  #: between the rays that sample a cone

@@ -21,6 +21,7 @@ MANY_ATTEMPTS = 2_000  #: from which on there are so many loops; with fewer atte
 BYTES_PER_BEAM = 17  #: a point, a normal and its kind
 BYTES_PER_SCAN = 12_000  #: poses, edges, pairs and their share of the factor
 FIXED_BYTES = 150_000_000  #: fields of submaps
+PASSES = 2  #: of all scans that are in memory at once where loops are closed: the best one and one with other rules
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +34,11 @@ class SlamEstimate:
 
 
 def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | None = None) -> SlamEstimate:
-    """Return what :func:`mapper.slam.slam_log` will take, on a processor of 2020. Raises :class:`ConfigError`."""
+    """Return what :func:`mapper.slam.slam_log` will take, on a processor of 2020. Raises :class:`ConfigError`.
+
+    The seconds are those of one pass: each with other rules (:data:`mapper.slam.whole_log.STRICTER`), which are tried
+    where the map contradicts itself, takes as long again. The memory is that of all passes that are there at once.
+    """
     config = config or SlamConfig()
     name = odometry_name(log) if trajectory is None else trajectory
     odometry = None if name is None else log.trajectory(name).poses
@@ -46,7 +51,7 @@ def estimate(log: ScanLog, config: SlamConfig | None = None, trajectory: str | N
         n,
         1e-3 * (n * (MS_PER_SCAN + MS_PER_BEAM * beams) + MS_PER_ATTEMPT * attempts)
         + SECONDS_OF_GRAPH * n**1.5 * min(attempts / MANY_ATTEMPTS, 1.0),
-        FIXED_BYTES + n * (BYTES_PER_SCAN + BYTES_PER_BEAM * beams),
+        FIXED_BYTES + n * (BYTES_PER_SCAN + BYTES_PER_BEAM * beams) * (PASSES if config.loop_closure else 1),
     )
 
 

@@ -163,6 +163,7 @@ class _Work:
         The poses that are reported are those of ``shown``, if it is given.
         """
         changed = changed or {}
+        self._reported.clear()  # it holds the pass that it was of
         one = _Pass(self._log, self._odometry, replace(self._config, **changed), self.check)
 
         def report(share: float, stage: str, done: int, find_poses: Callable[[], Float64Array]) -> None:
@@ -178,34 +179,39 @@ class _Work:
         graph = one.slam.optimised()
         return _Outcome(one, graph, map_agreement(one.slam.store, graph.poses), changed)
 
-    def best(self, first: _Outcome, begin: float, end: float) -> tuple[_Outcome, list[str]]:
-        """Return the outcome whose map agrees best, of the first one and those with other rules, and notes on it.
+    def best(self, end: float) -> tuple[_Outcome, list[str]]:
+        """Return the outcome whose map agrees best, of a first pass and those with other rules, and notes on it.
 
         Others are tried without place recognition where it closed loops, and with stricter rules as long as the map is
-        not consistent.
+        not consistent. Two passes are in memory at once: the best so far and the present one. The fraction ends with
+        ``end``.
         """
-        best, notes = first, []
+        begin = end - COMPARISON
+        best, notes = self.run(0.0, begin), list[str]()
+        if not best.run.slam.n_loops:
+            return best, notes
         part = (end - begin) / (1 + len(STRICTER))
-        recognized = first.run.slam.recognized
+        recognized = best.run.slam.recognized
         if recognized:
-            other = self.run(begin, begin + part, {"place_recognition": False}, first)
-            if self._score(other) > self._score(first):
-                best = other
-                if other.run.nodes == first.run.nodes:
+            other = self.run(begin, begin + part, {"place_recognition": False}, best)
+            if self._score(other) > self._score(best):
+                if other.run.nodes == best.run.nodes:
                     other.run.slam.tried += [refused(loop, WORSE) for loop in recognized]
+                best = other
                 notes.append(
                     f"{len(recognized)} loops at recognized places are left out: with them more points lie where other "
                     "scans saw free space."
                 )
         wanted = best.changed
         for number, (name, value) in enumerate(STRICTER.items(), 1):
-            if best.agreement.is_consistent or len(first.run.slam) > LARGE:
+            if best.agreement.is_consistent or len(best.run.slam) > LARGE:
                 break
             now = getattr(self._config, name)
             if now < value if name in SMALLER_IS_STRICTER else now > value:
                 continue
             at = begin + part * number
-            other = self.run(at, at + part, {**wanted, name: value}, first)
+            other = best  # which ends the pass before
+            other = self.run(at, at + part, {**wanted, name: value}, best)
             if self._score(other) > self._score(best):
                 best = other
         rules = [f"{name} {value:g}" for name, value in best.changed.items() if name in STRICTER]
@@ -256,9 +262,7 @@ def slam_log(
         )
     work = _Work(log, name, config, progress)
     share = BEFORE_REFINEMENT if config.refinement else 1.0
-    chosen, notes = work.run(0.0, share - COMPARISON), list[str]()
-    if chosen.run.slam.n_loops:
-        chosen, notes = work.best(chosen, share - COMPARISON, share)
+    chosen, notes = work.best(share)
     run, n_loops = chosen.run, chosen.run.slam.n_loops
     if config.refinement and progress is not None:
         work.report(share, "refinement", run.scans_with_poses(len(run.slam)), n_loops, chosen.poses)

@@ -36,7 +36,7 @@ from mapper.grid import TILE, GridGeometry, OccupancyGrid
 from mapper.grid.compare import compare
 from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.lattice import Frame
-from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells
 from mapper.grid.metrics import map_metrics
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
 from mapper.mapping.integrate import integrate_scan
@@ -110,6 +110,8 @@ def _draw(grid: OccupancyGrid) -> None:
     count = quantise(
         grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, 0, rows, 0, cols, TILE, picture, changed, cells, 0
     )
+    every = np.arange(rows * cols, dtype=np.uint32)
+    quantise_cells(grid.log_odds, grid.observed, -2.0, 3.5, -1.0, 0.6, every, TILE, picture, changed, cells, 0)
     sort_by_tile(
         picture,
         cells[:count],

@@ -40,7 +40,7 @@ def fleet(
         written = 0.0
         with (
             progress_bar("Mapping") as bar,
-            workers_at(executor, workers, out.absolute() / "leases", limits.memory_bytes) as crew,
+            workers_at(executor, workers, limits.memory_bytes) as crew,
         ):
 
             def note(_: Result) -> None:

@@ -22,6 +22,12 @@ def serve(
         str | None, typer.Option(help="Database of the logs' records, sqlite:/// or postgresql://.")
     ] = None,
     logs_dir: Annotated[Path | None, typer.Option(help="Folder of logs that all visitors see, read-only.")] = None,
+    fleet_executor: Annotated[
+        str | None,
+        typer.Option(
+            help="Scheduler of the Dask cluster on which the page maps all logs, tcp://HOST:PORT or tls://HOST:PORT."
+        ),
+    ] = None,
     open_class: Annotated[
         bool,
         typer.Option(
@@ -51,6 +57,7 @@ def serve(
         "blobs": blobs,
         "database": database,
         "logs_dir": logs_dir,
+        "fleet_executor": fleet_executor,
         "no_token": no_token or None,
         "class_code": new_code() if open_class else None,
     }

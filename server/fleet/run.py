@@ -20,11 +20,11 @@ from typing import Any
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, MapperError
-from server.library.fleet_job import DIED, RUNS, FleetJob, FleetLimits, fleet_facts
+from server.library.cluster import Cluster
+from server.library.cluster_worker import ClusterWorker
+from server.library.fleet_job import DIED, RUNS, ClusterLostError, FleetJob, FleetLimits, fleet_facts
 from server.library.storage import StorageError, claimed
-from server.library.workers import ExecutorWorker, PoolWorker, Worker
-
-AHEAD = 1  #: logs that wait at the cluster beside those that its threads do, so that none waits for a log
+from server.library.workers import PoolWorker, Worker
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Fleet:
     def held(self) -> Iterator[None]:
         """Hold the folder and read the results of earlier runs. Raises :class:`ConfigError`."""
         try:
-            for name in ("results", "maps", "leases"):
+            for name in ("results", "maps"):
                 (self.folder / name).mkdir(parents=True, exist_ok=True)
             with claimed(self.folder):
                 for key in self.logs:
@@ -86,7 +86,7 @@ class Fleet:
         """Have every log done that has no result yet, by all workers at once; ``again``: also those that failed.
 
         ``done`` is called after each. An interrupt ends the workers; what is done stays. Raises :class:`ConfigError`
-        where a result cannot be written.
+        where a result cannot be written, and where the cluster is gone.
         """
         waiting: deque[str] = deque()
         for key in self.logs:
@@ -121,6 +121,9 @@ class Fleet:
         try:
             facts, runs = await fleet_facts(worker, job)
             return Result(key, str(path), round(time.monotonic() - began, 3), runs, facts)
+        except ClusterLostError:
+            message = "The Dask cluster is gone. What is done stays: run this again to go on."
+            raise ConfigError("fleet.cluster_lost", message) from None
         except MapperError as error:
             failure = (error.code, error.message)
         except Exception as error:  # noqa: BLE001 - a defect in one log's job fails this log alone
@@ -149,11 +152,11 @@ def key_of(path: Path) -> str:
 
 
 @contextmanager
-def workers_at(place: str | None, count: int | None, folder: Path, memory_bytes: int) -> Iterator[list[Worker]]:
+def workers_at(place: str | None, count: int | None, memory_bytes: int) -> Iterator[list[Worker]]:
     """Yield workers: processes of this machine, or of the Dask cluster whose scheduler is at ``place``.
 
-    ``count`` is how many logs are done at once; None: a log for each core or thread of a worker. All see ``folder`` at
-    the same path. Raises :class:`ConfigError` where there is no cluster.
+    ``count`` is how many logs are done at once; None: a log for each core or thread of a worker, which a cluster does
+    not exceed. Raises :class:`ConfigError` where there is no cluster, or one without workers that can map logs.
     """
     workers: list[Worker]
     if place is None:
@@ -165,14 +168,13 @@ def workers_at(place: str | None, count: int | None, folder: Path, memory_bytes:
                 worker.close()
         return
     try:
-        from distributed import Client  # noqa: PLC0415 - only where it is asked for
-    except ImportError:
-        raise ConfigError("fleet.dask", "A Dask cluster needs Dask: pip install 'gridbloom[dask]'.") from None
+        cluster = Cluster(place)
+    except StorageError as error:
+        raise ConfigError(error.code, error.message) from None
     try:
-        client = Client(place, timeout=10, set_as_default=False)
-    except (OSError, TypeError) as error:
-        raise ConfigError("fleet.dask", f"The Dask scheduler at {place} cannot be reached: {error}.") from None
-    with client:
-        threads = sum(client.nthreads().values())
-        executor = client.get_executor(pure=False)
-        yield [ExecutorWorker(executor, folder) for _ in range(count or max(1, threads + AHEAD))]
+        state = cluster.await_first_look()
+        if not state.threads:
+            raise ConfigError("fleet.dask", f"{state.error} It was looked for at {place}.")
+        yield [ClusterWorker(cluster) for _ in range(min(count or state.threads, state.threads))]
+    finally:
+        cluster.close()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mapper.core.errors import LimitError, ReadError
+from mapper.core.errors import LimitError, MapperError, ReadError
 from server.library import job as jobs
 from server.library.following import followed
 from server.library.workers import Worker
@@ -18,6 +18,15 @@ DOING = "Reading, examining and mapping this log"
 READ, EXAMINED, MAPPED = 0.4, 0.7, 0.95  #: fractions of the job that are done then
 RUNS = 2  #: of a log whose process was ended: the machine may be at fault
 DIED = "fleet.died"  #: the error of a log whose process was ended
+LOSSES = 4  #: of workers of a cluster with one log, of which the machines may be at fault, or the log
+
+
+class ClusterLostError(MapperError):
+    """The cluster cannot do the job now: the log is not at fault."""
+
+
+class WorkerLostError(MapperError):
+    """The worker of a cluster that did the job is gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,11 +82,19 @@ def do_fleet_job(job: FleetJob) -> dict[str, Any]:
 async def fleet_facts(
     worker: Worker, job: FleetJob, look: Callable[[], Awaitable[None]] | None = None
 ) -> tuple[dict[str, Any], int]:
-    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`followed`."""
-    run = 1
+    """Have ``worker`` do ``job``; return the facts, and how many runs it took. See :func:`followed`.
+
+    A job whose worker is gone is begun again by another one. Raises :class:`ClusterLostError` where there is none.
+    """
+    run, lost = 1, 0
     while True:
         try:
-            return await followed(worker, job, look or _not_looked, DIED), run
+            return await followed(worker, job, look or _not_looked, DIED), run + lost
+        except WorkerLostError:
+            lost += 1
+            if lost == LOSSES:
+                message = f"{LOSSES} workers of the cluster ended during this job; the log may need too much memory."
+                raise ReadError("fleet.worker_lost", message) from None
         except ReadError as error:
             if error.code != DIED or run == RUNS:
                 raise

@@ -156,6 +156,10 @@ class JobQueue(Generic[R, P]):
         if tasks:
             await asyncio.wait(tasks)
 
+    def resize(self, places: int) -> None:
+        """Do as many jobs at once; those that are under way go on."""
+        self._turns.resize(places)
+
     async def forget(self, key: Key) -> None:
         """End a job and forget it; its row goes with its log."""
         if self.records.pop(key, None) is not None:

@@ -59,6 +59,7 @@ class Library:
 
     def __init__(self, settings: Settings, limits: LibraryLimits | None = None, reader: Reader | None = None) -> None:
         from server.library.changes import Changes  # noqa: PLC0415
+        from server.library.cluster import Cluster  # noqa: PLC0415
         from server.library.database import Database  # noqa: PLC0415 - the process that reads does without SQLAlchemy
         from server.library.fleet_jobs import FleetJobs  # noqa: PLC0415
         from server.library.given_maps import GivenMaps  # noqa: PLC0415
@@ -120,7 +121,9 @@ class Library:
         kind = LocalizationKind(self.maps)
         self.localization = PoseJobs(self._database, leases, self, new_worker, root / "localization", kind)
         self.merges = MergeJobs(self._database, leases, self, new_worker, root / "merges")
-        self.fleet = FleetJobs(self._database, leases, self._catalogue, self.get, new_worker, settings.fleet_workers)
+        cluster = None if settings.fleet_executor is None else Cluster(settings.fleet_executor)
+        at_once = settings.fleet_workers
+        self.fleet = FleetJobs(self._database, leases, self._catalogue, self.get, new_worker, at_once, cluster)
         self._job_queues = (self.slam, self.merges, self.localization, self.fleet)
         self._changes = Changes(
             self._database,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from server.library.blobs import Blobs
+from server.library.cluster import require_dask
 from server.library.storage import private_folder
 from server.library.workers import worker_at
 from server.settings import Settings
@@ -23,3 +24,5 @@ def check_stores(settings: Settings) -> None:
         database.close()
     if settings.executor is not None:
         worker_at(settings.executor, 0, root).close()
+    if settings.fleet_executor is not None:  # which need not be there yet
+        require_dask()

@@ -12,6 +12,9 @@ from server.stream.hub import Client
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from mapper.mapping.integrate import Change
 
 
@@ -34,6 +37,8 @@ class TickResult:
     is_new_hello: bool = False  #: whether ``hello`` says something else than before
     new_grid: bool = False  #: whether the whole layer of the map has to be updated
     box: CellBox | None = None  #: otherwise: the cells of the map that may have changed
+    #: Those that may have changed in it, of each update ``row · cols + col``; None: any of the box.
+    cells: list[NDArray[np.uint32]] | None = field(default_factory=list)
     cancelled: bool = False  #: whether a newer command cancelled the map, which is made in the next tick
     remade_ms: float | None = None  #: duration of recomputing the whole map
     slots: dict[str, dict[str, Any]] = field(default_factory=dict)  #: newest message of each type, to all clients
@@ -48,6 +53,10 @@ class TickResult:
         self.new_grid = self.new_grid or change.geometry_changed
         if change.box is not None:
             self.box = change.box if self.box is None else self.box | change.box
+            if change.cells is None:
+                self.cells = None
+            elif self.cells is not None:
+                self.cells.append(change.cells)
 
     def slot(self, message: dict[str, Any]) -> None:
         """Send ``message`` to all clients, unless a newer one of its type replaces it first."""

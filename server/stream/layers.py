@@ -127,16 +127,26 @@ class GridLayer(Layer):
         """The epoch of the newest picture, published or not; 0 if there is none."""
         return 0 if self._written is None else self._written.epoch
 
-    def update(self, grid: OccupancyGrid, config: MappingConfig, box: CellBox | None, *, whole: bool) -> bool:
+    def update(
+        self,
+        grid: OccupancyGrid,
+        config: MappingConfig,
+        box: CellBox | None,
+        *,
+        whole: bool,
+        cells: Sequence[NDArray[np.uint32]] | None = None,
+    ) -> bool:
         """Update the picture from an occupancy grid, ``whole`` or in a ``box`` (worker thread).
 
-        Return whether a new epoch begins.
+        With ``cells``, arrays of ``row · cols + col``, only these of the box. Return whether a new epoch begins.
         """
         picture, is_new = self._picture_of(grid.geometry, *picture_range(config))
         if whole or is_new:
-            box = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols)
-        if box is not None:
+            box, cells = CellBox(0, grid.geometry.rows, 0, grid.geometry.cols), None
+        if box is not None and cells is None:
             picture.update(grid, box)
+        for some in cells or ():
+            picture.update_cells(grid, some)
         return is_new
 
     def set(

@@ -1,8 +1,9 @@
 """The text messages from the server to the browser, each stated once.
 
 :mod:`server.stream.generate` writes the JSON Schema, the TypeScript types and validators, and ``docs/wire.md`` from
-these classes. A field whose default is ``UNSET`` may be left out of the message. Angles are in radians, lengths in
-metres, times in seconds; poses are ``[x, y, yaw]`` in the map frame.
+these classes and those of :mod:`server.stream.navigation_messages` and :mod:`server.stream.volume_messages`. A field
+whose default is ``UNSET`` may be left out of the message. Angles are in radians, lengths in metres, times in seconds;
+poses are ``[x, y, yaw]`` in the map frame.
 """
 
 from __future__ import annotations
@@ -13,28 +14,36 @@ from msgspec import UNSET, Meta, Struct, UnsetType
 
 from server.stream.message_parts import (
     Block,
-    BrushStroke,
     CellState,
     Compared,
     Contribution,
     Edits,
-    LayerCost,
     LayerInfo,
     LogInfo,
     Numbers,
     Parameter,
-    Place,
     Point,
     Pose,
     Segment,
-    SurfaceUpdate,
     Table,
-    TerrainCounts,
-    TerrainPatch,
     TrajectoryInfo,
     Values,
-    VolumeChanges,
-    VoxelUpdate,
+)
+from server.stream.navigation_messages import (
+    CostmapMessage,
+    CostMessage,
+    LocalizationMessage,
+    MapEditsMessage,
+    Nav2Message,
+    PathMessage,
+)
+from server.stream.volume_messages import (
+    Map3dMessage,
+    SurfaceMessage,
+    SurfaceVoxelMessage,
+    TerrainMessage,
+    VolumeMessage,
+    VoxelMessage,
 )
 
 
@@ -203,197 +212,6 @@ class Forgetting(Struct, tag_field="type", tag="forgetting"):
     without_clamp: Annotated[int | None, Meta(description="the same without clamping")]
     free_with_clamp: Annotated[float, Meta(description="share of the cells that are free with clamping, 0 to 1")]
     free_without_clamp: Annotated[float, Meta(description="the same without clamping")]
-
-
-class LocalizationMessage(Struct, tag_field="type", tag="localization"):
-    """Estimate of the particle filter; in a simulation, with its error."""
-
-    is_on: Annotated[bool, Meta(description="whether the robot is localized")]
-    map: Annotated[str, Meta(description="of a simulation: plan, moved or other, as the command localize has it")]
-    values: Annotated[Values, Meta(description="localization parameters that differ from the first ones")]
-    pose: Annotated[Pose | None, Meta(description="the best estimate")]
-    at: Annotated[Pose | None, Meta(description="the pose, in a simulation the true one, that it is an estimate of")]
-    covariance: Annotated[
-        tuple[float, float, float, float] | None,
-        Meta(
-            description="variances of the estimate: xx, xy, yy in m², yaw in rad²",
-            extra={"labels": ("xx", "xy", "yy", "yaw")},
-        ),
-    ]
-    is_converged: Annotated[bool, Meta(description="whether the particles agree on one place")]
-    share: Annotated[float, Meta(description="weight of the heaviest cluster, 0 to 1")]
-    fit: Annotated[float, Meta(description="how well the last scan that was used fits, 0 to 1")]
-    entropy: Annotated[float, Meta(description="of the histogram of particles in bins of 0.5 m and 10°, bits")]
-    n_particles: Annotated[int, Meta(description="number of particles")]
-    n_updates: Annotated[int, Meta(description="scans that were used")]
-    error_m: Annotated[float | None, Meta(description="distance of the estimate from the true pose, m")]
-    error_rad: Annotated[float | None, Meta(description="its error in heading, rad")]
-
-
-class Map3dMessage(Struct, tag_field="type", tag="map3d"):
-    """The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`."""
-
-    is_on: Annotated[bool, Meta(description="whether there is one")]
-    values: Annotated[Values, Meta(description="parameters of the 3D sensor and the map")]
-    scans: Annotated[int, Meta(description="scans in the map")]
-    taken: Annotated[int, Meta(description="scans that are recorded; more than `scans` while the map is made again")]
-    only_in_3d: Annotated[int, Meta(description="cells of its projection that are occupied, and are not in the 2D map")]
-    problem: Annotated[str | None, Meta(description="why it does not grow any more; null: it does")]
-    known: Annotated[int, Meta(description="free and occupied voxels")]
-    nodes: Annotated[int, Meta(description="nodes of its octree, whose equal leaves are joined")]
-    leaves: Annotated[int, Meta(description="those without children")]
-    octree_bytes: Annotated[int, Meta(description="the octree: log-odds and children of each node")]
-    block_bytes: Annotated[int, Meta(description="the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash")]
-    dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
-
-
-class TerrainMessage(Struct, tag_field="type", tag="terrain"):
-    """The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`."""
-
-    is_on: Annotated[bool, Meta(description="whether it is assessed")]
-    values: Annotated[Values, Meta(description="its parameters")]
-    points: Annotated[int, Meta(description="points that it is made of")]
-    ground: Annotated[int, Meta(description="those that the filter takes for ground")]
-    left_out: Annotated[int, Meta(description="ground points that RANSAC leaves out of the planes")]
-    kappa: Annotated[
-        float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
-    ]
-    total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
-    truth: Annotated[str | None, Meta(description="what they are compared with; null: as above")]
-    safe: Annotated[int, Meta(description="patches that are safe")]
-    unsafe: Annotated[int, Meta(description="patches that are unsafe")]
-    unknown: Annotated[int, Meta(description="patches with too few points")]
-    size: Annotated[float, Meta(description="side of a patch, m")]
-    before: Annotated[
-        TerrainCounts | None,
-        Meta(description="the classes before the newest change of parameters; null: there was none"),
-    ]
-    patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
-    problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
-
-
-class CostmapMessage(Struct, tag_field="type", tag="costmap"):
-    """The costmap over the map of a simulation or a log."""
-
-    is_on: Annotated[bool, Meta(description="whether there is one")]
-    values: Annotated[Values, Meta(description="navigation parameters")]
-    footprint: Annotated[list[Point], Meta(description="corners of the robot's outline, in its frame, without padding")]
-    inscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
-    circumscribed_radius: Annotated[float, Meta(description="of the padded outline, m")]
-    keepout: Annotated[list[BrushStroke], Meta(description="all that is painted")]
-
-
-class PathMessage(Struct, tag_field="type", tag="path"):
-    """Sessions with a costmap: the path to the goal; its points are in the layer `plan`."""
-
-    goal: Annotated[Point | None, Meta(description="the goal; null: there is none")]
-    drives: Annotated[bool, Meta(description="whether the robot drives along it")]
-    length: Annotated[float | None, Meta(description="length, m; null: there is no path")]
-    cost: Annotated[float | None, Meta(description="sum of the costs of its steps; null: there is no path")]
-    travel_s: Annotated[
-        float | None,
-        Meta(
-            description="time along it at the desired velocity, less where speed limits are, s; null: there is no path"
-        ),
-    ]
-    reaches_goal: Annotated[bool, Meta(description="whether it ends at the goal")]
-    reason: Annotated[str | None, Meta(description="why there is no path, or why it ends before the goal")]
-    carrot: Annotated[Point | None, Meta(description="the point ahead that the robot aims at")]
-    plan_ms: Annotated[float, Meta(description="duration of the planning, ms")]
-    speed_limit: Annotated[str | None, Meta(description="the painted speed limit at the robot, in words; null: none")]
-
-
-class MapEditsMessage(Struct, tag_field="type", tag="map_edits"):
-    """Maps: the edits so far."""
-
-    n: Annotated[int, Meta(description="number of edits that are not undone")]
-    undone: Annotated[int, Meta(description="number of edits that are undone")]
-    last: Annotated[list[str], Meta(description="the last of the edits, oldest first, a phrase each")]
-    keepout_cells: Annotated[int, Meta(description="cells of keepout zones")]
-    speed_cells: Annotated[int, Meta(description="cells with a speed limit")]
-    notes: Annotated[list[str], Meta(description="what the reader of the map noted")]
-
-
-class CostMessage(Struct, tag_field="type", tag="cost"):
-    """Answer to `cost`: what each layer says of a cell, bottom first."""
-
-    x: Annotated[float, Meta(description="the place that was asked for, m")]
-    y: Annotated[float, Meta(description="the place that was asked for, m")]
-    layers: Annotated[list[LayerCost], Meta(description="one for each layer that is on")]
-    speed: Annotated[str | None, Meta(description="the speed limit there, a sentence; null: none is painted")]
-
-
-class Nav2Message(Struct, tag_field="type", tag="nav2"):
-    """Answer to `nav2`."""
-
-    text: Annotated[str | None, Meta(description="a Nav2 parameter file; null: the parameters were set")]
-
-
-class VolumeMessage(Struct, tag_field="type", tag="volume"):
-    """Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes."""
-
-    look: Annotated[Table, Meta(description="what is shown, and how")]
-    low: Annotated[Place, Meta(description="least coordinates of the map, m")]
-    high: Annotated[Place, Meta(description="greatest coordinates of the map, m")]
-    has_scans: Annotated[bool, Meta(description="whether it is made of scans; else it is an octree")]
-    has_free: Annotated[bool, Meta(description="whether it is known where the sensor was, so that space is free")]
-    up: Annotated[str, Meta(description="the axis of the file that is z here")]
-    points: Annotated[int, Meta(description="points of the scans in the map; leaves of an octree")]
-    left_out: Annotated[int, Meta(description="points that were left out: beyond the lattice")]
-    occupied: Annotated[int, Meta(description="voxels")]
-    free: Annotated[int, Meta(description="voxels")]
-    bytes: Annotated[int, Meta(description="memory of the map in blocks of 8³ voxels")]
-    dense_bytes: Annotated[float, Meta(description="memory of a dense grid of the same box, 4 bytes a voxel")]
-    nodes: Annotated[int | None, Meta(description="nodes of the pruned octree; null while the map changes")]
-    chunks: Annotated[int, Meta(description="chunks of 32³ voxels that are drawn")]
-    quads: Annotated[int, Meta(description="rectangles that are drawn")]
-    pending: Annotated[int, Meta(description="chunks that are still to be drawn again")]
-    colours: Annotated[list[str], Meta(description="what the points can be coloured by")]
-    compared: Annotated[VolumeChanges | None, Meta(description="the comparison with another map; null: there is none")]
-
-
-class VoxelMessage(Struct, tag_field="type", tag="voxel"):
-    """Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen."""
-
-    centre: Annotated[Place | None, Meta(description="its centre, m")]
-    size: Annotated[float, Meta(description="its side, m")]
-    log_odds: Annotated[float | None, Meta(description="log-odds of being occupied; null: unknown")]
-    state: Annotated[CellState, Meta(description="state by the map's threshold")]
-    index: Annotated[int, Meta(description="scans in the map")]
-    total: Annotated[int, Meta(description="scans that updated it")]
-    hits: Annotated[int, Meta(description="those of which a beam ended in it")]
-    updates: Annotated[list[VoxelUpdate], Meta(description="at most the last 200, oldest first")]
-
-
-class SurfaceMessage(Struct, tag_field="type", tag="surface"):
-    """Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes.
-
-    A simulation sends it while its surface is shown; its parameters are those of the 3D map.
-    """
-
-    table: Annotated[list[Parameter], Meta(description="its parameters; empty where no surface can be made")]
-    values: Annotated[Values, Meta(description="their present values")]
-    truncation: Annotated[float, Meta(description="truncation that is used, m")]
-    index: Annotated[int, Meta(description="scans in the surface")]
-    blocks: Annotated[int, Meta(description="blocks of 8³ voxels")]
-    bytes: Annotated[int, Meta(description="memory of the blocks")]
-    triangles: Annotated[int, Meta(description="triangles that are drawn")]
-    chunks: Annotated[int, Meta(description="chunks of 32³ voxels that have triangles")]
-    pending: Annotated[int, Meta(description="chunks that are still to be meshed again")]
-    snapshots: Annotated[list[int], Meta(description="scans after which the surface is kept, to go back to")]
-    problem: Annotated[str | None, Meta(description="why it is not drawn; null: it is")]
-
-
-class SurfaceVoxelMessage(Struct, tag_field="type", tag="surface_voxel"):
-    """Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen."""
-
-    centre: Annotated[Place | None, Meta(description="its centre, m")]
-    size: Annotated[float, Meta(description="its side, m")]
-    distance: Annotated[float | None, Meta(description="mean signed distance, m, positive before; null: unknown")]
-    weight: Annotated[float, Meta(description="weight of the mean")]
-    index: Annotated[int, Meta(description="scans in the surface")]
-    total: Annotated[int, Meta(description="scans that measured it")]
-    updates: Annotated[list[SurfaceUpdate], Meta(description="at most the last 200, oldest first")]
 
 
 class WorkingMessage(Struct, tag_field="type", tag="working"):

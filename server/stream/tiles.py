@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, TILE, CellBox, GridGeometry, OccupancyGrid, log_odds
 from mapper.grid.kernels.changed_cells import sort_by_tile
 from mapper.grid.kernels.lattice import to_lattice
-from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
+from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise, quantise_cells
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from server.stream.codecs import CellChanges, TilePayload
 
@@ -90,6 +90,15 @@ class TilePicture:
         self._n_cells = quantise(
             grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
             box.row0, box.row1, box.col0, box.col1, TILE, self.cells, self._changed, self._cells, listed,
+        )  # fmt: skip
+        return self._n_cells - listed
+
+    def update_cells(self, grid: OccupancyGrid, cells: NDArray[np.uint32]) -> int:
+        """Update some ``cells`` (n,), ``row · cols + col``, as :meth:`update` a box."""
+        listed = self._n_cells
+        self._n_cells = quantise_cells(
+            grid.log_odds, grid.observed, self.low, self.high, *STATE_BOUNDS,
+            cells, TILE, self.cells, self._changed, self._cells, listed,
         )  # fmt: skip
         return self._n_cells - listed
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, log_odds
 from mapper.grid.kernels.changed_cells import sort_by_tile
-from mapper.grid.kernels.quantise import quantise
+from mapper.grid.kernels.quantise import quantise, quantise_cells
 from mapper.grid.merge import merged
 from mapper.grid.metrics import entropy, information_gain
 from tests.agreement.inputs import ListedCells, PictureCase, StatesCase, TwoMaps
@@ -31,6 +31,21 @@ def picture_by_kernel(case: PictureCase) -> tuple[Any, ...]:
     count = quantise(
         case.log_odds, case.observed, case.low, case.high, *BOUNDS, *case.box, TILE, picture, changed, cells, 0
     )
+    return picture, changed, count, cells if count <= case.room else None
+
+
+def picture_of_cells_by_kernel(case: PictureCase) -> tuple[Any, ...]:
+    """The cells of the box one by one, the last ones first and each twice; their list is sorted."""
+    picture = np.full(case.log_odds.shape, -128, dtype=np.int8)
+    changed = np.zeros(tiles_of(picture), dtype=np.bool_)
+    cells = np.zeros(case.room, dtype=np.uint32)
+    row0, row1, col0, col1 = (max(n, 0) for n in case.box)
+    numbers = np.arange(picture.size, dtype=np.uint32).reshape(picture.shape)[row0:row1, col0:col1]
+    count = quantise_cells(
+        case.log_odds, case.observed, case.low, case.high, *BOUNDS, np.tile(numbers.ravel()[::-1], 2), TILE, picture,
+        changed, cells, 0,
+    )  # fmt: skip
+    cells[:count].sort()
     return picture, changed, count, cells if count <= case.room else None
 
 

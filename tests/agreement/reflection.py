@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mapper.simulation.faults import ON_WALL, SPECULAR_ANGLE
-from mapper.simulation.kernels.raycast import cast_rays
+from mapper.simulation.kernels.lidar import cast_rays
 from mapper.simulation.kernels.reflection import reflect
 
 
@@ -29,7 +29,10 @@ def reflection_cases(draw: st.DrawFn) -> tuple[Any, ...]:
 def reflected_by_kernel(case: Any) -> tuple[Any, ...]:
     faces, ranges, bearings = case
     out = np.empty(len(ranges), dtype=np.bool_)
-    reflect(faces, ranges, bearings, 0.0, 0.0, math.sin(SPECULAR_ANGLE), ON_WALL, out)
+    turned = 0.3  # the sensor's heading
+    beams = np.stack([np.cos(bearings - turned), np.sin(bearings - turned)], axis=-1)
+    sensor = (0.0, 0.0, math.cos(turned), math.sin(turned))
+    reflect(faces, ranges, beams, sensor, math.sin(SPECULAR_ANGLE), ON_WALL, out)
     return (out,)
 
 

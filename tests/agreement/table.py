@@ -19,6 +19,13 @@ from tests.agreement.asking import (
     provenance_of_sweeps_by_kernel,
     provenance_of_sweeps_by_textbook,
 )
+from tests.agreement.beams_of_lidar import (
+    beams_cast_by_kernel,
+    beams_cast_by_textbook,
+    lidars,
+    readings_by_kernel,
+    readings_by_textbook,
+)
 from tests.agreement.chunks import parts_by_kernel, parts_by_textbook
 from tests.agreement.costmap import (
     costmap_cases,
@@ -41,6 +48,7 @@ from tests.agreement.grids import (
     merged_by_textbook,
     picture_by_kernel,
     picture_by_textbook,
+    picture_of_cells_by_kernel,
     sorted_by_kernel,
     sorted_by_textbook,
     states_by_core,
@@ -270,6 +278,7 @@ TABLE = (
     Row("geometry of a log", bounds_by_kernel, bounds_by_textbook, mapping_cases("per_beam")),
     Row("geometry of a deskewed log", bounds_by_kernel, bounds_of_sweeps_by_textbook, sweeping_cases()),
     Row("quantise", picture_by_kernel, picture_by_textbook, pictures()),
+    Row("quantise cells", picture_of_cells_by_kernel, picture_by_textbook, pictures()),
     Row("changed cells by tile", sorted_by_kernel, sorted_by_textbook, listed_cells()),
     Row("scan out of a cloud", cloud_by_core, cloud_by_textbook, clouds()),
     Row("scan out of a depth image", depth_by_core, depth_by_textbook, depths()),
@@ -327,6 +336,8 @@ TABLE = (
     Row("ground of a cloud", ground_by_kernel, ground_by_textbook, terrain_cases()),
     Row("readings as text", text_by_kernel, text_by_encoder, readings()),
     Row("motion of the simulated robot", driven_by_kernel, driven_by_textbook, drives()),
+    Row("beams of the simulated lidar", beams_cast_by_kernel, beams_cast_by_textbook, lidars(), tolerance=1e-9),
+    Row("readings of the simulated lidar", readings_by_kernel, readings_by_textbook, lidars()),
     Row("relaxed paths of the explorer", relaxed_by_kernel, relaxed_by_textbook, rough_paths()),
     Row("beams that polished walls reflect", reflected_by_kernel, reflected_by_textbook, reflection_cases()),
     Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),

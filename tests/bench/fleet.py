@@ -57,9 +57,7 @@ def _measured(paths: Sequence[Path], folder: Path, place: str | None, count: int
     where = "processes" if place is None else "Dask workers"
     print(f"{count} {where} …", end=" ", file=sys.stderr, flush=True)
     with ExitStack() as stack:
-        leases = folder / "leases"
-        leases.mkdir(exist_ok=True)
-        workers = stack.enter_context(workers_at(place, count, leases, MEMORY))
+        workers = stack.enter_context(workers_at(place, count, MEMORY))
         _run(paths[:count], folder / "warm", workers)
         began = time.perf_counter()
         cpu = _run(paths, folder / "out", workers)

@@ -30,3 +30,19 @@ def test_one_press_maps_all_logs(page: Page, server: str) -> None:
     page.get_by_role("radio", name="All").check()
     yard.get_by_role("link").click()
     expect(page).to_have_url(re.compile("log=folder-"))
+
+
+def test_without_logs_the_page_says_what_it_does_and_shows_the_sample(page: Page, server: str) -> None:
+    counts = dict.fromkeys(("none", "queued", "running", "done", "failed"), 0)
+    nothing = {"revision": 0, "whole": True, "workers": 1, "counts": counts, "logs": []}
+    page.route("**/api/fleet?*", lambda route: route.fulfill(json=nothing))  # other tests put logs into the folder
+    page.goto(f"{server}/fleet.html")
+    start = page.get_by_role("region", name="Without logs")
+    expect(start.get_by_text("There are no logs with scans here yet.")).to_be_visible()
+    await_true(
+        page, "() => [...document.images].some((one) => one.alt === 'Map of the sample' && one.naturalWidth > 0)"
+    )
+    expect(start).to_contain_text("600 scans")
+    expect(start.get_by_role("link", name="Add logs")).to_have_attribute("href", "/logs.html")
+    start.get_by_role("link", name="A simulated office (sample)").click()
+    expect(page).to_have_url(re.compile("log=sample-office"))

@@ -12,6 +12,7 @@ from playwright.sync_api import BrowserContext, Locator, Page, expect
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, drag, frame, map_digest, observed, open_group, settled_digest, still, until
+from tests.marks import also_long_rows
 
 NUMBERS = [row for row in PARAMETERS if row.kind == "number" and row.name not in LOG_ONLY]
 SLIDERS = {
@@ -60,12 +61,15 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
     expect(page).to_have_url(re.compile("session="))
 
 
-@pytest.mark.parametrize("model", SLIDERS)
-def test_each_slider_changes_the_map_and_the_profile_and_back(still_lab: Page, model: str) -> None:
+@pytest.mark.parametrize(
+    ("model", "every"), [*((model, 3) for model in SLIDERS), *also_long_rows(*((model, 1) for model in SLIDERS))]
+)
+def test_each_slider_changes_the_map_and_the_profile_and_back(still_lab: Page, model: str, every: int) -> None:
+    """One slider in ``every`` is dragged."""
     if model != "fixed_increments":
         choose_model(still_lab, model)
     first = settled_digest(still_lab)
-    for row in SLIDERS[model]:
+    for row in SLIDERS[model][::every]:
         profile_before = profile(still_lab)
         open_group(still_lab, DOCK_GROUPS[row.group])
         slider = still_lab.get_by_role("slider", name=row.label, exact=True).and_(still_lab.locator("input"))

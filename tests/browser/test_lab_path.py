@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_true, open_group, settled_digest
@@ -60,6 +61,7 @@ def check_the_sheet_in_front(page: Page) -> None:
     assert after["y"] != before["y"]
 
 
+@pytest.mark.long
 def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Page], tmp_path: Path) -> None:
     page = open_lab()
     page.emulate_media(reduced_motion="reduce")

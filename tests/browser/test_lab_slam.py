@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, open_group, until
@@ -15,6 +16,7 @@ ERROR = """() => {
 NODES = "() => gridbloom.connection.store.layers.content('slam').peek()?.columns[0].length ?? 0"
 
 
+@pytest.mark.long
 def test_the_believed_path_stays_on_the_true_one(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
     await_map(page)

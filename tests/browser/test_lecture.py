@@ -114,7 +114,7 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
 
 
 def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: Page, server: str) -> None:
-    page.emulate_media(color_scheme="dark")
+    page.emulate_media(color_scheme="dark", reduced_motion="reduce")
     # What there is when the printer takes its picture: figures that are set up, and canvases with light paint on them.
     page.add_init_script("""addEventListener("afterprint", () => {
       const light = canvas => {

@@ -22,6 +22,7 @@ def percent(locator: Locator) -> float:
 # --- 1: independence -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_only_the_joint_shifts_the_blame(page: Page, server: str) -> None:
     section = open_section(page, server, "grid")
     joint, grid = section.locator("figcaption .joint-number"), section.locator("figcaption .grid-number")
@@ -77,6 +78,7 @@ def test_the_cell_is_fed_by_buttons_and_keys(page: Page, server: str) -> None:
 # --- 3: digits -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_product_runs_out_of_digits_and_the_sum_does_not(page: Page, server: str) -> None:
     section = open_section(page, server, "log-odds")
     rows = section.locator("tbody tr")
@@ -140,6 +142,7 @@ def test_the_line_algorithm_needs_its_corrections_in_all_octants(page: Page, ser
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
+@pytest.mark.long
 def test_a_finger_moves_the_end_of_the_beam(page: Page, server: str) -> None:
     section = open_section(page, server, "rays")
     end = section.get_by_role("slider", name="Last cell of the line")
@@ -194,6 +197,7 @@ def test_the_program_is_the_textbooks_own_text(page: Page, server: str) -> None:
 # --- 7: sonar --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_same_echoes_wall_up_the_door_for_bayes_only(page: Page, server: str) -> None:
     section = open_section(page, server, "sonar")
     bayes, certainties = (section.locator(".side-by-side p").nth(i) for i in range(2))

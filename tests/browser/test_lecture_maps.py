@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import numbers, open_section
@@ -15,6 +16,7 @@ from tests.mapper.io.logs import recorded
 # --- no return -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_only_the_mistake_maps_walls_in_free_space(page: Page, server: str) -> None:
     section = open_section(page, server, "no-return")
     ignored, freed, mistaken = (section.locator(".side-by-side p").nth(i) for i in range(3))
@@ -38,6 +40,7 @@ def test_only_the_mistake_maps_walls_in_free_space(page: Page, server: str) -> N
 # --- mount -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str) -> None:
     section = open_section(page, server, "mount")
     caption = section.locator("figcaption")
@@ -62,6 +65,7 @@ def test_a_wrong_mount_smears_and_the_right_one_does_not(page: Page, server: str
 # --- forgetting ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_both_outcomes_are_shown_with_the_prediction_after_the_table_is_removed(page: Page, server: str) -> None:
     section = open_section(page, server, "forgetting")
     say = section.get_by_role("slider", name="My guess, with the clamp")
@@ -110,6 +114,7 @@ def test_with_reduced_motion_the_table_is_removed_in_steps(page: Page, server: s
 # --- per beam or per scan --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_near_the_sensor_a_scan_updates_cells_many_times(page: Page, server: str) -> None:
     section = open_section(page, server, "counting")
     per_beam, per_scan = (section.locator(".side-by-side p").nth(i) for i in range(2))

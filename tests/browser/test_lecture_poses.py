@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.lecturing import open_section
@@ -45,6 +46,7 @@ def test_a_loop_closes_the_graph_a_wrong_one_bends_it_and_a_kernel_refuses_it(pa
     until("the weight of the right loop", lambda: metres(caption, r"right loop: [\d.]+ σ, weight (\d\.\d+)") > 0.8)
 
 
+@pytest.mark.long
 def test_the_noise_of_the_odometry_smears_the_map_and_matching_does_not(page: Page, server: str) -> None:
     section = open_section(page, server, "odometry")
     caption = section.locator("figcaption")
@@ -58,6 +60,7 @@ def test_the_noise_of_the_odometry_smears_the_map_and_matching_does_not(page: Pa
     until("more drift", lambda: metres(caption, r"([\d.]+) m by odometry") > raw)
 
 
+@pytest.mark.long
 def test_the_odometry_chooses_among_places_that_look_alike(page: Page, server: str) -> None:
     section = open_section(page, server, "probable")
     caption = section.locator("figcaption")

@@ -10,6 +10,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.lecturing import never_idle
 from tests.browser.looking import await_true, centre, still
+from tests.marks import also_long_rows
 
 # What each place of the lecture makes visible to a reader who only scrolls.
 POINTS = {
@@ -90,8 +91,13 @@ def to_scene(page: Page, name: str) -> None:
     expect(stage).to_have_attribute("data-shown", name)
 
 
-@pytest.mark.parametrize("context", ["desktop", "phone"], indirect=True)
-def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str) -> None:
+@pytest.mark.parametrize(
+    ("context", "every"),
+    [("desktop", 2), ("phone", 9), *also_long_rows(("desktop", 1), ("phone", 1))],
+    indirect=["context"],
+)
+def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str, every: int) -> None:
+    """The reader stops at one scene in ``every``."""
     page.emulate_media(reduced_motion="reduce")
     never_idle(page)
     page.goto(f"{server}/lecture.html")
@@ -101,7 +107,7 @@ def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str
     names = page.locator("[data-scene]").evaluate_all("all => all.map(one => one.dataset.scene)")
     assert set(names) == POINTS.keys() - {"start"}
     wide = page.viewport_size is not None and page.viewport_size["width"] > 1200
-    for name in names:
+    for name in names[::every]:
         to_scene(page, name)
         expect(caption).to_have_text(re.compile(POINTS[name]))
         expect(stage.locator("canvas")).to_be_in_viewport(ratio=0.9)
@@ -205,6 +211,7 @@ def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str)
 
 
 def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: str) -> None:
+    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/lecture.html?present#window/3")
     expect(page.locator(".on-slide .world-stage canvas")).to_be_in_viewport()
     page.locator(".on-slide").get_by_role("button", name="broken").click()

@@ -62,13 +62,23 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
 
     page.on("websocket", lambda socket: socket.on("framesent", keep))
     page.goto(f"{server}/logs.html")
-    page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
+    with page.expect_response(lambda one: one.url == f"{server}/api/sessions") as begun:
+        page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_map(page)
     until("the whole log", lambda: frame(page)["index"] == frame(page)["count"])
     stands(page)
     commands = [json.loads(one)["type"] for one in sent if isinstance(one, str)]
     assert "ack" in commands
     assert "seek" not in commands
+
+    # So is a link to its start, which plays for who does not ask for less motion.
+    page.evaluate("() => gridbloom.connection.store.send({ type: 'seek', index: 0 })")
+    until("the start", lambda: frame(page)["index"] == 0)
+    link = page.request.post(f"{server}/api/links", data={"session": begun.value.json()["id"]}).json()
+    page.goto(f"{server}{link['address']}")
+    await_map(page)
+    until("the whole log", lambda: frame(page)["index"] == frame(page)["count"] > 0)
+    stands(page)
 
 
 def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from mapper.io.export import write_mcap
@@ -129,6 +130,7 @@ def test_the_cut_of_a_cloud_is_changed_and_its_map_shown(page: Page, server: str
     expect(cut).to_be_disabled()
 
 
+@pytest.mark.long
 def test_a_delay_is_mended_by_its_own_button(page: Page, server: str, tmp_path: Path) -> None:
     with (tmp_path / "late.mcap").open("wb") as file:
         write_mcap(file, swept(60, delay=0.2))
@@ -170,6 +172,7 @@ def test_a_plot_is_zoomed_into_finer_values(page: Page, server: str, tmp_path: P
     expect(plots).to_contain_text("Of the 4,000 values in the log")
 
 
+@pytest.mark.long
 def test_two_lidars_of_one_log_are_healed_together(page: Page, server: str, tmp_path: Path) -> None:
     path = along([(1.2, 1.5), (4.6, 1.5), (4.6, 3.4), (1.2, 3.4), (1.2, 1.5)], 0.25)
     ahead = SensorConfig(n_beams=120, field_of_view=np.pi, range_max=8.0, range_noise=0.01)

@@ -116,6 +116,7 @@ def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server
     assert np.median(occupied.sum(axis=1)) < np.median(free.sum(axis=1)) - 200
 
 
+@pytest.mark.long
 def test_going_back_makes_the_earlier_map_again(intel: Page) -> None:
     intel.get_by_role("button", name="Pause").click()
     timeline = intel.get_by_role("slider", name="Scans in the map")

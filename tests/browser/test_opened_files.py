@@ -15,6 +15,7 @@ from tests.browser.test_map_editing import written
 from tests.browser.test_one_screen import SCHEMES, prepare
 from tests.browser.test_targets import small
 from tests.browser.test_volume import DONE
+from tests.marks import also_long
 
 PHONE = (390, 844)
 GROUPS_AT = (SIZES[1], SIZES[3])  #: the sizes at which each group is opened: beside the map, and below it
@@ -36,7 +37,7 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize("what", FILES)
+@pytest.mark.parametrize("what", ["a map", *also_long("a cloud")])
 def test_of_an_opened_file(page: Page, server: str, tmp_path: Path, what: str) -> None:
     files, picture, is_ready = FILES[what]
     prepare(page)

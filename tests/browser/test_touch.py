@@ -123,6 +123,7 @@ def test_the_map_stays_in_sight_of_the_sliders(viewer: Page, fingers: Fingers) -
     assert value() == chosen
 
 
+@pytest.mark.long
 def test_the_choice_of_trajectory_follows_other_clients(viewer: Page) -> None:
     other = viewer.context.new_page()
     other.goto(viewer.url)
@@ -136,6 +137,7 @@ def test_the_choice_of_trajectory_follows_other_clients(viewer: Page) -> None:
 
 
 @pytest.mark.usefixtures("mapped_logs")
+@pytest.mark.long
 def test_a_finger_chooses_among_the_maps_of_all_logs_and_opens_one(page: Page, server: str) -> None:
     page.goto(f"{server}/fleet.html")
     yard = page.locator(".fleet-card", has_text="fleet-yard")
@@ -210,7 +212,7 @@ def moves(fingers: Fingers, slider: ElementHandle) -> bool:
     return False
 
 
-@pytest.mark.parametrize("every", [6, *also_long(1)])
+@pytest.mark.parametrize("every", [15, *also_long(1)])
 def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: str, every: int) -> None:
     """A finger takes one in ``every`` sliders, and scrolls the page over one in ``every`` figures, in turn."""
     page.emulate_media(reduced_motion="reduce")

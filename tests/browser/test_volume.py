@@ -162,6 +162,7 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
     assert int(changes.get_attribute("data-appeared") or 0) == 0
 
 
+@pytest.mark.long
 def test_a_bag_of_a_lidar_that_moves_becomes_the_map_of_its_points(
     page: Page, server: str, data_file: Callable[[str], Path], tmp_path: Path
 ) -> None:
@@ -204,6 +205,7 @@ def test_a_real_cloud_is_drawn_as_voxels_and_as_points(
     expect(page.locator(".volume-facts")).to_contain_text("112,586 points")
 
 
+@pytest.mark.long
 def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_away(
     page: Page, server: str, data_file: Callable[[str], Path], tmp_path: Path
 ) -> None:

@@ -124,6 +124,7 @@ def test_a_wall_in_the_lab_is_explained(lab: Page) -> None:
     assert store(lab, "explainedPoint") is None
 
 
+@pytest.mark.long
 def test_the_answer_follows_the_robot_and_the_parameters(lab: Page) -> None:
     ask(lab)
     before = store(lab, "why")
@@ -207,7 +208,7 @@ def test_a_long_press_explains_a_cell(open_lab: Callable[..., Page]) -> None:
     expect(page.locator(".why")).to_have_count(0)
 
 
-@pytest.mark.parametrize("context", ["desktop", "phone", *also_long("laptop")], indirect=True)
+@pytest.mark.parametrize("context", ["phone", *also_long("desktop", "laptop")], indirect=True)
 def test_in_a_log_the_explanation_replaces_the_open_group(viewer: Page) -> None:
     open_group(viewer, "Download")
     picture = viewer.locator(".picture").first

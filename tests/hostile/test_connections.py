@@ -19,6 +19,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from tests.marks import also_long
 from tests.server.service import PATIENCE_S, running, settings_for, until
 
 ROOT = Path(__file__).parents[2]
@@ -114,7 +115,7 @@ def until_closed(connections: list[socket.socket], trickle: bytes = b"") -> None
 
 
 @pytest.mark.usefixtures("many_descriptors")
-@pytest.mark.parametrize("sent", [b"", HALF])
+@pytest.mark.parametrize("sent", [HALF, *also_long(b"")])
 def test_two_thousand_idle_connections_are_closed_and_do_not_block_others(tmp_path: Path, sent: bytes) -> None:
     with (
         serving(tmp_path, header_timeout_s="2", max_connections_per_address="3000") as service,

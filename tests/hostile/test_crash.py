@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import pytest
 
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S, until
@@ -101,10 +102,43 @@ def fill_the_disk(process: subprocess.Popen[str], client: httpx.Client, folder: 
     assert opens(client, "new")
 
 
+def keep_a_log(client: httpx.Client) -> None:
+    assert put(client, "old", carmen(5)).status_code == 202
+    assert settled(client, "old")["state"] == "ready"
+
+
+def kill_in_the_middle_of_a_reading(process: subprocess.Popen[str], client: httpx.Client) -> None:
+    """Kill it with more logs queued behind the one that it reads."""
+    assert put(client, "long", LONG).status_code == 202
+    for name, data in QUEUED.items():
+        assert put(client, name, data).status_code == 202
+    until(lambda: uploads(client)["long"]["state"] != "queued")
+    process.send_signal(signal.SIGKILL)
+    process.wait(PATIENCE_S)
+
+
+def all_is_read(client: httpx.Client) -> None:
+    """Everything that was acknowledged is read without being asked for."""
+    assert opens(client, "old")
+    assert {name: settled(client, name)["state"] for name in uploads(client)} == dict.fromkeys(
+        ["old", "long", *QUEUED], "ready"
+    )
+    assert uploads(client)["long"]["scans"] == 60_000
+    assert opens(client, "long")
+
+
+def test_a_service_that_is_killed_while_it_reads(tmp_path: Path) -> None:
+    with served(tmp_path) as (process, client):
+        keep_a_log(client)
+        kill_in_the_middle_of_a_reading(process, client)
+    with served(tmp_path) as (_, client):
+        all_is_read(client)
+
+
+@pytest.mark.long
 def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> None:
     with served(tmp_path) as (process, client):
-        assert put(client, "old", carmen(5)).status_code == 202
-        assert settled(client, "old")["state"] == "ready"
+        keep_a_log(client)
         # In the middle of an upload.
         with socket.create_connection((client.base_url.host, client.base_url.port or 0)) as half:
             head = f"PUT /api/logs?name=half&upload={KEY} HTTP/1.1\r\nHost: 127.0.0.1:{client.base_url.port}\r\n"
@@ -118,21 +152,9 @@ def test_a_service_that_is_killed_twice_and_then_has_no_disk(tmp_path: Path) -> 
         assert set(uploads(client)) == {"old"}
         assert opens(client, "old")
         assert client.get(f"/api/logs/uploads/{KEY}").json() == {"offset": 0}, "it is sent again"
-        # In the middle of a reading, with more logs queued behind it.
-        assert put(client, "long", LONG).status_code == 202
-        for name, data in QUEUED.items():
-            assert put(client, name, data).status_code == 202
-        until(lambda: uploads(client)["long"]["state"] != "queued")
-        process.send_signal(signal.SIGKILL)
-        process.wait(PATIENCE_S)
+        kill_in_the_middle_of_a_reading(process, client)
     with served(tmp_path) as (process, client):
-        assert opens(client, "old")
-        # Everything that was acknowledged is read without being asked for.
-        assert {name: settled(client, name)["state"] for name in uploads(client)} == dict.fromkeys(
-            ["old", "long", *QUEUED], "ready"
-        )
-        assert uploads(client)["long"]["scans"] == 60_000
-        assert opens(client, "long")
+        all_is_read(client)
         # Every process of the service is asked to stop, as a service manager does.
         assert put(client, "late", LATE).status_code == 202
         until(lambda: (late := uploads(client)["late"])["progress"] > 0.0 or late["state"] == "ready")

@@ -24,6 +24,7 @@ from tests.hostile.corpus import (
 )
 from tests.hostile.damage import ALL, ROUNDS, flipped, mangled, opened, opened_from
 from tests.mapper.io.logs import recorded
+from tests.marks import also_long
 
 pytestmark = pytest.mark.sampled
 
@@ -96,7 +97,7 @@ def test_a_wrong_value_in_every_length_of_a_bag(path):
             opened(path, data[:at] + lie + data[at + size :])
 
 
-@pytest.mark.parametrize("chunks", [True, False])
+@pytest.mark.parametrize("chunks", [True, *also_long(False)])
 def test_a_wrong_value_in_every_length_of_an_mcap(path, chunks):
     # Without checksums, which would tell of the lie before it is met.
     data = recorded.mcap_bytes(said(1), "none", use_chunking=chunks, enable_crcs=False)

@@ -55,7 +55,7 @@ def test_complete_lines_of_every_prefix_of_a_text_are_read(path, kind):
     whole = opened(path, data)
     assert isinstance(whole, ScanLog)
     sure = 0
-    for n in range(0, len(data), 1 if ALL else 5):
+    for n in range(0, len(data), 1 if ALL else 11):
         log = opened(path, data[:n])
         if not isinstance(log, ScanLog):
             assert sure == 0, f"{n} bytes give nothing, but fewer gave {sure} scans"
@@ -109,7 +109,7 @@ def test_complete_messages_of_every_prefix_of_a_recording_are_read(path, kind):
     assert isinstance(whole, ScanLog)
     assert damages(whole) == []
     scans = 0
-    for n in range(0, len(data), 1 if ALL else 97):
+    for n in range(0, len(data), 1 if ALL else 197):
         log = opened(path, data[:n])
         if not isinstance(log, ScanLog):
             assert isinstance(log, ReadError)

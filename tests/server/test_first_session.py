@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.marks import also_long_rows
+
 ROOT = Path(__file__).parents[2]
 PROGRAM = """
 import asyncio, sys
@@ -38,7 +40,9 @@ print(seen)
 """
 
 
-@pytest.mark.parametrize(("kind", "key", "name"), [("simulation", "world", "office"), ("log", "log", "sample-office")])
+@pytest.mark.parametrize(
+    ("kind", "key", "name"), [("simulation", "world", "office"), *also_long_rows(("log", "log", "sample-office"))]
+)
 def test_a_worker_thread_imports_numba(kind: str, key: str, name: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(tmp_path), kind, key, name],

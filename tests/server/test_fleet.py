@@ -134,7 +134,7 @@ def test_logs_are_read_examined_and_mapped_on_a_cluster_with_tls(
     good, bad = tmp_path / "good.log", tmp_path / "bad.log"
     good.write_bytes(carmen(30))
     bad.write_bytes(b"Dear all,\n")
-    with pytest.raises(ConfigError) as caught, workers_at(address, None, tmp_path, 1 << 30):
+    with pytest.raises(ConfigError) as caught, workers_at(address, None, 1 << 30):
         pass
     assert caught.value.code == "fleet.dask", "without the certificates"
     tls = security.get_tls_config_for_role("client")
@@ -143,7 +143,7 @@ def test_logs_are_read_examined_and_mapped_on_a_cluster_with_tls(
     with (
         dask.config.set({f"distributed.comm.tls.{name}": value for name, value in given.items()}),
         fleet.held(),
-        workers_at(address, 2, tmp_path / "out" / "leases", 4 << 30) as workers,
+        workers_at(address, 2, 4 << 30) as workers,
     ):
         fleet.run(workers, lambda _: None)
     results = {Path(one.log).name: one for one in fleet.results.values()}
@@ -154,5 +154,4 @@ def test_logs_are_read_examined_and_mapped_on_a_cluster_with_tls(
     assert (facts["scans"], facts["beams"]) == (30, 3)
     made = load_map(tmp_path / "out" / "maps" / f"{results['good.log'].key}.yaml")
     assert made.grid.geometry.rows == facts["rows"]
-    assert list((tmp_path / "out" / "leases").iterdir()) == []
     assert threading.active_count() < 100

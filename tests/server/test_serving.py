@@ -22,6 +22,7 @@ from pydantic import ValidationError
 from server.logging import configure_logging
 from server.serving import address_of, listen
 from server.settings import Settings
+from tests.marks import also_long
 from tests.server.service import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
@@ -34,7 +35,7 @@ def environment(folder: Path, **settings: str) -> dict[str, str]:
     return kept | {"GRIDBLOOM_DATA_DIR": str(folder), "PYTHONPATH": str(ROOT)} | own
 
 
-@pytest.mark.parametrize("wish", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("wish", [signal.SIGTERM, *also_long(signal.SIGINT)])
 def test_it_prints_its_address_and_ends_on_a_signal(tmp_path: Path, wish: signal.Signals) -> None:
     process = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", RUN],
@@ -59,7 +60,7 @@ def test_it_prints_its_address_and_ends_on_a_signal(tmp_path: Path, wish: signal
     assert "Warning" not in errors
 
 
-@pytest.mark.parametrize("no_token", [False, True])
+@pytest.mark.parametrize("no_token", [False, *also_long(True)])
 def test_behind_a_reverse_proxy_it_prints_its_token_or_a_warning(tmp_path: Path, no_token: bool) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", "from server.cli import main; main()", "serve", *["--no-token"] * no_token],

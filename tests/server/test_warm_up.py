@@ -49,6 +49,7 @@ def test_a_process_of_the_lowest_priority_compiles_until_it_is_ended(compiling: 
     assert process.poll() not in (None, 0)
 
 
+@pytest.mark.long
 def test_it_ends_with_the_process_that_began_it(compiling: WarmUp) -> None:
     """The system closes the other end of its standard input then."""
     process = process_of(compiling)
@@ -57,6 +58,7 @@ def test_it_ends_with_the_process_that_began_it(compiling: WarmUp) -> None:
     until(lambda: process.poll() is not None)
 
 
+@pytest.mark.long
 def test_one_process_compiles_at_a_time(compiling: WarmUp) -> None:
     assert said_by_another() == b""
     assert process_of(compiling).poll() is None

@@ -13,6 +13,48 @@ NEVER_OBSERVED = -128  #: the picture's value for a cell that no beam touched
 
 
 @jit
+def _bounds_of_states(
+    low: float, high: float, free_below: float, occupied_above: float
+) -> tuple[int32, int32, int32, int32]:
+    """Return the last step of a free cell, the first and the last of an unknown one, the first of an occupied one."""
+    most_free, least_occupied = -128, 128
+    for step in range(-127, 128):
+        stands_for = low + (step + 127) / 254.0 * (high - low)
+        if stands_for < free_below:
+            most_free = step
+        if stands_for > occupied_above:
+            least_occupied = min(least_occupied, step)
+    return int32(most_free), int32(most_free + 1), int32(least_occupied - 1), int32(least_occupied)
+
+
+@jit
+def _step_of(
+    value: float,
+    low: float,
+    scale: float,
+    free_below: float,
+    occupied_above: float,
+    bounds: tuple[int32, int32, int32, int32],
+) -> int32:
+    """Return the step from -127 to 127 for a log-odds.
+
+    Without branches and with 32-bit integers, so that it is compiled to vector instructions.
+    """
+    free, first, last, occupied = bounds
+    scaled = (value - low) * scale
+    scaled = max(scaled, 0.0)
+    scaled = min(scaled, 254.0)
+    q = int32(scaled + 0.5) - int32(127)
+    is_free, is_occupied = value < free_below, value > occupied_above
+    least = int32(-127) if is_free else (occupied if is_occupied else first)
+    most = free if is_free else (int32(127) if is_occupied else last)
+    q = max(q, least)
+    q = min(q, most)
+    q = int32(-127) if q < -127 else q
+    return int32(127) if q > 127 else q
+
+
+@jit
 def quantise(
     log_odds: Float32Array,
     observed: BoolArray,
@@ -42,20 +84,7 @@ def quantise(
     """
     rows, cols = log_odds.shape
     scale = 254.0 / (high - low)
-    most_free, least_occupied = -128, 128
-    for step in range(-127, 128):
-        stands_for = low + (step + 127) / 254.0 * (high - low)
-        if stands_for < free_below:
-            most_free = step
-        if stands_for > occupied_above:
-            least_occupied = min(least_occupied, step)
-    # The last step of a free cell, the first and the last of an unknown one, the first of an occupied one.
-    free, first, last, occupied = (
-        int32(most_free),
-        int32(most_free + 1),
-        int32(least_occupied - 1),
-        int32(least_occupied),
-    )
+    bounds = _bounds_of_states(low, high, free_below, occupied_above)
     count = listed
     quantised = np.empty(tile, dtype=int8)
     col_low, col_high = max(col0, 0), min(col1, cols)
@@ -65,20 +94,8 @@ def quantise(
             stop = min((start // tile + 1) * tile, col_high)
             values, seen, shown = log_odds[r, start:stop], observed[r, start:stop], picture[r, start:stop]
             differing = int32(0)
-            # Without branches and with 32-bit integers, so that it is compiled to vector instructions.
             for c in range(stop - start):
-                value = float(values[c])
-                scaled = (value - low) * scale
-                scaled = max(scaled, 0.0)
-                scaled = min(scaled, 254.0)
-                q = int32(scaled + 0.5) - int32(127)
-                is_free, is_occupied = value < free_below, value > occupied_above
-                least = int32(-127) if is_free else (occupied if is_occupied else first)
-                most = free if is_free else (int32(127) if is_occupied else last)
-                q = max(q, least)
-                q = min(q, most)
-                q = int32(-127) if q < -127 else q
-                q = int32(127) if q > 127 else q
+                q = _step_of(float(values[c]), low, scale, free_below, occupied_above, bounds)
                 new = int8(q) if seen[c] else int8(NEVER_OBSERVED)
                 differing += int32(shown[c] != new)
                 quantised[c] = new
@@ -94,4 +111,37 @@ def quantise(
                     shown[c] = quantised[c]
                 count += int(differing)
             start = stop
+    return count
+
+
+@jit
+def quantise_cells(
+    log_odds: Float32Array,
+    observed: BoolArray,
+    low: float,
+    high: float,
+    free_below: float,
+    occupied_above: float,
+    written: UInt32Array,
+    tile: int,
+    picture: Int8Array,
+    changed: BoolArray,
+    cells: UInt32Array,
+    listed: int,
+) -> int:
+    """As :func:`quantise`, for the cells ``written`` (m,) uint32: ``row · cols + col``, any of them repeated."""
+    cols = uint32(log_odds.shape[1])
+    scale = 254.0 / (high - low)
+    bounds = _bounds_of_states(low, high, free_below, occupied_above)
+    count = listed
+    for i in range(len(written)):
+        r, c = written[i] // cols, written[i] % cols
+        q = _step_of(float(log_odds[r, c]), low, scale, free_below, occupied_above, bounds)
+        new = int8(q) if observed[r, c] else int8(NEVER_OBSERVED)
+        if picture[r, c] != new:
+            picture[r, c] = new
+            changed[r // uint32(tile), c // uint32(tile)] = True
+            if count < len(cells):
+                cells[count] = uint32((r << uint32(ROW_SHIFT)) | c)
+            count += 1
     return count

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import floor, sqrt
 
 import numpy as np
-from numpy import uint64
+from numpy import uint32, uint64
 
-from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt32Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 from mapper.mapping.kernels.bresenham import _BITS, _HALF, _clip, _reaches, _slope, _step_at, reach
@@ -24,8 +24,14 @@ BEYOND = -1  #: the scan reaches beyond the grid, which has to grow first
 def _add_steps(
     log_odds: Float32Array, observed: BoolArray, start: int, along: int, across: int, slope: int, begin: int, end: int,
     left_out: int, increment: np.float32, low: np.float32, high: np.float32, clamped: np.float32,
-) -> None:  # fmt: skip
-    """Add ``increment`` to the steps [begin, end) of a line but ``left_out``, where the cell is not ``clamped``."""
+    written: UInt32Array, n: int,
+) -> int:  # fmt: skip
+    """Add ``increment`` to the steps [begin, end) of a line but ``left_out``, where the cell is not ``clamped``.
+
+    The cells are listed in ``written``, which has ``n`` already; return how many there are then. The last entry is
+    written again where there is no room for more.
+    """
+    last = len(written) - 1
     position = _HALF + begin * slope
     for i in range(begin, end):
         cell = uint64(start + i * along + (position >> _BITS) * across)
@@ -34,6 +40,9 @@ def _add_steps(
         if value != clamped and i != left_out:
             log_odds[cell] = min(max(value + increment, low), high)
             observed[cell] = True
+            written[min(n, last)] = uint32(cell)
+            n += 1
+    return n
 
 
 @jit
@@ -58,9 +67,12 @@ def add_scan(
     log_odds_update: LogOddsUpdate,
     log_odds_prior: float,
     box: Int64Array,
-) -> int:
+    written: UInt32Array,
+) -> tuple[int, int]:
     """Add one scan to ``log_odds`` and ``observed`` (rows, cols); return the number of cell updates.
 
+    The second number is that of the entries of ``written`` (n,) uint32, n > 0: the cells whose log-odds were written,
+    ``row · cols + col``, some of them repeatedly; if it is greater than n, not all are listed.
     Where the scan reaches beyond the grid, :data:`BEYOND` is returned, and nothing was written. ``ranges`` (n_beams,)
     metres, ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser``, ``beams`` (n_beams, 2) cosine and sine of the bearings.
     Cells that are not ``observed`` hold ``log_odds_prior``; a cell at the clamp is only read.
@@ -76,7 +88,7 @@ def add_scan(
     for corner in range(4):
         u, v = _to_lattice(bounds[2 * (corner % 2)], bounds[1 + 2 * (corner // 2)], frame)
         if not (0 <= floor(v) < rows and 0 <= floor(u) < cols):
-            return BEYOND
+            return BEYOND, 0
     x, y, cos, sin = sensor
     range_min, range_max, window, growth, no_return_free = reading_filter
     resolution = frame.resolution
@@ -86,7 +98,7 @@ def add_scan(
     u, v = _to_lattice(x, y, frame)
     row, col = int(_cell_of(v)), int(_cell_of(u))
     top, bottom, left, right = box[0], box[1], box[2], box[3]
-    count = 0
+    count, n = 0, 0
     for k in range(n_beams):
         z = float(ranges[k])
         no_return = z > range_max
@@ -130,10 +142,10 @@ def add_scan(
             start = row * cols + col
             along, across = (s_row * cols, s_col) if steep else (s_col, s_row * cols)
             middle = max(min(near, stop), first)
-            _add_steps(flat, flat_observed, start, along, across, slope, first, middle, at, miss, low, high,
-                       miss_clamped)  # fmt: skip
-            _add_steps(flat, flat_observed, start, along, across, slope, middle, stop, at, hit, low, high,
-                       hit_clamped)  # fmt: skip
+            n = _add_steps(flat, flat_observed, start, along, across, slope, first, middle, at, miss, low, high,
+                           miss_clamped, written, n)  # fmt: skip
+            n = _add_steps(flat, flat_observed, start, along, across, slope, middle, stop, at, hit, low, high,
+                           hit_clamped, written, n)  # fmt: skip
             count += stop - first - (1 if first <= at < stop else 0)
             n0, n1 = (_HALF + first * slope) >> _BITS, (_HALF + (stop - 1) * slope) >> _BITS
             r0, r1 = row + s_row * (first if steep else n0), row + s_row * (stop - 1 if steep else n1)
@@ -144,8 +156,10 @@ def add_scan(
             cell = uint64(hit_row * cols + hit_col)
             flat[cell] = min(max(flat[cell] + hit, low), high)
             flat_observed[cell] = True
+            written[min(n, len(written) - 1)] = uint32(cell)
+            n += 1
             top, bottom = min(top, hit_row), max(bottom, hit_row + 1)
             left, right = min(left, hit_col), max(right, hit_col + 1)
             count += 1
     box[0], box[1], box[2], box[3] = top, bottom, left, right
-    return count
+    return count, n

@@ -1,7 +1,7 @@
-"""Distances in a world of line segments: along beams, from points, along short motions.
+"""Distances in a world of line segments: from points, along short motions.
 
 Everywhere ``segments`` is (n, 4) float64, ``(ax, ay, bx, by)`` in metres, the edges of closed polygons that run
-counter-clockwise; polygons may overlap. The caller validates: finite numbers, ``angle_increment > 0``.
+counter-clockwise; polygons may overlap. The caller validates: finite numbers.
 """
 
 from __future__ import annotations
@@ -15,62 +15,9 @@ from mapper.core.jit import jit
 
 Float64Array = NDArray[np.float64]
 
-VERTEX_SLACK = 1e-9  # of an edge's length: a beam through the vertex that two edges share must not pass between them
 RUN = 64  # consecutive points that share a search for their nearest edges, at most
 RUN_RADIUS = 0.5  # metres: their greatest distance from the middle of their bounding box
 CULL_SLACK = 1e-6  # metres: rounding must not drop an edge that is exactly as near as another
-BEAM_SLACK = 1e-6  # of a beam's width: rounding of a bearing must not drop the beam that just grazes a vertex
-
-
-@jit
-def cast_rays(
-    segments: Float64Array,
-    x: float,
-    y: float,
-    yaw: float,
-    angle_min: float,
-    angle_increment: float,
-    range_max: float,
-    out: Float64Array,
-) -> None:
-    """Write into ``out`` (n_beams,) how far each beam goes from (x, y) to the nearest edge, +inf beyond ``range_max``.
-
-    Beam i points at ``yaw + angle_min + i · angle_increment``; the fan spans at most one turn. Each edge is tried only
-    against the beams between the bearings of its two ends, so the cost is edges + crossings, not edges × beams.
-    The crossing is that of two parametric lines, a + u·e = t·d (O'Rourke, Computational Geometry in C, section 7.2).
-    """
-    n_beams = out.shape[0]
-    turn = 2.0 * math.pi
-    first_bearing = yaw + angle_min
-    directions = np.empty((n_beams, 2))
-    for i in range(n_beams):
-        bearing = first_bearing + i * angle_increment
-        directions[i, 0] = math.cos(bearing)
-        directions[i, 1] = math.sin(bearing)
-        out[i] = np.inf
-    for k in range(segments.shape[0]):
-        ax, ay = segments[k, 0] - x, segments[k, 1] - y
-        bx, by = segments[k, 2] - x, segments[k, 3] - y
-        ex, ey = bx - ax, by - ay
-        a_cross_b = ax * by - ay * bx
-        # The bearings that the edge fills: from its first end, counter-clockwise by `width` (at most half a turn).
-        sweep = math.atan2(a_cross_b, ax * bx + ay * by)
-        width = abs(sweep)
-        start = (math.atan2(ay, ax) if sweep >= 0.0 else math.atan2(by, bx)) - first_bearing
-        start -= math.floor(start / turn) * turn
-        for lap in range(2):
-            low = start - lap * turn
-            i0 = max(0, math.ceil(low / angle_increment - BEAM_SLACK))
-            i1 = min(n_beams - 1, math.floor((low + width) / angle_increment + BEAM_SLACK))
-            for i in range(i0, i1 + 1):
-                dx, dy = directions[i, 0], directions[i, 1]
-                d_cross_e = dx * ey - dy * ex
-                if abs(d_cross_e) < 1e-12:
-                    continue  # along the beam: the neighbouring edges end it
-                t = a_cross_b / d_cross_e  # a × e = a × b
-                u = (ax * dy - ay * dx) / d_cross_e
-                if t >= 0.0 and t < out[i] and t <= range_max and -VERTEX_SLACK <= u <= 1.0 + VERTEX_SLACK:
-                    out[i] = t
 
 
 @jit

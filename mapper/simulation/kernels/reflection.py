@@ -14,9 +14,8 @@ from mapper.core.jit import jit
 def reflect(
     faces: NDArray[np.float64],
     ranges: NDArray[np.float64],
-    bearings: NDArray[np.float64],
-    x: float,
-    y: float,
+    beams: NDArray[np.float64],
+    sensor: tuple[float, float, float, float],
     most_sine: float,
     on_wall: float,
     out: NDArray[np.bool_],
@@ -24,15 +23,17 @@ def reflect(
     """Write into ``out`` (n,) whether beam i ends on a polished face that it meets at a slant.
 
     ``faces`` (m, 4) are segments of positive length, ``(ax, ay, bx, by)`` in metres; ``ranges`` (n,) metres, not finite
-    for no return; ``bearings`` (n,) radians in the frame of the faces, in which (x, y) is the sensor. A beam slants if
-    the sine of its angle to the face's normal exceeds ``most_sine``; it ends on a face if its end is no farther from
-    the face than ``on_wall`` metres.
+    for no return; ``beams`` (n, 2) cosine and sine of the bearings in the sensor's frame, which is at ``sensor``
+    (x, y, cos θ, sin θ) in that of the faces. A beam slants if the sine of its angle to the face's normal exceeds
+    ``most_sine``; it ends on a face if its end is no farther from the face than ``on_wall`` metres.
     """
     n = out.shape[0]
+    x, y, cos, sin = sensor
     directions, ends = np.empty((2, n)), np.empty((2, n))
     for i in range(n):
         out[i] = False
-        directions[0, i], directions[1, i] = math.cos(bearings[i]), math.sin(bearings[i])
+        directions[0, i] = cos * beams[i, 0] - sin * beams[i, 1]
+        directions[1, i] = sin * beams[i, 0] + cos * beams[i, 1]
         # The end of a beam without a return is nowhere: every comparison with it is false.
         reach = ranges[i] if math.isfinite(ranges[i]) else math.nan
         ends[0, i], ends[1, i] = x + reach * directions[0, i], y + reach * directions[1, i]

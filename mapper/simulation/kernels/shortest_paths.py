@@ -60,13 +60,11 @@ def shortest_paths(
     start = (start_row + 1) * wide + start_col + 1
     best[start] = 0.0
     first[0], after[start], before[start], bucket_of[start] = start, -1, -1, 0
-    waiting, bucket, lap = 1, 0, 0
+    waiting, bucket = 1, 0
     while waiting > 0:
         cell = first[bucket]
         if cell < 0:
-            bucket += 1
-            if bucket == count:
-                bucket, lap = 0, lap + count
+            bucket = bucket + 1 if bucket + 1 < count else 0
             continue
         first[bucket] = after[cell]
         if after[cell] >= 0:
@@ -76,8 +74,6 @@ def shortest_paths(
         key = best[cell]
         for k in range(8):
             beside = cell + steps[k]
-            if best[beside] <= key:  # no step shortens a path that is as short as the one so far
-                continue
             there = costs[beside]
             if not there < np.inf:
                 continue
@@ -95,9 +91,7 @@ def shortest_paths(
                 continue
             best[beside], origin[beside] = new, cell
             old = bucket_of[beside]
-            into = int(new / width) - lap
-            if not 0 <= into < count:
-                into %= count
+            into = int(new / width) % count
             if old == into:
                 continue
             if old >= 0:  # out of its list

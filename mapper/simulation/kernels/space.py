@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.jit import jit
-from mapper.simulation.kernels.raycast import VERTEX_SLACK
+from mapper.simulation.kernels.lidar import VERTEX_SLACK
 
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
@@ -137,6 +137,10 @@ async def begin(
     name: Annotated[
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
+    *,
+    whole: Annotated[
+        bool, Query(description="Whether a log that the link would play from its start is paused at its end.")
+    ] = False,
 ) -> Response:
     """Begin a session of the view of a link."""
     link = library.links.get(token)
@@ -149,6 +153,8 @@ async def begin(
             costmaps = await library.costmaps(link.owner, link.log_id)
             if costmaps is None:
                 log = await library.load(link.owner, link.log_id, view.topic, view.planar_cut)
+                if whole and view.index == 0:
+                    view = replace(view, index=log.n_scans)
                 plan = log_plan(log, log_id=link.log_id, title=title, view=view, name=name)
             else:
                 plan = costmaps_plan(costmaps, log_id=link.log_id, title=title, view=view, playing=False, name=name)

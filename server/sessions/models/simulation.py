@@ -273,7 +273,9 @@ class SimulationModel(SessionModel):
 
     def draw(self, result: TickResult) -> None:
         """Update the layers, and send how both maps forget what was erased from the world."""
-        result.changed |= self._map.update(self.grid, self.config, result.box, whole=result.new_grid)
+        result.changed |= self._map.update(
+            self.grid, self.config, result.box, whole=result.new_grid, cells=result.cells
+        )
         with self.computing("localization"):
             self._localization.look(self._mapper, result)
         with self.computing("map_3d"):

@@ -47,6 +47,7 @@ def test_an_edited_kernel_changes_the_cache_of_its_own_package_only(checkout: Pa
     assert edited(checkout, "mapping/kernels/bresenham.py") == {"mapping"}
 
 
+@pytest.mark.long
 def test_an_edited_kernel_changes_the_cache_of_packages_that_import_it(checkout: Path) -> None:
     assert edited(checkout, "grid/kernels/lattice.py") == {"grid", "mapping"}
 

@@ -19,6 +19,7 @@ from mapper.localization.weighing import log_likelihoods, scan_sums
 from mapper.sensors.scan import ScanLog, Trajectory
 from tests.mapper.localization.rooms import office, two_rooms
 from tests.mapper.slam.worlds import without_poses
+from tests.marks import also_long
 
 FEW = LocalizationConfig(global_particles=8000)
 
@@ -28,7 +29,7 @@ def errors(log: ScanLog, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.hypot(*(poses - true)[:, :2].T), np.abs(wrap_angle(poses[:, 2] - true[:, 2]))
 
 
-@pytest.mark.parametrize("model", ["likelihood_field_prob", "likelihood_field", "beam"])
+@pytest.mark.parametrize("model", ["likelihood_field_prob", "likelihood_field", *also_long("beam")])
 def test_follows_a_robot_whose_start_is_known(model: str):
     grid, log = office()
     start = log.trajectory("true").poses[0] + [0.2, -0.1, 0.1]

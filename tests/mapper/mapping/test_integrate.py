@@ -40,6 +40,17 @@ def test_a_beam_in_the_open() -> None:
     assert change == Change(CellBox(1, 2, 0, 6), geometry_changed=False, cells_updated=6)
 
 
+@pytest.mark.parametrize("prior", [0.0, -2.0, 3.5])
+def test_cells_at_the_clamp_are_counted_and_observed(prior: float) -> None:
+    grid = OccupancyGrid(GridGeometry(1.0, 3, 12), prior)
+    assert CONFIG.clamp_limits == (-2.0, 3.5)
+    for _ in range(20):
+        change = integrate_scan(grid, one_beam(5.0), (0.5, 1.5, 0.0), CONFIG)
+        assert change == Change(CellBox(1, 2, 0, 6), geometry_changed=False, cells_updated=6)
+    assert grid.log_odds[1].tolist() == [-2.0] * 5 + [3.5] + [prior] * 6
+    assert grid.observed[1].tolist() == [True] * 6 + [False] * 6
+
+
 @pytest.mark.parametrize("z", [np.nan, -np.inf, -1.0, 0.05])
 @UPDATES
 def test_invalid_readings_add_no_evidence(z: float, update: str) -> None:

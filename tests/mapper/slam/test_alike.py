@@ -1,5 +1,8 @@
 """Buildings in which many places look alike: recognized places may be wrong, and are then left out."""
 
+import gc
+from weakref import WeakSet
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,7 @@ from mapper.simulation.lidar import SensorConfig
 from mapper.simulation.shapes import outer_walls, rect
 from mapper.simulation.worlds import World
 from mapper.slam import SlamConfig, SlamProgress, slam_log, whole_log
+from mapper.slam.estimate import PASSES
 from mapper.slam.map_agreement import APART, MapAgreement, map_agreement
 from mapper.slam.scan_store import ScanStore
 from tests.mapper.slam.worlds import along, drive
@@ -72,6 +76,7 @@ def alike() -> ScanLog:
     return drive_with(77)
 
 
+@pytest.mark.long
 def test_wrongly_recognized_places_are_left_out(alike: ScanLog, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(MapAgreement, "score", lambda *_: 0.0)
@@ -99,7 +104,20 @@ def test_stricter_rules_are_tried_where_the_map_contradicts_itself(monkeypatch: 
         wrong = slam_log(log)
     assert mean_error(log, wrong.poses) > 1.0
     assert any("loops may be wrong" in note for note in wrong.notes)
-    found = slam_log(log)
+    passes: WeakSet[object] = WeakSet()
+    at_once: list[int] = []
+
+    class Counted(whole_log._Pass):
+        def add_all(self, report: whole_log.Report | None) -> None:
+            super().add_all(report)
+            passes.add(self)
+            gc.collect()
+            at_once.append(len(passes))
+
+    monkeypatch.setattr(whole_log, "_Pass", Counted)
+    found = slam_log(log, progress=lambda _: True)
+    assert len(at_once) > 3
+    assert max(at_once) == PASSES, "the estimate of memory states as many"
     assert mean_error(log, found.poses) < 0.1
     assert any("A stricter rule for loops was used" in note for note in found.notes)
     assert not any("loops may be wrong" in note for note in found.notes)

@@ -7,9 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from mapper.tools import precompile
 
 
+@pytest.mark.long
 def test_every_kernel_is_ready_where_all_are_kept_from_a_run_before():
     # `make test` has run it before the tests. What only kernels call is then not compiled of itself.
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_DISABLE_JIT"}
@@ -35,6 +38,6 @@ def test_all_modules_of_kernels_are_looked_at():
     modules = {".".join(path.with_suffix("").parts) for path in Path("mapper").glob("*/kernels/*.py")}
     compiled = {name.rsplit(".", 1)[0] for name in precompile.kernels()}
     assert {"mapper.simulation.kernels.raycast", "mapper.mapping.kernels.bresenham"} <= compiled <= modules
-    assert {"mapper.simulation.kernels.raycast.cast_rays", "mapper.grid.kernels.quantise.quantise"} <= set(
+    assert {"mapper.simulation.kernels.lidar.cast_rays", "mapper.grid.kernels.quantise.quantise"} <= set(
         precompile.kernels()
     )

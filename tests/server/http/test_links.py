@@ -17,7 +17,17 @@ from websockets.exceptions import InvalidStatus
 from mapper.grid import GridGeometry
 from mapper.io.costmaps import RecordedCostmap, write_costmaps
 from tests.server.library.small_logs import carmen
-from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for, stream_at, until_closed
+from tests.server.service import (
+    PATIENCE_S,
+    Service,
+    Watcher,
+    once_read,
+    running,
+    settings_for,
+    stream_at,
+    until,
+    until_closed,
+)
 
 TOKEN = "the-token-of-this-service"
 ODDS = 1.75
@@ -332,6 +342,23 @@ def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest
         for one, title in ((link, "run.log"), (sample, "A simulated office (sample)")):
             assert second.http.get(f"/api{one['address']}").json()["title"] == title
         assert second.http.post(f"/api{link['address']}/sessions").status_code == 201
+
+
+def test_a_link_to_the_start_of_a_log_plays_or_is_shown_whole(
+    ann: httpx.Client, browser: Callable[..., httpx.Client]
+) -> None:
+    made = ann.post("/api/sessions", json={"kind": "log", "log": uploaded(ann, 43), "playing": False}).json()
+    sessions = f"/api{linked(ann, made['id'])['address']}/sessions"
+    guest = browser(guest=True)
+    assert guest.post(sessions).json()["playing"]
+    whole = guest.post(f"{sessions}?whole=true").json()
+    assert not whole["playing"]
+    assert made["count"] == 43
+
+    def index() -> int:
+        return int(guest.get(f"/api/sessions/{whole['id']}").json()["index"])
+
+    until(lambda: index() == 43)
 
 
 def test_whoever_has_the_address_of_a_session_shares_its_log(

@@ -7,7 +7,7 @@ from typing import Any
 from msgspec import UNSET
 
 from server.stream import message_parts as parts
-from server.stream import messages
+from server.stream import messages, navigation_messages, volume_messages
 from server.stream.protocol import SUBPROTOCOL
 
 COMMANDS: tuple[dict[str, Any], ...] = (
@@ -192,7 +192,7 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         blocks=[parts.Block([(1.0, 1.0), (2.0, 1.0), (2.0, 2.0)], 0.25, 0.5)],
     ),
     messages.Forgetting(40, 12, 9, None, 0.95, 0.25),
-    messages.LocalizationMessage(
+    navigation_messages.LocalizationMessage(
         True,
         "moved",
         {"sigma_hit": 0.05},
@@ -208,12 +208,14 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.05,
         0.01,
     ),
-    messages.LocalizationMessage(False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None),
-    messages.Map3dMessage(
+    navigation_messages.LocalizationMessage(
+        False, "plan", {}, None, None, None, False, 0.0, 0.0, 0.0, 0, 0, None, None
+    ),
+    volume_messages.Map3dMessage(
         True, {"voxel": 0.1, "sensor": "depth_camera"}, 12, 14, 40, None, 90000, 4000, 3500, 20000, 400000, 3400000
     ),
-    messages.Map3dMessage(False, {}, 0, 0, 0, "Full.", 0, 0, 0, 0, 0, 0),
-    messages.TerrainMessage(
+    volume_messages.Map3dMessage(False, {}, 0, 0, 0, "Full.", 0, 0, 0, 0, 0, 0),
+    volume_messages.TerrainMessage(
         True,
         {"patch": 0.25},
         900,
@@ -243,8 +245,8 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ),
         None,
     ),
-    messages.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
-    messages.CostmapMessage(
+    volume_messages.TerrainMessage(False, {}, 0, 0, 0, None, None, None, 0, 0, 0, 0.0, None, None, "Too wide."),
+    navigation_messages.CostmapMessage(
         True,
         {"inflation_radius": 0.8},
         [(0.3, 0.2), (-0.3, 0.2), (0.0, -0.3)],
@@ -252,13 +254,17 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         0.36,
         [parts.BrushStroke(0.4, False, [(1.0, 2.0)]), parts.BrushStroke(0.4, False, [(1.0, 2.0)], 40)],
     ),
-    messages.PathMessage((4.5, -1.0), True, 5.25, 5250.5, 13.1, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"),
-    messages.PathMessage((4.5, -1.0), False, None, None, None, False, "There is no path to the goal.", None, 3.5, None),
-    messages.CostMessage(
+    navigation_messages.PathMessage(
+        (4.5, -1.0), True, 5.25, 5250.5, 13.1, True, None, (1.5, 0.5), 3.5, "40 %: 0.20 m/s"
+    ),
+    navigation_messages.PathMessage(
+        (4.5, -1.0), False, None, None, None, False, "There is no path to the goal.", None, 3.5, None
+    ),
+    navigation_messages.CostMessage(
         4.5, -1.0, [parts.LayerCost("static_layer", 254, 254, "The map's value is 100 of 100.")], None
     ),
-    messages.Nav2Message("global_costmap: {}"),
-    messages.VolumeMessage(
+    navigation_messages.Nav2Message("global_costmap: {}"),
+    volume_messages.VolumeMessage(
         parts.Table([_ROW], {"show": "voxels"}),
         (-1.0, -2.0, 0.0),
         (1.0, 2.0, 2.5),
@@ -278,16 +284,16 @@ MESSAGES: tuple[messages.ServerMessage, ...] = (
         ["class"],
         parts.VolumeChanges("the map of 3 scans", 5, 6, 700, 8, 9),
     ),
-    messages.VoxelMessage(
+    volume_messages.VoxelMessage(
         (0.05, 0.15, 0.25), 0.1, 0.85, "occupied", 3, 1, 1, [parts.VoxelUpdate(2, True, 4, None, 0.85)]
     ),
-    messages.SurfaceMessage([_ROW], {"truncation": 0.1}, 0.1, 3, 700, 2_900_000, 35_000, 49, 2, [8], None),
-    messages.SurfaceVoxelMessage(
+    volume_messages.SurfaceMessage([_ROW], {"truncation": 0.1}, 0.1, 3, 700, 2_900_000, 35_000, 49, 2, [8], None),
+    volume_messages.SurfaceVoxelMessage(
         (0.05, 0.15, 0.25), 0.02, -0.004, 2.0, 3, 2, [parts.SurfaceUpdate(2, -0.004, 1.0, None, -0.004, 1.0)]
     ),
-    messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
-    messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
-    messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
+    volume_messages.SurfaceVoxelMessage(None, 0.02, None, 0.0, 0, 0, []),
+    volume_messages.VoxelMessage(None, 0.1, None, "unknown", 0, 0, 0, []),
+    navigation_messages.MapEditsMessage(2, 1, ["Cropped", "Painted free, 0.2 m wide"], 40, 12, ["A note."]),
     messages.WorkingMessage(0.55, 0.2, "voxel"),
     messages.WorkingMessage(None, None),
     messages.NoticeMessage("log.end", "The log has come to its end."),

@@ -6,8 +6,20 @@ import { plural } from "../../ui/numbers";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { toast } from "../../ui/Toast";
 import { FleetCard } from "./FleetCard";
-import { type Counts, chosen, ORDERS, type Order, SHOWN, type Shown } from "./fleetLogs";
-import { counts, fleetError, fleetLogs, isBusy, mapAll, stopMapping, totalOf, watchFleet, workers } from "./fleetState";
+import { FleetStart } from "./FleetStart";
+import { type Counts, chosen, ORDERS, type Order, placeOf, SHOWN, type Shown, troubleOf } from "./fleetLogs";
+import {
+  cluster,
+  counts,
+  fleetError,
+  fleetLogs,
+  isBusy,
+  mapAll,
+  stopMapping,
+  totalOf,
+  watchFleet,
+  workers,
+} from "./fleetState";
 
 /** Cards that are shown at first, and with each press of "Show more". */
 const PAGE = 120;
@@ -25,6 +37,7 @@ export function Fleet() {
   const [limit, setLimit] = useState(PAGE);
   const logs = fleetLogs.value;
   const all = counts.value;
+  const trouble = troubleOf(cluster.value, all);
   const found = logs === null ? [] : chosen(logs.values(), words, shown, order);
   return (
     <div class="library fleet">
@@ -39,17 +52,16 @@ export function Fleet() {
           <Icon name="warning" /> {fleetError.value}
         </p>
       )}
-      {logs !== null && totalOf(all) === 0 && (
-        <p class="notice">
-          <span>
-            There are no logs with scans yet, beside the sample. Add some on the page <a href="/logs.html">Logs</a>, or
-            start the service with <code>--logs-dir</code>.
-          </span>
-        </p>
-      )}
+      {logs !== null && totalOf(all) === 0 && <FleetStart />}
       {logs !== null && totalOf(all) > 0 && (
         <>
+          {trouble !== null && (
+            <p class="notice" role="status">
+              <Icon name="warning" /> {trouble}
+            </p>
+          )}
           <Work all={all} />
+          <p class="quiet number">{placeOf(cluster.value, workers.value)}</p>
           <search class="finder">
             <input
               class="field-text finder-words"
@@ -108,11 +120,7 @@ function Work({ all }: { all: Counts }) {
         </strong>{" "}
         done
         {all.failed > 0 && <>, {all.failed.toLocaleString("en")} failed</>}
-        {busy && (
-          <>
-            , {all.running} being mapped ({workers.value} at once)
-          </>
-        )}
+        {busy && <>, {all.running} being mapped</>}
       </p>
       <ProgressBar fraction={ended / Math.max(1, total)} label="Logs done" />
       <div class="actions">

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { chosen, type FleetLog, merged } from "./fleetLogs";
+import { chosen, type FleetLog, merged, placeOf, troubleOf } from "./fleetLogs";
 
 const log = (name: string, more: Partial<FleetLog> = {}): FleetLog => ({
   id: `id of ${name}`,
@@ -38,7 +38,7 @@ const names = (logs: readonly FleetLog[]): string[] => logs.map((one) => one.nam
 
 test("an answer replaces what has changed, and all where it is whole", () => {
   const counts = { none: 0, queued: 0, running: 0, done: 1, failed: 0 };
-  const answer = { revision: 3, whole: false, workers: 1, counts, logs: [mapped("run 10", 7)] };
+  const answer = { revision: 3, whole: false, workers: 1, cluster: null, counts, logs: [mapped("run 10", 7)] };
   const known = new Map(LOGS.map((one) => [one.id, one]));
   const next = merged(known, answer);
   expect(next.size).toBe(5);
@@ -58,4 +58,17 @@ test("logs are found by words of name, finding and reason, and by result", () =>
   expect(names(chosen(LOGS, "", "failed", "name"))).toEqual(["yard"]);
   expect(names(chosen(LOGS, "", "findings", "name"))).toEqual(["run 9"]);
   expect(names(chosen(LOGS, "", "open", "name"))).toEqual(["run 1", "run 10"]);
+});
+
+test("where logs are mapped is told, and what keeps the cluster from it", () => {
+  const idle = { none: 2, queued: 0, running: 0, done: 0, failed: 0 };
+  expect(placeOf(null, 1)).toBe("On this server, 1 log at once.");
+  expect(placeOf({ workers: 1, threads: 4, error: "" }, 4)).toBe("On a Dask cluster with 1 worker, 4 logs at once.");
+  expect(troubleOf(null, idle)).toBeNull();
+  expect(troubleOf({ workers: 1, threads: 1, error: "" }, idle)).toBeNull();
+  const away = { workers: 0, threads: 0, error: "It is not reached." };
+  expect(troubleOf(away, idle)).toBe("It is not reached.");
+  expect(troubleOf(away, { ...idle, queued: 1 })).toContain("It is not reached. Logs that are not mapped yet wait");
+  const fewer = { workers: 1, threads: 1, error: "1 of 2 workers get no logs." };
+  expect(troubleOf(fewer, { ...idle, queued: 1 })).toBe("1 of 2 workers get no logs.");
 });

@@ -1,5 +1,7 @@
 /** The logs of the fleet as the service tells them, and which of them are shown in what order. */
 
+import { plural } from "../../ui/numbers";
+
 export interface Finding {
   readonly check: string;
   readonly sentence: string;
@@ -35,11 +37,21 @@ export interface Counts {
   readonly failed: number;
 }
 
+/** The Dask cluster that maps the logs. */
+export interface Cluster {
+  readonly workers: number;
+  readonly threads: number;
+  /** Why it maps no logs, or fewer; empty where it is well. */
+  readonly error: string;
+}
+
 export interface FleetAnswer {
   readonly revision: number;
   /** Whether all logs are in it, not only those that have changed. */
   readonly whole: boolean;
   readonly workers: number;
+  /** null: processes of the service's machine map the logs. */
+  readonly cluster: Cluster | null;
   readonly counts: Counts;
   readonly logs: readonly FleetLog[];
 }
@@ -49,6 +61,19 @@ export function merged(known: ReadonlyMap<string, FleetLog> | null, answer: Flee
   const next = new Map(answer.whole ? [] : (known ?? []));
   for (const log of answer.logs) next.set(log.id, log);
   return next;
+}
+
+/** Where logs are mapped, and how many at once. */
+export function placeOf(cluster: Cluster | null, workers: number): string {
+  if (cluster === null) return `On this server, ${plural(workers, "log")} at once.`;
+  return `On a Dask cluster with ${plural(cluster.workers, "worker")}, ${plural(cluster.threads, "log")} at once.`;
+}
+
+/** What keeps the cluster from mapping, and what happens to the logs; null where it is well. */
+export function troubleOf(cluster: Cluster | null, all: Counts): string | null {
+  if (cluster === null || cluster.error === "") return null;
+  if (cluster.threads > 0 || all.queued + all.running === 0) return cluster.error;
+  return `${cluster.error} Logs that are not mapped yet wait, and go on by themselves.`;
 }
 
 export const SHOWN = [

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { request } from "../logs/request";
-import { type Counts, type FleetAnswer, type FleetLog, merged } from "./fleetLogs";
+import { type Cluster, type Counts, type FleetAnswer, type FleetLog, merged } from "./fleetLogs";
 
 /** Time between two requests while logs are being mapped, and while none are. */
 const BUSY_MS = 700;
@@ -12,6 +12,7 @@ const IDLE_MS = 5000;
 export const fleetLogs = signal<ReadonlyMap<string, FleetLog> | null>(null);
 export const counts = signal<Counts>({ none: 0, queued: 0, running: 0, done: 0, failed: 0 });
 export const workers = signal(1);
+export const cluster = signal<Cluster | null>(null);
 export const fleetError = signal<string | null>(null);
 
 export const totalOf = (all: Counts): number => all.none + all.queued + all.running + all.done + all.failed;
@@ -30,6 +31,7 @@ async function refresh(): Promise<void> {
     fleetLogs.value = next;
     counts.value = answer.counts;
     workers.value = answer.workers;
+    cluster.value = answer.cluster;
     fleetError.value = null;
     // A log that was added or is gone: all of them are asked for.
     revision = next.size === totalOf(answer.counts) ? answer.revision : 0;

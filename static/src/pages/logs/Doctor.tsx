@@ -2,6 +2,7 @@ import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
+import { Icon } from "../../ui/Icon";
 import { Panel } from "../../ui/Panel";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
@@ -106,17 +107,26 @@ interface DoctorProps {
  * The log doctor: problems of a log, where they are, how certain, and what to do about them.
  *
  * After an examination that began by itself a button states the number of findings; they are shown when it is pressed,
- * so that nothing on the page moves without a click.
+ * so that nothing on the page moves without a click. That there are none is said in its place.
  */
 export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal }: DoctorProps) {
   const now = state.value;
-  const showsFindings = now.kind === "done" && now.isShown;
+  const isWell = now.kind === "done" && now.examination.findings.length === 0;
+  const showsFindings = now.kind === "done" && now.isShown && !isWell;
   return (
     <Panel title="Log doctor">
       <Notes notes={store.hello.value?.log?.notes ?? []} />
       {!showsFindings && <p class="quiet">Checks {CHECKED}.</p>}
       <div class="doctor-result" role="status">
-        {now.kind === "done" && !showsFindings && (
+        {isWell && (
+          <p class="doctor-well">
+            <Icon name="check" />
+            <span>
+              <b>No problems found.</b> Poses: {trajectoryLabel(now.examination.trajectory)}.
+            </span>
+          </p>
+        )}
+        {now.kind === "done" && !isWell && !showsFindings && (
           <Button icon="target" onClick={() => (state.value = { ...now, isShown: true })}>
             {findingsLabel(now.examination)}
           </Button>
@@ -131,12 +141,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
           <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
         )}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
-        {showsFindings && now.examination.findings.length === 0 && (
-          <p>
-            No problems found. Poses: {trajectoryLabel(now.examination.trajectory)}. Checked: {CHECKED}.
-          </p>
-        )}
-        {showsFindings && now.examination.findings.length > 0 && (
+        {showsFindings && (
           <ul class="findings" aria-label="Findings">
             {now.examination.findings.map((finding) => (
               <FindingItem

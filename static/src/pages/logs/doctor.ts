@@ -61,8 +61,7 @@ export function confidenceLabel({ sure, possible }: Pick<Finding, "sure" | "poss
   return sure >= 0.8 ? "very likely" : "likely";
 }
 
-/** The label of the button that shows the findings. */
+/** The label of the button that shows the findings, of which there are some. */
 export function findingsLabel({ findings }: Examination): string {
-  if (findings.length === 0) return "No problems found";
   return findings.length === 1 ? "Show 1 finding" : `Show ${findings.length} findings`;
 }

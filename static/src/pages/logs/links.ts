@@ -1,6 +1,7 @@
 /** Shared links: they open a read-only view of a log until they are revoked. */
 
 import type { SharedView } from "../../render/view";
+import { reducedMotion } from "../../ui/reducedMotion";
 import { followMaking, newName } from "../making";
 import { trajectoryLabel } from "./describeLog";
 import { opening } from "./library";
@@ -56,14 +57,18 @@ export interface SharedSession {
   readonly kind: string;
 }
 
-/** Open a separate session on the view of a link. `ending` ends the request. */
+/**
+ * Open a separate session on the view of a link. `ending` ends the request. With reduced motion a log that would play
+ * from its start is shown whole.
+ */
 export async function beginShared(token: string, ending: AbortSignal): Promise<SharedSession> {
   const name = newName();
   const stop = followMaking(name, (making) => {
     opening.value = making;
   });
   try {
-    return await request<SharedSession>(`/api/shared/${token}/sessions?name=${name}`, "POST", undefined, ending);
+    const at = `/api/shared/${token}/sessions?name=${name}&whole=${reducedMotion.peek()}`;
+    return await request<SharedSession>(at, "POST", undefined, ending);
   } finally {
     stop();
   }

@@ -1,0 +1,129 @@
+"""The messages of maps in 3D: voxels, surfaces and terrain, a part of :mod:`server.stream.messages`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from server.stream.message_parts import (
+    CellState,
+    Parameter,
+    Place,
+    SurfaceUpdate,
+    Table,
+    TerrainCounts,
+    TerrainPatch,
+    Values,
+    VolumeChanges,
+    VoxelUpdate,
+)
+
+
+class Map3dMessage(Struct, tag_field="type", tag="map3d"):
+    """The 3D map of a simulation. Cells that only it has are in the layer `only_in_3d`."""
+
+    is_on: Annotated[bool, Meta(description="whether there is one")]
+    values: Annotated[Values, Meta(description="parameters of the 3D sensor and the map")]
+    scans: Annotated[int, Meta(description="scans in the map")]
+    taken: Annotated[int, Meta(description="scans that are recorded; more than `scans` while the map is made again")]
+    only_in_3d: Annotated[int, Meta(description="cells of its projection that are occupied, and are not in the 2D map")]
+    problem: Annotated[str | None, Meta(description="why it does not grow any more; null: it does")]
+    known: Annotated[int, Meta(description="free and occupied voxels")]
+    nodes: Annotated[int, Meta(description="nodes of its octree, whose equal leaves are joined")]
+    leaves: Annotated[int, Meta(description="those without children")]
+    octree_bytes: Annotated[int, Meta(description="the octree: log-odds and children of each node")]
+    block_bytes: Annotated[int, Meta(description="the map as it is kept: blocks of 8 × 8 × 8 voxels, and their hash")]
+    dense_bytes: Annotated[int, Meta(description="a dense grid of the world, 4 bytes for each voxel")]
+
+
+class TerrainMessage(Struct, tag_field="type", tag="terrain"):
+    """The terrain of a simulation or a cloud, in the layers `terrain_costs` and `terrain_values`."""
+
+    is_on: Annotated[bool, Meta(description="whether it is assessed")]
+    values: Annotated[Values, Meta(description="its parameters")]
+    points: Annotated[int, Meta(description="points that it is made of")]
+    ground: Annotated[int, Meta(description="those that the filter takes for ground")]
+    left_out: Annotated[int, Meta(description="ground points that RANSAC leaves out of the planes")]
+    kappa: Annotated[
+        float | None, Meta(description="Cohen's kappa of ground and objects, %; null: the truth is not known")
+    ]
+    total_error: Annotated[float | None, Meta(description="points that are classified wrongly, %; null: as above")]
+    truth: Annotated[str | None, Meta(description="what they are compared with; null: as above")]
+    safe: Annotated[int, Meta(description="patches that are safe")]
+    unsafe: Annotated[int, Meta(description="patches that are unsafe")]
+    unknown: Annotated[int, Meta(description="patches with too few points")]
+    size: Annotated[float, Meta(description="side of a patch, m")]
+    before: Annotated[
+        TerrainCounts | None,
+        Meta(description="the classes before the newest change of parameters; null: there was none"),
+    ]
+    patch: Annotated[TerrainPatch | None, Meta(description="the patch that was asked about; null: none was")]
+    problem: Annotated[str | None, Meta(description="why it cannot be assessed, one sentence; null: it is")]
+
+
+class VolumeMessage(Struct, tag_field="type", tag="volume"):
+    """Sessions in 3D: what the map has, and how it is shown. Sent at the start and after changes."""
+
+    look: Annotated[Table, Meta(description="what is shown, and how")]
+    low: Annotated[Place, Meta(description="least coordinates of the map, m")]
+    high: Annotated[Place, Meta(description="greatest coordinates of the map, m")]
+    has_scans: Annotated[bool, Meta(description="whether it is made of scans; else it is an octree")]
+    has_free: Annotated[bool, Meta(description="whether it is known where the sensor was, so that space is free")]
+    up: Annotated[str, Meta(description="the axis of the file that is z here")]
+    points: Annotated[int, Meta(description="points of the scans in the map; leaves of an octree")]
+    left_out: Annotated[int, Meta(description="points that were left out: beyond the lattice")]
+    occupied: Annotated[int, Meta(description="voxels")]
+    free: Annotated[int, Meta(description="voxels")]
+    bytes: Annotated[int, Meta(description="memory of the map in blocks of 8³ voxels")]
+    dense_bytes: Annotated[float, Meta(description="memory of a dense grid of the same box, 4 bytes a voxel")]
+    nodes: Annotated[int | None, Meta(description="nodes of the pruned octree; null while the map changes")]
+    chunks: Annotated[int, Meta(description="chunks of 32³ voxels that are drawn")]
+    quads: Annotated[int, Meta(description="rectangles that are drawn")]
+    pending: Annotated[int, Meta(description="chunks that are still to be drawn again")]
+    colours: Annotated[list[str], Meta(description="what the points can be coloured by")]
+    compared: Annotated[VolumeChanges | None, Meta(description="the comparison with another map; null: there is none")]
+
+
+class VoxelMessage(Struct, tag_field="type", tag="voxel"):
+    """Answer to `voxel` and to a click in 3D, to all clients: why a voxel is as it is. Null: none is chosen."""
+
+    centre: Annotated[Place | None, Meta(description="its centre, m")]
+    size: Annotated[float, Meta(description="its side, m")]
+    log_odds: Annotated[float | None, Meta(description="log-odds of being occupied; null: unknown")]
+    state: Annotated[CellState, Meta(description="state by the map's threshold")]
+    index: Annotated[int, Meta(description="scans in the map")]
+    total: Annotated[int, Meta(description="scans that updated it")]
+    hits: Annotated[int, Meta(description="those of which a beam ended in it")]
+    updates: Annotated[list[VoxelUpdate], Meta(description="at most the last 200, oldest first")]
+
+
+class SurfaceMessage(Struct, tag_field="type", tag="surface"):
+    """Sessions in 3D: the surface by truncated signed distances. Sent at the start and after changes.
+
+    A simulation sends it while its surface is shown; its parameters are those of the 3D map.
+    """
+
+    table: Annotated[list[Parameter], Meta(description="its parameters; empty where no surface can be made")]
+    values: Annotated[Values, Meta(description="their present values")]
+    truncation: Annotated[float, Meta(description="truncation that is used, m")]
+    index: Annotated[int, Meta(description="scans in the surface")]
+    blocks: Annotated[int, Meta(description="blocks of 8³ voxels")]
+    bytes: Annotated[int, Meta(description="memory of the blocks")]
+    triangles: Annotated[int, Meta(description="triangles that are drawn")]
+    chunks: Annotated[int, Meta(description="chunks of 32³ voxels that have triangles")]
+    pending: Annotated[int, Meta(description="chunks that are still to be meshed again")]
+    snapshots: Annotated[list[int], Meta(description="scans after which the surface is kept, to go back to")]
+    problem: Annotated[str | None, Meta(description="why it is not drawn; null: it is")]
+
+
+class SurfaceVoxelMessage(Struct, tag_field="type", tag="surface_voxel"):
+    """Answer to `voxel` and to a click in 3D while the surface is shown, to all clients. Null: none is chosen."""
+
+    centre: Annotated[Place | None, Meta(description="its centre, m")]
+    size: Annotated[float, Meta(description="its side, m")]
+    distance: Annotated[float | None, Meta(description="mean signed distance, m, positive before; null: unknown")]
+    weight: Annotated[float, Meta(description="weight of the mean")]
+    index: Annotated[int, Meta(description="scans in the surface")]
+    total: Annotated[int, Meta(description="scans that measured it")]
+    updates: Annotated[list[SurfaceUpdate], Meta(description="at most the last 200, oldest first")]

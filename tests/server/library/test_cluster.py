@@ -1,0 +1,151 @@
+"""The fleet of a library on a Dask cluster of real processes: workers and the scheduler are killed in the middle."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from server.library import Library, Record, cluster_tasks
+from server.settings import Settings
+from tests.server.dask_cluster import DaskCluster, dask_cluster, kill
+from tests.server.library.conftest import Make
+from tests.server.library.kept import settled
+from tests.server.library.small_logs import carmen, in_pieces
+from tests.server.service import eventually
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[DaskCluster]:
+    with dask_cluster(tmp_path / "cluster") as made:
+        yield made
+
+
+@pytest.fixture
+def settings(settings: Settings, cluster: DaskCluster) -> Settings:
+    return settings.model_copy(update={"fleet_executor": cluster.address})
+
+
+async def uploads(library: Library, *scans: int) -> list[Record]:
+    made = []
+    for count in scans:
+        record = await library.put("ann", f"{count}.log", in_pieces(carmen(count)))
+        made.append(await settled(library, "ann", record.id))
+    return made
+
+
+def counts(library: Library, logs: list[Record]) -> dict[str, int]:
+    return {name: count for name, count in library.fleet.state(logs)["counts"].items() if count}
+
+
+def state(library: Library) -> dict[str, Any]:
+    return dict(library.fleet.state([])["cluster"])
+
+
+async def test_a_worker_that_is_killed_loses_no_log(library: Library, cluster: DaskCluster) -> None:
+    logs = await uploads(library, 20, 21, 22, 23)
+    for log in logs:
+        library._catalogue.picture(log.id).unlink()
+    assert await library.fleet.begin(logs) == 4
+    await eventually(lambda: "not reached" in state(library)["error"])
+    assert counts(library, logs) == {"queued": 4}
+    cluster.begin_scheduler()
+    await eventually(lambda: state(library)["error"] == "The Dask cluster has no workers.")
+    first = cluster.begin_worker("first")
+    await eventually(lambda: bool(cluster.jobs("first")))
+    assert library.fleet.state(logs)["workers"] == 1
+    kill(first)
+    await eventually(lambda: state(library)["workers"] == 0)
+    cluster.begin_worker("second")
+    cluster.begin_worker("third")
+    await eventually(lambda: counts(library, logs) == {"done": 4})
+    done = library.fleet.state(logs)["logs"]
+    assert sorted(one["facts"]["scans"] for one in done) == [20, 21, 22, 23]
+    for log in logs:
+        assert (await library.map_picture("ann", log.id)).startswith(b"\x89PNG"), "the files have come back"
+    await eventually(lambda: not cluster.jobs("second") + cluster.jobs("third"))
+    assert state(library) == {"workers": 2, "threads": 2, "error": ""}
+
+
+async def test_logs_wait_for_a_scheduler_that_is_killed(library: Library, cluster: DaskCluster) -> None:
+    cluster.begin_scheduler()
+    worker = cluster.begin_worker("first")
+    logs = await uploads(library, 20, 21)
+    await library.fleet.begin(logs)
+    await eventually(lambda: bool(cluster.jobs("first")))
+    cluster.kill_scheduler()
+    await eventually(lambda: "not reached" in state(library)["error"])
+    kill(worker)
+    assert not counts(library, logs).get("failed")
+    cluster.begin_scheduler()
+    cluster.begin_worker("second")
+    await eventually(lambda: counts(library, logs) == {"done": 2})
+
+
+async def test_stopping_ends_the_job_on_the_worker_and_a_restart_goes_on(
+    make_library: Make, cluster: DaskCluster
+) -> None:
+    cluster.begin_scheduler()
+    cluster.begin_worker("first")
+    before = make_library()
+    await before.start()
+    logs = await uploads(before, 20, 21)
+    await before.fleet.begin(logs)
+    await eventually(lambda: bool(cluster.jobs("first")))
+    await before.fleet.stop(logs)
+    assert counts(before, logs) == {"none": 2}
+    await eventually(lambda: not cluster.jobs("first"))
+    await before.fleet.begin(logs)
+    await eventually(lambda: bool(cluster.jobs("first")))
+    await before.close()
+    await eventually(lambda: not cluster.jobs("first"))
+    after = make_library()
+    await after.start()
+    await eventually(lambda: counts(after, logs) == {"done": 2})
+
+
+async def test_a_worker_with_another_version_gets_no_logs(
+    library: Library, cluster: DaskCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("server.library.cluster.package_version", lambda: "0.0.1")
+    cluster.begin_scheduler()
+    cluster.begin_worker("first")
+    await eventually(lambda: "1 of 1 workers get no logs" in state(library)["error"])
+    assert "here 0.0.1" in state(library)["error"]
+    assert state(library)["threads"] == 0
+
+
+async def test_what_a_log_fails_with_is_told_and_no_fault_of_the_cluster(
+    library: Library, cluster: DaskCluster
+) -> None:
+    cluster.begin_scheduler()
+    cluster.begin_worker("first")
+    record = await library.put("ann", "bad.log", in_pieces(b"Dear all,\n"))
+    await library.fleet.begin([record])
+    await eventually(lambda: counts(library, [record]) == {"failed": 1})
+    assert library.fleet.state([record])["logs"][0]["error"]["code"] == "log.unknown_format"
+    assert state(library)["error"] == ""
+
+
+async def test_a_job_that_nobody_renews_ends_and_files_stay_in_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster_tasks, "LEASE_S", 0.2)
+    worker: Any = SimpleNamespace(local_directory=str(tmp_path))
+    await cluster_tasks.begin_job("t", dask_worker=worker)
+    folder = tmp_path / "gridbloom-t"
+    for name in ("../lease", "/etc/none", "../../out.txt"):
+        with pytest.raises(PermissionError):
+            await cluster_tasks.write_piece("t", name, b"x", dask_worker=worker)
+    await cluster_tasks.write_piece("t", "bag/a.db3", b"one ", dask_worker=worker)
+    await cluster_tasks.write_piece("t", "bag/a.db3", b"two", dask_worker=worker)
+    assert (folder / "log" / "bag" / "a.db3").read_bytes() == b"one two"
+    assert await cluster_tasks.renew_lease("t", dask_worker=worker) == 0.0
+    await eventually(lambda: not folder.exists())
+    await asyncio.gather(*cluster_tasks._expiring)
