@@ -34,7 +34,14 @@ def test_one_press_maps_all_logs(page: Page, server: str) -> None:
 
 def test_without_logs_the_page_says_what_it_does_and_shows_the_sample(page: Page, server: str) -> None:
     counts = dict.fromkeys(("none", "queued", "running", "done", "failed"), 0)
-    nothing = {"revision": 0, "whole": True, "workers": 1, "cluster": None, "counts": counts, "logs": []}
+    nothing: dict[str, object] = {
+        "revision": 0,
+        "whole": True,
+        "workers": 1,
+        "cluster": None,
+        "counts": counts,
+        "logs": [],
+    }
     page.route("**/api/fleet?*", lambda route: route.fulfill(json=nothing))  # other tests put logs into the folder
     page.goto(f"{server}/fleet.html")
     start = page.get_by_role("region", name="Without logs")

@@ -23,7 +23,8 @@ from mapper.simulation.plan_map import plan_map
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.worlds import World
 from server.sessions.models.localization_message import COLUMNS
-from server.stream.layers import GridLayer, Layer, TableLayer
+from server.stream.layers import GridLayer, Layer
+from server.stream.whole_layers import TableLayer
 
 Float64Array = NDArray[np.float64]
 

@@ -18,7 +18,8 @@ from mapper.planning import GoalPlanner, Path, follow_path
 from mapper.planning.travel_time import travel_time
 from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_navigation_parameters import LabParameters
-from server.stream.layers import GridLayer, Layer, TableLayer
+from server.stream.layers import GridLayer, Layer
+from server.stream.whole_layers import TableLayer
 
 ARRIVED_M = 0.12  #: distance of the end of the path at which the robot has arrived
 PASSABLE = INSCRIBED - 1

@@ -12,7 +12,7 @@ from mapper.sensors.pose_graph import LOOP
 from mapper.sensors.scan import ScanLog
 from mapper.simulation.robot import PoseTuple
 from mapper.slam import Slam, SlamConfig
-from server.stream.layers import GraphLayer
+from server.stream.whole_layers import GraphLayer
 
 N_BEAMS = 180  #: of a scan that are matched: 1 to 3 ms each, eight times faster than real time too
 DISTANCE, TURN = 0.1, 0.1  #: metres, radians: a scan is matched where the odometry moved this far

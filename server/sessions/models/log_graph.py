@@ -13,7 +13,7 @@ from server.sessions.hosting import ModelHost
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.parts import GraphSource
 from server.sessions.view import GraphChange
-from server.stream.layers import GraphLayer
+from server.stream.whole_layers import GraphLayer
 
 if TYPE_CHECKING:
     from server.sessions.models.solved_graph import SolvedGraph

@@ -15,7 +15,8 @@ from server.sessions.hosting import ModelHost
 from server.sessions.models.localization_message import COLUMNS, OFF
 from server.sessions.models.log_recording import LogRecording
 from server.sessions.parts import GraphSource
-from server.stream.layers import GridLayer, Layer, TableLayer
+from server.stream.layers import GridLayer, Layer
+from server.stream.whole_layers import TableLayer
 
 if TYPE_CHECKING:
     from server.library.localize_job import LocalizeProgress

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.simulation.live_map import LiveMap
-from server.stream.layers import GraphLayer, TableLayer
+from server.stream.whole_layers import GraphLayer, TableLayer
 
 EVERY = 5  #: scans after which the true path is rewritten
 MOST_PLACES = 3000  #: of the true path

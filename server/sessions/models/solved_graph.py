@@ -20,7 +20,7 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.slam import LoopCandidates, optimise
 from mapper.slam.scan_store import scans_of
 from server.sessions.view import GraphChange
-from server.stream.layers import GraphLayer
+from server.stream.whole_layers import GraphLayer
 
 KERNELS = ("geman_mcclure", "cauchy", "huber", "none")
 SCALES = (0.5, 50.0)  #: least and greatest scale of the kernel, in standard deviations

@@ -18,8 +18,9 @@ from server.sessions.drawings import Drawing, Mesh
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.tick import TickResult
-from server.stream.layers import GridLayer, Layer, TableLayer
+from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, integer
+from server.stream.whole_layers import TableLayer
 
 GEOMETRY = GridGeometry(0.25, 80, 120)  #: cells of 0.25 m, 80 rows and 120 columns, from the origin of the map frame
 AMPLITUDE = 0.5  #: metres

@@ -9,7 +9,7 @@ from websockets.streams import StreamReader
 
 from server.stream.frames import binary_frame, text_frame
 from server.stream.hub import Hub
-from server.stream.layers import TableLayer
+from server.stream.whole_layers import TableLayer
 
 
 def parsed(data: bytes) -> Frame:

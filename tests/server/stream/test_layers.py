@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from mapper.grid import GridGeometry
 from server.stream.codecs import CHANGES, GRAPH, TABLE, TILES, decode_frame
 from server.stream.hub import MIN_BATCH_BYTES, Hub
-from server.stream.layers import GraphLayer, GridLayer, Layer, TableLayer
+from server.stream.layers import GridLayer, Layer
+from server.stream.whole_layers import GraphLayer, TableLayer
 from tests.server.stream.applied_frames import apply_frame
 from tests.server.stream.simulated_browser import Clock
 
