@@ -7,6 +7,7 @@ localizations.
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import urllib.request
@@ -211,7 +212,7 @@ def test_a_class_is_reached_over_the_proxy_and_its_end_is_said_when_its_service_
         for _ in range(FOLLOWERS):  # a cookie of its own each: by it alone the proxy would take either service
             phone = stack.enter_context(visiting(browser, server)).new_page()
             phone.goto(f"{replicas.address}/class/{code}")
-            phone.wait_for_url("**/lab.html")
+            expect(phone).to_have_url(re.compile("/lab.html"))
             await_map(phone)
             until("the lecturer's cell", partial(shows_cell, phone))
             phones.append(phone)

@@ -11,10 +11,14 @@ const OTHER: ClassView = { page: "other", hash: "", blank: false };
 /** Keep a follower on the page that the lecturer shows; `page` is this one, null one that no lecturer shows. */
 export function followPages(page: Page | null): void {
   if (followedCode === null) return;
+  // Each navigation cancels the one before: what the lecturer does meanwhile on the same page must not begin it again.
+  let last = page;
   effect(() => {
     const room = classroom.value;
     const wanted = room?.shown.value?.view.page;
-    if (room?.isFollowing.value && wanted && wanted !== page) location.replace(`/class/${room.code}/${wanted}.html`);
+    if (!room?.isFollowing.value || !wanted || wanted === last) return;
+    last = wanted;
+    location.replace(`/class/${room.code}/${wanted}.html`);
   });
 }
 
