@@ -9,9 +9,9 @@ PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
           --no-emit-index-url --no-emit-find-links --custom-compile-command 'make lock'
 
-# Each worker of the tests has a service, a Chromium and a PostgreSQL of its own, about 1 GB. There are more of them than
-# cores, because browsers and processes are waited for: with four, two cores are idle for 28 % of the time.
-WORKERS ?= 6
+# Each worker of the tests has a service, a Chromium and a PostgreSQL of its own. With one for each core the cores are
+# idle for half of the time, because browsers and processes are waited for.
+WORKERS ?= 4
 RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 # Bytecode is kept, whatever the environment says: compiling the tests with pytest's assertions takes each worker 5 s,
