@@ -18,10 +18,11 @@ COPY server server
 RUN pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /wheels .
 
 # The service and its dependencies in an environment of their own, without what it does not use: pip; packages' tests,
-# headers and stubs of types; the parts of SciPy, NumPy and SQLAlchemy that none of its modules imports, and zstandard's for
-# PyPy; Pillow's AVIF; bytecode of modules that are never imported; what linkers and debuggers read of extension modules. strip damages files
-# that were rewritten when their wheel was made: libraries below *.libs, and numba's thread pools, are left as they are,
-# and all others are loaded once. import_all.py fails where something that is used was removed. Licences stay.
+# headers and stubs of types; the parts of SciPy, NumPy and SQLAlchemy that none of its modules imports, and zstandard's
+# for PyPy; Pillow's AVIF; bytecode of modules that are never imported; what linkers and debuggers read of extension
+# modules. strip damages files that were rewritten when their wheel was made: libraries below *.libs, and numba's thread
+# pools, are left as they are, and all others are loaded once. import_all.py fails where something that is used was
+# removed. Licences stay.
 FROM ${BASE} AS environment
 RUN apt-get update && apt-get install --yes --no-install-recommends binutils && rm -r /var/lib/apt/lists
 COPY requirements/runtime.txt requirements/

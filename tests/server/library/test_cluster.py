@@ -13,13 +13,13 @@ from typing import Any
 
 import pytest
 
-from server.library import Library, Record, cluster_tasks
+from server.library import Library, cluster_tasks
 from server.library.cluster import Cluster
 from server.settings import Settings
 from tests.server.dask_cluster import DaskCluster, dask_cluster, kill
 from tests.server.library.conftest import Make
-from tests.server.library.kept import settled
-from tests.server.library.small_logs import carmen, in_pieces
+from tests.server.library.fleets import counts, uploads
+from tests.server.library.small_logs import in_pieces
 from tests.server.service import eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -34,18 +34,6 @@ def cluster(tmp_path: Path) -> Iterator[DaskCluster]:
 @pytest.fixture
 def settings(settings: Settings, cluster: DaskCluster) -> Settings:
     return settings.model_copy(update={"fleet_executor": cluster.address})
-
-
-async def uploads(library: Library, *scans: int) -> list[Record]:
-    made = []
-    for count in scans:
-        record = await library.put("ann", f"{count}.log", in_pieces(carmen(count)))
-        made.append(await settled(library, "ann", record.id))
-    return made
-
-
-def counts(library: Library, logs: list[Record]) -> dict[str, int]:
-    return {name: count for name, count in library.fleet.state(logs)["counts"].items() if count}
 
 
 def state(library: Library) -> dict[str, Any]:

@@ -11,14 +11,13 @@ from typing import Any
 import pytest
 
 from mapper.core.errors import LimitError, ReadError
-from server.library import Library, Record
+from server.library import Library
 from server.library import fleet_job as fleet_jobs
 from server.library.fleet_job import FleetJob
 from server.settings import Settings
 from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.conftest import Make
-from tests.server.library.kept import settled
-from tests.server.library.small_logs import carmen, in_pieces
+from tests.server.library.fleets import counts, uploads
 from tests.server.service import PATIENCE_S, eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -60,18 +59,6 @@ def doing(monkeypatch: pytest.MonkeyPatch) -> Doing:
 @pytest.fixture
 def settings(settings: Settings) -> Settings:
     return settings.model_copy(update={"fleet_workers": 2})
-
-
-async def uploads(library: Library, *scans: int) -> list[Record]:
-    made = []
-    for count in scans:
-        record = await library.put("ann", f"{count}.log", in_pieces(carmen(count)))
-        made.append(await settled(library, "ann", record.id))
-    return made
-
-
-def counts(library: Library, logs: list[Record]) -> dict[str, int]:
-    return {name: count for name, count in library.fleet.state(logs)["counts"].items() if count}
 
 
 async def test_each_log_is_mapped_once_and_what_changes_is_told(library: Library, doing: Doing) -> None:
