@@ -110,6 +110,47 @@ def _step_at(row: int, col: int, end_row: int, end_col: int, at_row: int, at_col
 
 
 @jit
+def _reading(z: float, range_min: float, range_max: float, no_return_free: bool) -> tuple[float, bool, bool]:
+    """Return the length of a beam that a reading (metres) gives, whether it is used, and whether nothing returned."""
+    no_return = z > range_max
+    if no_return:
+        return range_max, no_return_free, True
+    return z, z >= range_min, False  # not used: too near, NaN or −Inf
+
+
+@jit
+def _line_of(
+    sensor: tuple[float, float, float, float], u: float, v: float, row: int, col: int, beam: tuple[float, float],
+    z: float, no_return: bool, window: float, growth: float, frame: Frame,
+) -> tuple[int, int, int, int, int, int, int]:  # fmt: skip
+    """Return the end (row, col) of a beam's line, the cell (row, col) of its hit, and its steps NEAR, FAR and AT.
+
+    ``sensor`` (x, y, cos θ, sin θ) of ``T_map_laser`` is at (u, v) of the lattice, in the cell (row, col); ``beam`` is
+    the cosine and sine of the bearing; ``z`` metres. A beam without a return has the hit (−1, −1).
+    """
+    x, y, cos, sin = sensor
+    px, py = z * beam[0], z * beam[1]
+    eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
+    hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
+    steps = max(abs(hit_row - row), abs(hit_col - col))
+    if no_return:
+        return hit_row, hit_col, -1, -1, steps + 1, steps + 1, -1
+    if not window > 0.0:
+        return hit_row, hit_col, hit_row, hit_col, steps, steps, steps
+    half = 0.5 * (window + growth * z)
+    px, py = (z + half) * beam[0], (z + half) * beam[1]
+    eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
+    end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
+    d_row, d_col = abs(end_row - row), abs(end_col - col)
+    slope = _slope(max(d_row, d_col), min(d_row, d_col))
+    length = max(sqrt(float(d_row * d_row + d_col * d_col)), 1.0)
+    near = _reaches(u, v, row, col, end_row, end_col, slope, length, z - half, frame.resolution, False)
+    far = _reaches(u, v, row, col, end_row, end_col, slope, length, z + half, frame.resolution, True)
+    at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
+    return end_row, end_col, hit_row, hit_col, near, far, at
+
+
+@jit
 def plan_lines(
     scans: Scans,
     frame: Frame,
@@ -128,7 +169,6 @@ def plan_lines(
     """
     ranges, sensors, beams = scans.ranges, scans.sensors, scans.beams
     range_min, range_max, window, growth, no_return_free = reading_filter
-    resolution = frame.resolution
     rows = len(work) - 1
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     for t in range(ranges.shape[0]):
@@ -140,41 +180,20 @@ def plan_lines(
             j = first + t * ranges.shape[1] + k
             lines[FAR, j], lines[HIT_ROW, j], lines[HIT_COL, j] = 0, -1, -1
             lines[ROW, j], lines[END_ROW, j] = -1, -1
-            z = float(ranges[t, k])
-            no_return = z > range_max
-            if no_return:
-                if not no_return_free:
-                    continue
-                z = range_max
-            elif not z >= range_min:  # too near, NaN or −Inf
+            z, is_used, no_return = _reading(float(ranges[t, k]), range_min, range_max, no_return_free)
+            if not is_used or too_far:
                 continue
-            if too_far:
-                continue
-            px, py = z * beams[k, 0], z * beams[k, 1]
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
-            hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
-            end_row, end_col = hit_row, hit_col
-            steps = max(abs(hit_row - row), abs(hit_col - col))
-            near, far, at = steps, steps, steps
-            if no_return:
-                near, far, at, hit_row, hit_col = steps + 1, steps + 1, -1, -1, -1
-            elif window > 0.0:
-                half = 0.5 * (window + growth * z)
-                px, py = (z + half) * beams[k, 0], (z + half) * beams[k, 1]
-                eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
-                end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
-                d_row, d_col = abs(end_row - row), abs(end_col - col)
-                slope = _slope(max(d_row, d_col), min(d_row, d_col))
-                length = max(sqrt(float(d_row * d_row + d_col * d_col)), 1.0)
-                near = _reaches(u, v, row, col, end_row, end_col, slope, length, z - half, resolution, False)
-                far = _reaches(u, v, row, col, end_row, end_col, slope, length, z + half, resolution, True)
-                at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
+            pose, beam = (x, y, cos, sin), (beams[k, 0], beams[k, 1])
+            end_row, end_col, hit_row, hit_col, near, far, at = _line_of(
+                pose, u, v, row, col, beam, z, no_return, window, growth, frame
+            )
             lines[ROW, j], lines[COL, j], lines[END_ROW, j], lines[END_COL, j] = row, col, end_row, end_col
             lines[NEAR, j], lines[FAR, j], lines[AT, j] = near, far, at
             lines[HIT_ROW, j], lines[HIT_COL, j] = hit_row, hit_col
             low, high = max(min(row, end_row), 0), min(max(row, end_row), rows - 1)
             if low <= high:
-                cells = (steps + 1.0) / (abs(end_row - row) + 1.0)
+                d_row, d_col = abs(end_row - row), abs(end_col - col)
+                cells = (max(d_row, d_col) + 1.0) / (d_row + 1.0)
                 work[low] += cells
                 work[high + 1] -= cells
             top, bottom = min(top, row, end_row), max(bottom, row + 1, end_row + 1)

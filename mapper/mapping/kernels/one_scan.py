@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor, sqrt
+from math import floor
 
 import numpy as np
 from numpy import uint32, uint64
@@ -10,7 +10,7 @@ from numpy import uint32, uint64
 from mapper.core.array_types import BoolArray, Float32Array, Float64Array, Int64Array, UInt32Array
 from mapper.core.jit import jit
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
-from mapper.mapping.kernels.bresenham import _BITS, _HALF, _clip, _reaches, _slope, _step_at, reach
+from mapper.mapping.kernels.bresenham import _BITS, _HALF, _clip, _line_of, _reading, _slope, reach
 from mapper.mapping.kernels.negative_zero import _without_minus_zero
 from mapper.mapping.kernels.types import LogOddsUpdate, ReadingFilter
 
@@ -89,49 +89,27 @@ def add_scan(
         u, v = _to_lattice(bounds[2 * (corner % 2)], bounds[1 + 2 * (corner // 2)], frame)
         if not (0 <= floor(v) < rows and 0 <= floor(u) < cols):
             return BEYOND, 0
-    x, y, cos, sin = sensor
     range_min, range_max, window, growth, no_return_free = reading_filter
-    resolution = frame.resolution
     miss, hit, low, high = _without_minus_zero(log_odds_update)
     miss_clamped, hit_clamped = _clamped(miss, low, high, log_odds_prior), _clamped(hit, low, high, log_odds_prior)
     flat, flat_observed = log_odds.reshape(-1), observed.reshape(-1)
-    u, v = _to_lattice(x, y, frame)
+    u, v = _to_lattice(sensor[0], sensor[1], frame)
     row, col = int(_cell_of(v)), int(_cell_of(u))
     top, bottom, left, right = box[0], box[1], box[2], box[3]
     count, n = 0, 0
     for k in range(n_beams):
-        z = float(ranges[k])
-        no_return = z > range_max
-        if no_return:
-            if not no_return_free:
-                continue
-            z = range_max
-        elif not z >= range_min:  # too near, NaN or −Inf
+        z, is_used, no_return = _reading(float(ranges[k]), range_min, range_max, no_return_free)
+        if not is_used:
             continue
-        cos_k, sin_k = beams[k, 0], beams[k, 1]
-        px, py = z * cos_k, z * sin_k
-        eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
-        hit_row, hit_col = int(_cell_of(ev)), int(_cell_of(eu))
-        end_row, end_col = hit_row, hit_col
-        half = 0.0
-        if window > 0.0 and not no_return:
-            half = 0.5 * (window + growth * z)
-            px, py = (z + half) * cos_k, (z + half) * sin_k
-            eu, ev = _to_lattice(x + cos * px - sin * py, y + sin * px + cos * py, frame)
-            end_row, end_col = int(_cell_of(ev)), int(_cell_of(eu))
+        beam = (beams[k, 0], beams[k, 1])
+        end_row, end_col, hit_row, hit_col, near, stop, at = _line_of(
+            sensor, u, v, row, col, beam, z, no_return, window, growth, frame
+        )
         d_row, d_col = abs(end_row - row), abs(end_col - col)
         s_row, s_col = (1 if end_row >= row else -1), (1 if end_col >= col else -1)
         steep = d_row > d_col
         major, minor = (d_row, d_col) if steep else (d_col, d_row)
         slope = _slope(major, minor)
-        near, stop, at = major, major, major
-        if no_return:
-            near, stop, at = major + 1, major + 1, -1
-        elif window > 0.0:
-            length = max(sqrt(float(d_row * d_row + d_col * d_col)), 1.0)
-            near = _reaches(u, v, row, col, end_row, end_col, slope, length, z - half, resolution, False)
-            stop = _reaches(u, v, row, col, end_row, end_col, slope, length, z + half, resolution, True)
-            at = _step_at(row, col, end_row, end_col, hit_row, hit_col)
         first = 0
         stop = min(stop, major + 1)
         if min(row, end_row) < 0 or max(row, end_row) >= rows or min(col, end_col) < 0 or max(col, end_col) >= cols:
@@ -152,7 +130,7 @@ def add_scan(
             c0, c1 = col + s_col * (n0 if steep else first), col + s_col * (n1 if steep else stop - 1)
             top, bottom = min(top, r0, r1), max(bottom, r0 + 1, r1 + 1)
             left, right = min(left, c0, c1), max(right, c0 + 1, c1 + 1)
-        if not no_return and 0 <= hit_row < rows and 0 <= hit_col < cols:
+        if 0 <= hit_row < rows and 0 <= hit_col < cols:
             cell = uint64(hit_row * cols + hit_col)
             flat[cell] = min(max(flat[cell] + hit, low), high)
             flat_observed[cell] = True
