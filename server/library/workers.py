@@ -61,7 +61,9 @@ class PoolWorker:
 
     def __init__(self, memory_bytes: int) -> None:
         self._memory_bytes = memory_bytes
-        self._context = multiprocessing.get_context("spawn")  # a fork would copy threads' locks and the sockets
+        # Forks of a process of its own: one of the service would copy its threads' locks and its sockets.
+        self._context = multiprocessing.get_context("forkserver")
+        self._context.set_forkserver_preload(["server.library.fork_server"])
         self._pool: ProcessPoolExecutor | None = None
         self._progress: Synchronized[float] | None = None
         self._pid: Synchronized[int] | None = None
