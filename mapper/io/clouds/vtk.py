@@ -179,7 +179,18 @@ class _Reader:
             raise ReadError(
                 "cloud.truncated", f"The file {few}: {printable(what[:40])} must be {n} numbers, not {len(values)}."
             )
-        return values.astype(code) if code[0] != "f" else values.astype(np.float64 if code == "f8" else np.float32)
+        return _as_type(values, code, what)
+
+
+def _as_type(values: NDArray[np.float64], code: str, what: str) -> NDArray[Any]:
+    """Return the numbers of a text as the type that the file states: what a float32 cannot hold becomes infinite."""
+    if code[0] == "f":
+        with np.errstate(over="ignore"):
+            return values.astype(code)
+    limits = np.iinfo(code)
+    if not ((values >= limits.min) & (values < limits.max + 1)).all():  # NaN is neither
+        raise ReadError("cloud.damaged", f"{printable(what[:40])} has a number that is none of its type.")
+    return values.astype(code)
 
 
 def _parsed(block: bytes, what: str) -> NDArray[np.float64]:

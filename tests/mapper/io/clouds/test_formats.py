@@ -175,6 +175,8 @@ def test_the_trajectory_of_libpointmatcher_states_its_times(data_file: Callable[
         (vtk("ASCII").replace(b"POINT_DATA 3", b"POINT_DATA 7"), "POINT_DATA is of 7 points, but the file has 3"),
         (vtk("ASCII").replace(b"POINTS 3 double", b"POINTS 3 quad"), "of the type 'quad', which VTK lacks"),
         (vtk("ASCII").replace(b"0.25", b"0,25"), "Something in the points is not a number"),
+        (vtk("ASCII").replace(b"366075277", b"nan", 1), "has a number that is none of its type"),
+        (vtk("ASCII").replace(b"366075277", b"1e10", 1), "has a number that is none of its type"),
         (vtk("BINARY")[:150], "ends early, within the points"),
         (b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "no section POINTS"),
         (b"LASF" + bytes(100), "ends within its LAS header"),
