@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.agreement.table import TABLE, Row
 
-EXAMPLES = int(os.environ.get("GRIDBLOOM_EXAMPLES", "20"))
+EXAMPLES = int(os.environ.get("GRIDBLOOM_EXAMPLES", "12"))
 
 
 @pytest.mark.sampled

@@ -62,7 +62,7 @@ def test_the_map_fills_in_while_the_robot_walks(page: Page, server: str) -> None
 
 
 @pytest.mark.parametrize(
-    ("model", "every"), [*((model, 3) for model in SLIDERS), *also_long_rows(*((model, 1) for model in SLIDERS))]
+    ("model", "every"), [*((model, 5) for model in SLIDERS), *also_long_rows(*((model, 1) for model in SLIDERS))]
 )
 def test_each_slider_changes_the_map_and_the_profile_and_back(still_lab: Page, model: str, every: int) -> None:
     """One slider in ``every`` is dragged."""

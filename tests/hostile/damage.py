@@ -24,7 +24,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 
 ALL = "GRIDBLOOM_FUZZ" in os.environ
-ROUNDS = int(os.environ.get("GRIDBLOOM_FUZZ", "150"))  #: damaged files of each format
+ROUNDS = int(os.environ.get("GRIDBLOOM_FUZZ", "60"))  #: damaged files of each format
 
 COARSE = MappingConfig(resolution=1.0)
 FEW_CELLS = replace(DEFAULT_LIMITS, max_cells=1 << 20)

@@ -92,7 +92,7 @@ def test_a_wrong_value_in_every_length_of_a_bag(path):
     data = recorded.write_bag(path, said(1)).read_bytes()
     places = list(lengths.in_bag(data))
     assert len(places) > 100
-    for at, size in places:
+    for at, size in places[:: 1 if ALL else 4]:
         for lie in lengths.lies(size):
             opened(path, data[:at] + lie + data[at + size :])
 
@@ -103,7 +103,7 @@ def test_a_wrong_value_in_every_length_of_an_mcap(path, chunks):
     data = recorded.mcap_bytes(said(1), "none", use_chunking=chunks, enable_crcs=False)
     places = list(lengths.in_mcap(data))
     assert len(places) > 80
-    for at, size in places:
+    for at, size in places[:: 1 if ALL else 4]:
         for lie in lengths.lies(size):
             opened(path, data[:at] + lie + data[at + size :])
 
@@ -115,7 +115,7 @@ def test_a_wrong_value_at_every_offset_of_the_messages_in_a_db3(path):
     for message in messages:
         content = recorded.serialised(message, 2)
         start = data.index(content)
-        for at in range(start, start + min(len(content), 160), 4 if ALL else 12):
+        for at in range(start, start + min(len(content), 160), 4 if ALL else 28):
             for lie in lengths.lies(4) if ALL else lengths.lies(4)[:2]:
                 opened(path, data[:at] + lie + data[at + 4 :])
 
@@ -123,7 +123,7 @@ def test_a_wrong_value_at_every_offset_of_the_messages_in_a_db3(path):
 @pytest.mark.parametrize("kind", [*BAGS, *MCAPS, "db3", *CLOUDS])
 def test_a_length_of_four_billion_anywhere(path, kind):
     data = recording(kind)
-    for at in range(0, len(data) - 4, 1 if ALL else len(data) // 40):
+    for at in range(0, len(data) - 4, 1 if ALL else len(data) // 20):
         opened(path, data[:at] + b"\xff\xff\xff\xff" + data[at + 4 :])
 
 

@@ -184,7 +184,7 @@ def test_a_real_log_with_worse_odometry(data_file: Callable[[str], Path]) -> Non
 @pytest.mark.parametrize(
     ("name", "odometry"),
     [
-        ("aces", (1.15, 0.1, -0.15)),
+        pytest.param("aces", (1.15, 0.1, -0.15), marks=pytest.mark.long),
         pytest.param("fhw", (0.9, 0.2, 0.12), marks=pytest.mark.long),
         pytest.param("fhw", (1.15, 0.1, -0.15), marks=pytest.mark.long),
     ],
