@@ -20,7 +20,7 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import while_connected
+from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.library import Library
 from server.sessions import SessionRegistry
@@ -219,9 +219,10 @@ async def picture(
     ahead_ns = held.recorded_ahead_ns
     owner = _owner(sessions, library, session_id)
     at_ns = held.origin_ns + ahead_ns + round(at * 1e9)
-    found = await while_connected(
-        request, library.picture(owner, held.recording.log_id, visitor, topic, min(max(at_ns, 0), LAST_NS))
-    )
+    at_ns = min(max(at_ns, 0), LAST_NS)
+    address = client_address(request)
+    making = library.picture(owner, held.recording.log_id, visitor, topic, at_ns, address=address)
+    found = await while_connected(request, making)
     seconds = held.seconds(found.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(found.data, media_type=found.media_type, headers=headers)

@@ -279,7 +279,7 @@ async def check(
     async def measured() -> None:
         nonlocal goes_on
         try:
-            async with work.of(visitor):
+            async with work.of(visitor, client_address(request)):
                 seen = recording.view()
                 values, trajectory = seen.values or {}, seen.trajectory or recording.trajectory
                 now = await asyncio.to_thread(
