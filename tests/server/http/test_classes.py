@@ -330,6 +330,13 @@ def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
     assert len(copies) == 1
 
 
+def test_who_asks_for_a_puzzle_that_is_not_there_takes_no_number(lecturer: Person, guest: Person) -> None:
+    """A class has a limited quantity of them."""
+    code = lecturer.http.post("/api/classes").json()["code"]
+    assert guest.http.post(f"/api/classes/{code}/puzzle/sessions").json()["code"] == "class.no_puzzle"
+    assert not guest.service.state.classes.get(code).knows(guest.http.cookies["gridbloom_visitor"])
+
+
 def test_guesses_of_codes_are_braked_except_for_who_is_in_the_class(lecturer: Person, guest: Person) -> None:
     """The last test of this file: the service takes no code from here for a minute."""
     code = lecturer.http.post("/api/classes").json()["code"]
