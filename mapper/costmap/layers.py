@@ -178,10 +178,8 @@ def static_costs(config: StaticConfig, track_unknown_space: bool) -> UInt8Array:
     return costs.astype(np.uint8)
 
 
-class ObstacleLayer:
-    """Obstacles that readings mark and clear (ObstacleLayer)."""
-
-    name = "obstacle_layer"
+class MarkedLayer:
+    """Costs that observations mark and clear: what the obstacle and the voxel layer have in common."""
 
     def __init__(self, geometry: GridGeometry, config: ObstacleConfig, general: CostmapConfig) -> None:
         self._geometry, self._config = geometry, config
@@ -189,17 +187,8 @@ class ObstacleLayer:
         self.costs: UInt8Array = np.full(geometry.shape, first, dtype=np.uint8)
         self._bounds = no_bounds()
 
-    def configure(self, config: ObstacleConfig) -> None:
-        """Take other parameters; what was marked stays."""
-        self._config = config
-
-    def observe(self, observation: Observation) -> None:
-        """Clear what the beams of an observation passed, then mark its end points."""
-        clear(self._geometry, self._config, observation, FREE, self.costs, self._bounds)
-        mark(self._geometry, self._config, observation, LETHAL, self.costs, self._bounds)
-
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Clear the cells under the robot; return what changed."""
+        """Clear the costs under the robot, not the voxels, as Nav2 does; return what changed."""
         del now
         if robot is not None and self._config.footprint_clearing_enabled:
             clear_footprint(self._geometry, robot, FREE, self.costs, self._bounds)
@@ -212,6 +201,21 @@ class ObstacleLayer:
             lay_over(
                 self.costs[part_of(box)], COMBINATIONS.index(self._config.combination_method), master[part_of(box)]
             )
+
+
+class ObstacleLayer(MarkedLayer):
+    """Obstacles that readings mark and clear (ObstacleLayer)."""
+
+    name = "obstacle_layer"
+
+    def configure(self, config: ObstacleConfig) -> None:
+        """Take other parameters; what was marked stays."""
+        self._config = config
+
+    def observe(self, observation: Observation) -> None:
+        """Clear what the beams of an observation passed, then mark its end points."""
+        clear(self._geometry, self._config, observation, FREE, self.costs, self._bounds)
+        mark(self._geometry, self._config, observation, LETHAL, self.costs, self._bounds)
 
     def why(self, row: int, col: int) -> str:
         """Say whether a reading marked or cleared the cell."""

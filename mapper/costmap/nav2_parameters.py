@@ -33,6 +33,7 @@ from mapper.costmap.parameters import (
     VoxelConfig,
 )
 from mapper.io.ros_parameters import find_node, parse_ros_parameters
+from mapper.io.untrusted_yaml import load_untrusted
 
 NODES = ("global_costmap", "local_costmap")
 
@@ -285,7 +286,7 @@ def _footprint(given: object, where: str) -> Footprint | None:
     points: object = given
     if isinstance(given, str):
         try:
-            points = yaml.safe_load(given[:10_000])
+            points = load_untrusted(given[:10_000])
         except yaml.YAMLError as error:
             raise ConfigError("nav2.footprint", f"{where}.footprint: {given!r:.80} is no list of points.") from error
     if not isinstance(points, list):

@@ -5,20 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.array_types import UInt8Array
-from mapper.costmap.costs import FREE, LETHAL, NO_INFORMATION, cells_of
-from mapper.costmap.kernels.observation import lay_over
+from mapper.costmap.costs import LETHAL, cells_of
 from mapper.costmap.kernels.voxels import Heights, clear_columns, mark_columns
-from mapper.costmap.layers import Observation, Robot, box_of, clear_footprint, marking_of, no_bounds, part_of
-from mapper.costmap.parameters import COMBINATIONS, CostmapConfig, VoxelConfig
-from mapper.grid.cell_box import CellBox
+from mapper.costmap.layers import MarkedLayer, Observation, marking_of
+from mapper.costmap.parameters import CostmapConfig, VoxelConfig
 from mapper.grid.occupancy_grid import GridGeometry
 
 VOXEL_BITS = 16  #: voxels of a column that the bits hold
 _UNKNOWN_COLUMN = 0xFFFF
 
 
-class VoxelLayer:
+class VoxelLayer(MarkedLayer):
     """Obstacles that points mark and beams clear in three dimensions, seen from above.
 
     ``columns`` (rows, cols) uint32 are the voxels, see :mod:`mapper.costmap.kernels.voxels`.
@@ -27,11 +24,8 @@ class VoxelLayer:
     name = "voxel_layer"
 
     def __init__(self, geometry: GridGeometry, config: VoxelConfig, general: CostmapConfig) -> None:
-        self._geometry, self._config = geometry, config
-        first = NO_INFORMATION if general.track_unknown_space else FREE
-        self.costs: UInt8Array = np.full(geometry.shape, first, dtype=np.uint8)
+        super().__init__(geometry, config, general)
         self.columns: NDArray[np.uint32] = np.full(geometry.shape, _UNKNOWN_COLUMN, dtype=np.uint32)
-        self._bounds = no_bounds()
         n = int(config.z_voxels)
         # The bits above the column stay unknown, and are not counted as such.
         unknown = int(config.unknown_threshold) + VOXEL_BITS - n
@@ -48,21 +42,6 @@ class VoxelLayer:
             clear_columns(points, sensor, frame, least, most, heights, self.columns, self.costs, self._bounds)
         if config.marking:
             mark_columns(points, sensor, frame, marking_of(config), heights, self.columns, self.costs, self._bounds)
-
-    def changed(self, now: float, robot: Robot | None) -> CellBox | None:
-        """Clear the costs under the robot, not its voxels, as Nav2 does; return what changed."""
-        del now
-        if robot is not None and self._config.footprint_clearing_enabled:
-            clear_footprint(self._geometry, robot, FREE, self.costs, self._bounds)
-        box, self._bounds = box_of(self._bounds), no_bounds()
-        return box
-
-    def lay(self, master: UInt8Array, box: CellBox) -> None:
-        """Lay the obstacles over the master as ``combination_method`` says."""
-        if self._config.enabled:
-            lay_over(
-                self.costs[part_of(box)], COMBINATIONS.index(self._config.combination_method), master[part_of(box)]
-            )
 
     def marked(self, row: int, col: int) -> list[float]:
         """Return the heights in metres of the lower faces of the marked voxels of a column, lowest first."""

@@ -1,7 +1,6 @@
 """Read a ROS parameter file: yaml with ``ros__parameters`` somewhere in it.
 
-Source: the design articles of ROS 2, Parameter YAML files. Aliases are refused, because few bytes of them can stand for
-a file of any size.
+Source: the design articles of ROS 2, Parameter YAML files.
 """
 
 from __future__ import annotations
@@ -13,9 +12,10 @@ from typing import Any
 import yaml
 
 from mapper.core.errors import LimitError, ReadError
+from mapper.io.untrusted_yaml import AliasError, DepthError, UntrustedLoader, load_untrusted
 
 MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
-MAX_DEPTH = 20
+MAX_DEPTH = UntrustedLoader.most_levels
 
 
 def read_parameter_file(path: str | os.PathLike[str]) -> bytes:
@@ -42,19 +42,16 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
     except UnicodeDecodeError as error:
         message = f"The parameter file is not UTF-8 text: byte {error.start} is wrong."
         raise ReadError("parameters.text", message) from error
-    depth = 0
     try:
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            if isinstance(event, yaml.AliasEvent):
-                raise ReadError("parameters.alias", "The parameter file has an alias, which is not read.")
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > MAX_DEPTH:
-                raise ReadError("parameters.depth", f"The parameter file is nested deeper than {MAX_DEPTH} levels.")
-        root = yaml.safe_load(text)
+        root = load_untrusted(text)
+    except AliasError as error:
+        raise ReadError("parameters.alias", "The parameter file has an alias, which is not read.") from error
+    except DepthError as error:
+        raise ReadError("parameters.depth", f"The parameter file is nested deeper than {MAX_DEPTH} levels.") from error
     except yaml.MarkedYAMLError as error:
         line = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
         raise ReadError("parameters.yaml", f"The parameter file is malformed{line}: {error.problem}.") from error
-    except (yaml.YAMLError, ValueError) as error:
+    except yaml.YAMLError as error:
         raise ReadError("parameters.yaml", "The parameter file is malformed.") from error
     if not isinstance(root, dict):
         raise ReadError("parameters.yaml", "The parameter file holds no names with values.")

@@ -17,6 +17,7 @@ import yaml
 
 from mapper.core.errors import ConfigError, ReadError
 from mapper.io.ros_parameters import MAX_DEPTH, find_node, parse_ros_parameters, read_parameter_file, value_below
+from mapper.io.untrusted_yaml import load_untrusted
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
 
 Layout = Literal["nav2", "ros1"]
@@ -135,8 +136,8 @@ def _remarks(data: bytes) -> dict[str, Any]:
     for name, text in ((name.decode(), value.decode()) for name, value in found):
         if name in OWN_ROWS:
             try:
-                values[name] = yaml.safe_load(text)
-            except (yaml.YAMLError, ValueError) as error:
+                values[name] = load_untrusted(text)
+            except yaml.YAMLError as error:
                 raise ReadError("amcl.value", f"{name} has a value that cannot be read: {text:.80}.") from error
     return values
 

@@ -64,6 +64,11 @@ class Classes:
             raise ClassNotFoundError("class.unknown", "There is no class with this code; it may have ended.")
         return found
 
+    def joined(self, code: str, visitor: str) -> Classroom | None:
+        """Return a class that a visitor is in, or was; None for any other code."""
+        found = self._classes.get(normalised(code))
+        return found if found is not None and found.knows(visitor) else None
+
     def owned(self, code: str, visitor: str) -> Classroom:
         """Return a class for its lecturer. Raises :class:`ClassRightError` for another visitor."""
         found = self.get(code)

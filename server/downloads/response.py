@@ -14,7 +14,7 @@ from server.downloads.download_slots import Requester
 from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
 
-PIECE_BYTES = 1 << 18  #: least size of a piece that is sent
+PIECE_BYTES = 1 << 18  #: size of a piece that is sent
 STALLED_S = 30.0  #: within which a client must accept a piece
 
 _log = structlog.get_logger(__name__)
@@ -52,8 +52,11 @@ class Download(Response):
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
         while piece:
             try:
-                async with asyncio.timeout(STALLED_S):
-                    await send({"type": "http.response.body", "body": piece, "more_body": True})
+                # A file that is made at once, as a mesh, would have to be accepted in the time of one piece.
+                for start in range(0, len(piece), PIECE_BYTES):
+                    async with asyncio.timeout(STALLED_S):
+                        part = piece[start : start + PIECE_BYTES]
+                        await send({"type": "http.response.body", "body": part, "more_body": True})
             except TimeoutError:
                 _log.info("a download stalled and was ended")
                 return  # uvicorn then closes the connection, so that the client sees that the file is incomplete

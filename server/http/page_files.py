@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from fastapi import Request
 from fastapi.responses import FileResponse, Response
 from starlette.exceptions import HTTPException
+
+from mapper.core.errors import MapperError
 
 _HERE = Path(__file__).resolve().parents[1]
 PLACES = (_HERE / "pages", _HERE.parent / "static" / "dist")
@@ -61,6 +64,18 @@ def built_file(request: Request, relative: str, cache: str) -> Response:
 def page_file(request: Request, name: str) -> Response:
     """Return a page, or a file beside the pages."""
     return built_file(request, name, "no-cache")
+
+
+def page_of_secret(request: Request, name: str, find: Callable[[], object]) -> Response:
+    """Return the page of an address with a secret, with status 404 where ``find`` raises :class:`MapperError`."""
+    response = page_file(request, name)
+    response.headers["X-Robots-Tag"] = "noindex"
+    try:
+        find()
+    except MapperError:
+        if response.status_code == 200:
+            response.status_code = 404
+    return response
 
 
 def page_names() -> set[str]:

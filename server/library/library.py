@@ -387,6 +387,8 @@ class Library:
         async with self._slots.take(owner, address) as slot:
             return await self.maps.of_files(owner, log_id, title, slot.read(chunks))
 
-    async def picture(self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int) -> MomentPicture:
+    async def picture(
+        self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int, *, address: str = ""
+    ) -> MomentPicture:
         """Return a picture of an image or a cloud in a log of ``owner``; see :meth:`MomentPictures.picture`."""
-        return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns)
+        return await self._pictures.picture(self.get(owner, log_id), visitor, topic, at_ns, address=address)

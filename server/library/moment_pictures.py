@@ -54,19 +54,21 @@ def _picture(job: PictureJob) -> MomentPicture:
 
 
 class MomentPictures:
-    """Makes one picture at a time, of the visitors who wait in rotation. Used from the event loop only."""
+    """Makes one picture at a time, of waiting addresses and visitors in rotation. Used from the event loop only."""
 
     def __init__(self, catalogue: Catalogue) -> None:
         self._catalogue = catalogue
         self._worker = PoolWorker(MEMORY_BYTES)
         self._turns = FairLock()
 
-    async def picture(self, record: Record, visitor: str, topic: str, at_ns: int) -> MomentPicture:
+    async def picture(
+        self, record: Record, visitor: str, topic: str, at_ns: int, *, address: str = ""
+    ) -> MomentPicture:
         """Return a picture of the newest message of ``topic`` at or before ``at_ns``; of the first one before that.
 
         Its process is ended when this is cancelled. Raises what it raised.
         """
-        async with self._turns.of(visitor), self._catalogue.source(record) as source:
+        async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
             timeout_s = TIMEOUT_S + record.bytes / BYTES_PER_S
             job = PictureJob(str(source), topic, at_ns, timeout_s)
             try:

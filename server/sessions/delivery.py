@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 import structlog
 
@@ -19,6 +20,20 @@ def publish_frame(model: SessionModel, hub: Hub, *, watched: bool) -> None:
     frame, scan = frame_fields_of(model), model.scan()
     running = model.playback.playing and watched
     hub.publish(frame, scan, (frame["pose"][0], frame["pose"][1]), settled=not running)
+
+
+def send_result(
+    result: TickResult, model: SessionModel, hub: Hub, hello: Callable[[], dict[str, Any]], *, watched: bool
+) -> None:
+    """Send what a computation changed; ``hello`` returns the message that is sent where it has to be new."""
+    hub.set_layers(model.layers)
+    if result.is_new_hello:
+        hub.set_slot(hello())
+    for message in result.slots.values():
+        hub.set_slot(message)
+    if result.changed:
+        publish_frame(model, hub, watched=watched)
+    send_answers(result, hub)
 
 
 def send_answers(result: TickResult, hub: Hub) -> None:

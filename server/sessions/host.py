@@ -22,7 +22,7 @@ import structlog
 from mapper.core.limits import Limits
 from server.sessions.command_queue import CommandQueue
 from server.sessions.computation import compute_tick
-from server.sessions.delivery import call_each, publish_frame, send_answers
+from server.sessions.delivery import call_each, publish_frame, send_result
 from server.sessions.long_work import LongWork, Showing
 from server.sessions.model import SessionModel
 from server.sessions.model_messages import hello_message
@@ -101,6 +101,7 @@ class SessionHost:
     def start(self, model: SessionModel) -> None:
         """Start running ``model``."""
         self.model = model
+        self._hello = partial(hello_message, model, self.id, self.epoch_id)
         self.hub = Hub(model.layers, self._clock, self._traffic, self._draw_on_demand)
         self._long_work = LongWork(self.hub, lambda: model.fraction, self._clock, lambda: model.working_on)
         self._showing = self._long_work.showing()
@@ -143,8 +144,7 @@ class SessionHost:
     def join(self, *, follows: bool = False) -> Client:
         """Return a new client, to which the complete state will be sent; ``follows``: it belongs to a class."""
         if self._hello_is_old:  # a class of hundreds joins within seconds
-            self.hub.slots["hello"] = encode_text(hello_message(self.model, self.id, self.epoch_id))
-            self._hello_is_old = False
+            self.hub.slots["hello"], self._hello_is_old = encode_text(self._hello()), False
         client = self.hub.join(follows=follows)
         self._wake.set()
         return client
@@ -392,15 +392,8 @@ class SessionHost:
         self._hello_is_old = True
         if self.closed:
             return
-        self.hub.set_layers(self.model.layers)
-        if result.is_new_hello:
-            self.hub.set_slot(hello_message(self.model, self.id, self.epoch_id))
-        for message in result.slots.values():
-            self.hub.set_slot(message)
+        send_result(result, self.model, self.hub, self._hello, watched=self.watched)
         if result.remade_ms is not None:
             self._remake_seconds(result.remade_ms / 1000.0)
-        if result.changed:
-            publish_frame(self.model, self.hub, watched=self.watched)
-        send_answers(result, self.hub)
         if result.changed:
             call_each(self.listeners)

@@ -1,4 +1,7 @@
-"""A lock that is granted to its waiting owners in rotation, so that no owner's queue starves another's."""
+"""A lock that is granted in rotation to the addresses that wait, and to the waiting owners of each.
+
+So no owner's queue starves another's, nor do the owners that one client makes by dropping its cookie.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,15 @@ from contextlib import asynccontextmanager
 
 
 class FairLock:
-    """A lock that ``places`` may hold at once, with a queue for each owner. Used from one event loop only."""
+    """A lock that ``places`` may hold at once, with a queue for each owner of each address.
+
+    Used from one event loop only.
+    """
 
     def __init__(self, places: int = 1) -> None:
         self._places = self._free = places  #: free is negative where more hold it than may
-        self._waiting: dict[str, deque[asyncio.Future[None]]] = {}  #: by owner, the next one first
+        #: by address and owner, the next ones first
+        self._waiting: dict[str, dict[str, deque[asyncio.Future[None]]]] = {}
 
     def resize(self, places: int) -> None:
         """Let ``places`` hold it at once; who holds it keeps it."""
@@ -22,11 +29,11 @@ class FairLock:
         self._grant()
 
     @asynccontextmanager
-    async def of(self, owner: str) -> AsyncIterator[None]:
-        """Acquire the lock for ``owner`` and hold it during the block."""
+    async def of(self, owner: str, address: str = "") -> AsyncIterator[None]:
+        """Acquire the lock for ``owner``, a client of this network ``address``, and hold it during the block."""
         if self._free <= 0:
             request: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-            self._waiting.setdefault(owner, deque()).append(request)
+            self._waiting.setdefault(address, {}).setdefault(owner, deque()).append(request)
             try:
                 await request
             except asyncio.CancelledError:
@@ -45,13 +52,17 @@ class FairLock:
         self._grant()
 
     def _grant(self) -> None:
-        """Grant what is free to the first owner's oldest request, and put that owner last."""
+        """Grant what is free to the oldest request of the first owner of the first address, and put both last."""
         while self._free > 0 and self._waiting:
-            owner = next(iter(self._waiting))
-            queue = self._waiting.pop(owner)
+            address = next(iter(self._waiting))
+            owners = self._waiting.pop(address)
+            owner = next(iter(owners))
+            queue = owners.pop(owner)
             request = queue.popleft()
             if queue:
-                self._waiting[owner] = queue
+                owners[owner] = queue
+            if owners:
+                self._waiting[address] = owners
             if not request.done():
                 self._free -= 1
                 request.set_result(None)

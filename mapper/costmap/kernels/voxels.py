@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
-from mapper.costmap.kernels.observation import Marking
+from mapper.costmap.kernels.observation import Marking, include, marks
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 
 _to_lattice = jit(to_lattice)
@@ -45,37 +45,24 @@ def _count(bits: int) -> int:
 
 
 @jit
-def _include(box: Int64Array, row: int, col: int) -> None:
-    """Enlarge a box (row0, row1, col0, col1) so that it holds a cell."""
-    box[0], box[1] = min(box[0], row), max(box[1], row + 1)
-    box[2], box[3] = min(box[2], col), max(box[3], col + 1)
-
-
-@jit
 def mark_columns(
     points: Float64Array, sensor: Float64Array, frame: Frame, marking: Marking, heights: Heights, columns: Columns,
     costs: UInt8Array, box: Int64Array,
 ) -> None:  # fmt: skip
     """Mark the voxels of those of ``points`` (n, 3) that mark; columns with enough of them become lethal (254)."""
     rows, cols = costs.shape
-    nearest, farthest = marking.obstacle_min_range**2, marking.obstacle_max_range**2
     for i in range(points.shape[0]):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        if not marking.min_obstacle_height <= z <= marking.max_obstacle_height:
+        if not marks(points[i], sensor, marking):
             continue
-        d_x, d_y, d_z = x - sensor[0], y - sensor[1], z - sensor[2]
-        squared = d_x * d_x + d_y * d_y + d_z * d_z
-        if not nearest <= squared < farthest:
-            continue
-        u, v = _to_lattice(x, y, frame)
-        level = int((max(z, heights.origin_z) - heights.origin_z) / heights.z_resolution)
+        u, v = _to_lattice(points[i, 0], points[i, 1], frame)
+        level = int((max(points[i, 2], heights.origin_z) - heights.origin_z) / heights.z_resolution)
         if 0.0 <= u < cols and 0.0 <= v < rows and level < heights.z_voxels:
             row, col = int(_cell_of(v)), int(_cell_of(u))
             bits = int(columns[row, col]) | (0x10001 << level)
             columns[row, col] = np.uint32(bits)
             if _count(bits >> 16) > heights.mark_threshold:
                 costs[row, col] = np.uint8(254)
-                _include(box, row, col)
+                include(box, row, col)
 
 
 @jit
@@ -111,7 +98,7 @@ def _clear_line(
     error_row = error_col = error_level = major // 2
     by_col = n_col == major
     by_row = not by_col and n_row == major
-    _include(box, row, col)
+    include(box, row, col)
     for _ in range(min(int(share * major), major)):
         _clear_voxel(row, col, level, heights, columns, costs)
         error_row += n_row
@@ -127,7 +114,7 @@ def _clear_line(
             level += step_level
             error_level -= major
     _clear_voxel(row, col, level, heights, columns, costs)
-    _include(box, row, col)
+    include(box, row, col)
 
 
 @jit

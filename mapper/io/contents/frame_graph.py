@@ -9,6 +9,8 @@ from collections.abc import Iterable, Sequence
 
 from mapper.io.contents.model import FrameEdge
 
+MAX_NAMED = 20  #: frames of a loop that are named
+
 
 def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:
     """Return the parent of each frame; where several are stated, the one that is stated most often.
@@ -24,10 +26,12 @@ def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:
 
 def chain_of(parents: dict[str, str], frame: str) -> list[str]:
     """Return ``frame``, its parent and so on to the root, or to the first frame that comes again."""
-    chain = [frame]
-    while (parent := parents.get(chain[-1])) is not None and parent not in chain:
-        chain.append(parent)
-    return chain
+    chain: dict[str, None] = {}  # a set in order
+    above: str | None = frame
+    while above is not None and above not in chain:
+        chain[above] = None
+        above = parents.get(above)
+    return [*chain]
 
 
 def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> list[str]:
@@ -44,10 +48,11 @@ def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> li
             names = ", ".join(repr(name) for name in sorted(several))
             said.append(f"The frame {child!r} has {len(several)} parents, {names}: tf allows one.")
     parents = parents_of(edges)
-    looping = {frame for frame in parents if parents.get(chain_of(parents, frame)[-1]) is not None}
+    looping = frames_in_loops(parents)
     if looping:
-        loop = sorted(frame for frame in looping if frame in _cycle(parents, frame))
-        said.append(f"The transforms go round in a loop: {', '.join(map(repr, loop))}.")
+        names = ", ".join(map(repr, looping[:MAX_NAMED]))
+        more = f" and {len(looping) - MAX_NAMED} more" if len(looping) > MAX_NAMED else ""
+        said.append(f"The transforms go round in a loop: {names}{more}.")
     fixed_chain = chain_of(parents, fixed)
     for sensor in sorted(set(sensors)):
         chain = chain_of(parents, sensor)
@@ -62,8 +67,17 @@ def faults(edges: Sequence[FrameEdge], sensors: Iterable[str], fixed: str) -> li
     return said
 
 
-def _cycle(parents: dict[str, str], frame: str) -> list[str]:
-    """Return the frames of the loop that the chain from ``frame`` ends in."""
-    chain = chain_of(parents, frame)
-    again = parents.get(chain[-1])
-    return chain[chain.index(again) :] if again in chain else []
+def frames_in_loops(parents: dict[str, str]) -> list[str]:
+    """Return the frames that are above themselves, in order: in a time linear in the number of frames."""
+    walk_of: dict[str, int] = {}
+    found = []
+    for walk, start in enumerate(parents):
+        path = []
+        frame: str | None = start
+        while frame is not None and frame not in walk_of:
+            walk_of[frame] = walk
+            path.append(frame)
+            frame = parents.get(frame)
+        if frame is not None and walk_of[frame] == walk:
+            found += path[path.index(frame) :]
+    return sorted(found)

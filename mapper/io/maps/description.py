@@ -1,7 +1,7 @@
 """The yaml that describes a map's image, read as untrusted input.
 
 Only plain scalars and lists count. What YAML 1.1 makes of a scalar is not trusted: ``1:30`` would be the number 90 and
-``010`` the number 8. Aliases are refused, since a few lines of them describe gigabytes.
+``010`` the number 8.
 """
 
 from __future__ import annotations
@@ -10,16 +10,15 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Any, get_args
+from typing import get_args
 
 import yaml
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.maps.writing import FRAME_KEY, Mode
+from mapper.io.untrusted_yaml import UntrustedLoader
 
-MOST_LEVELS = 10  #: of lists and keys inside one another; a map's yaml has two
-TOO_DEEP = "it is nested too deeply"
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
 LONGEST_FRAME = 255  #: characters of a frame's name
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
@@ -42,34 +41,8 @@ class MapDescription:
     frame: str | None = None
 
 
-class _Loader(yaml.SafeLoader):
-    """Composes nodes without aliases, at most :data:`MOST_LEVELS` deep."""
-
-    _level = 0
-
-    def fetch_flow_collection_start(self, TokenClass: Any) -> None:  # noqa: ANN401, N803 - PyYAML's own
-        # The scanner reads 1024 characters ahead, in time quadratic in the brackets that are open there.
-        if self.flow_level >= MOST_LEVELS:
-            raise yaml.scanner.ScannerError(None, None, TOO_DEEP, self.get_mark())
-        super().fetch_flow_collection_start(TokenClass)
-
-    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
-        if self._level >= MOST_LEVELS:
-            raise yaml.composer.ComposerError(None, None, TOO_DEEP, self._mark())
-        self._level += 1
-        try:
-            return self._composed(parent, index)
-        finally:
-            self._level -= 1
-
-    def _composed(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:  # noqa: ANN401 - PyYAML's own
-        if self.check_event(yaml.events.AliasEvent):
-            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", self._mark())
-        return super().compose_node(parent, index)
-
-    def _mark(self) -> yaml.Mark:
-        event = self.peek_event()  # type: ignore[no-untyped-call] # PyYAML's stubs leave it out
-        return event.start_mark  # type: ignore[no-any-return]
+class _Loader(UntrustedLoader):
+    most_levels = 10  # a map's yaml has two
 
 
 def parse_description(data: bytes, limits: Limits) -> MapDescription:

@@ -61,9 +61,10 @@ async def begin(
 ) -> Response:
     """Begin an attempt at the puzzle of the class; an attempt that is under way goes on."""
     room = joined_class(brake, classes, code, request, visitor)
-    puzzle, number = room.puzzle, room.number_of(visitor)
+    puzzle = room.puzzle
     if puzzle is None:
         raise MapperError("class.no_puzzle", "The class solves no puzzle now.")
+    number = room.number_of(visitor)
     link = puzzle_link_of(room, len(room.puzzles))
     for one in sessions.all():
         if one.link == link and one.owner == visitor:

@@ -38,8 +38,14 @@ router = APIRouter(tags=["classes"])
 CLASS_HEADER = "X-Gridbloom-Class"
 
 
-def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket) -> Classroom:
-    """Return a class to a visitor who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
+def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
+    """Return a class to a visitor who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses.
+
+    Who is in the class does not guess: in a hall with one address, others' wrong codes keep nobody from coming back.
+    """
+    mine = classes.joined(code, visitor)
+    if mine is not None:
+        return mine
     address = client_address(request)
     if brake.wait_s(address) > 0.0:
         raise SessionBudgetError("class.guesses", "Too many wrong codes came from this network: wait a minute.")
@@ -52,7 +58,7 @@ def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSo
 
 def joined_class(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
     """Return a class to a visitor who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
-    room = _guessed(brake, classes, code, request)
+    room = _guessed(brake, classes, code, request, visitor)
     classes.check(room, visitor)
     return room
 
@@ -120,8 +126,7 @@ async def qr(request: Request, classes: OpenClasses, visitor: Visitor, code: str
 @guests_may(GuestRight.ALWAYS)
 async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> dict[str, Any]:
     """Return whether there is a class of this code that one may join, and which page it shows."""
-    room = _guessed(brake, classes, code, request)
-    classes.check(room, visitor)
+    room = joined_class(brake, classes, code, request, visitor)
     return {"code": room.code, "present": room.present, "page": room.view.page}
 
 
@@ -129,7 +134,7 @@ async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor:
 @guests_may(GuestRight.ALWAYS)
 async def stream(websocket: WebSocket, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> None:
     """Exchange messages with a class."""
-    _guessed(brake, classes, code, websocket)
+    _guessed(brake, classes, code, websocket, visitor)
     room, member = classes.join(code, visitor)
     from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
 
@@ -171,7 +176,7 @@ async def shown(
     code: str,
 ) -> None:
     """Watch the session that the lecturer shows. Commands are refused, except from whom the robot was handed to."""
-    room = _guessed(brake, classes, code, websocket)
+    room = _guessed(brake, classes, code, websocket, visitor)
     session = _shown(classes, room, sessions, visitor)
     from server.http.stream_connection import Following, exchange  # noqa: PLC0415 - comes with the first session
 
@@ -192,7 +197,7 @@ async def fork(
     code: str,
 ) -> Response:
     """Begin a session of one's own with the present state of the one that the lecturer shows."""
-    room = _guessed(brake, classes, code, request)
+    room = _guessed(brake, classes, code, request, visitor)
     session = _shown(classes, room, sessions, visitor)
 
     if copies.wait_s(visitor) > 0.0:
@@ -247,8 +252,7 @@ async def join_page(request: Request) -> Response:
 async def enter(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
     """Redirect to the page that a class shows, or to the one on which a code is typed."""
     try:
-        room = _guessed(brake, classes, code, request)
-        classes.check(room, visitor)
+        room = joined_class(brake, classes, code, request, visitor)
     except MapperError as error:
         return RedirectResponse(f"/join?refused={error.code}", status_code=303)
     return RedirectResponse(f"/class/{room.code}/{room.view.page}.html", status_code=303)
@@ -260,12 +264,13 @@ async def page(
     request: Request,
     classes: OpenClasses,
     brake: CodeBrake,
+    visitor: Visitor,
     code: str,
     name: Literal["lecture.html", "lab.html", "logs.html", "puzzles.html", "other.html"],
 ) -> Response:
     """Return a page that follows a class."""
     try:
-        room = _guessed(brake, classes, code, request)
+        room = _guessed(brake, classes, code, request, visitor)
     except MapperError as error:
         return RedirectResponse(f"/join?refused={error.code}", status_code=303)
     if code != normalised(code):

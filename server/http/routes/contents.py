@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -20,8 +21,8 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import while_connected
-from server.http.services import Logs, Sessions, Visitor
+from server.http.routes.clients import client_address, to_its_end, while_connected
+from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library import Library
 from server.sessions import SessionRegistry
 from server.sessions.parts import Recording
@@ -154,37 +155,52 @@ def _topic(topic: TopicContents, began_ns: int, is_chosen: bool | None) -> dict[
 @router.get("/{session_id}/contents/series")
 @guests_may(GuestRight.LINKED_SESSION)
 async def series(
+    request: Request,
     sessions: Sessions,
     library: Logs,
     visitor: Visitor,
+    work: RequestWork,
     session_id: str,
     topic: Annotated[str, Query(max_length=400)],
     start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
     buckets: Annotated[int, Query(ge=1, le=4000)] = 800,
-) -> dict[str, Any]:
+) -> JSONResponse:
     """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
     held = await _held(sessions, library, visitor, session_id)
     one = next((one for one in held.contents.series if one.topic == topic), None)
     if one is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
-    all_stamps, all_values = _between(one, held.origin_ns, start, end)
+
+    # A series may have millions of samples: on the event loop it would hold up all streams.
+    async def answer() -> JSONResponse:
+        async with work.of(visitor, client_address(request)):
+            return await to_its_end(asyncio.to_thread(_plotted, one, held.origin_ns, (start, end), buckets))
+
+    return await while_connected(request, answer())
+
+
+def _plotted(one: Series, origin_ns: int, between_s: tuple[float | None, float | None], buckets: int) -> JSONResponse:
+    """Return the answer to :func:`series`, which encodes it when it is made."""
+    all_stamps, all_values = _between(one, origin_ns, *between_s)
     stamps, values = min_max(all_stamps, all_values, buckets)
-    return {
-        "topic": one.topic,
-        "type": one.type,
-        "samples": len(all_stamps),
-        "times": ((stamps - held.origin_ns) * 1e-9).round(6).tolist(),
-        "columns": [
-            {
-                "label": column.label,
-                "unit": column.unit,
-                "plot": column.plot,
-                "values": [None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
-            }
-            for n, column in enumerate(one.columns)
-        ],
-    }
+    return JSONResponse(
+        {
+            "topic": one.topic,
+            "type": one.type,
+            "samples": len(all_stamps),
+            "times": ((stamps - origin_ns) * 1e-9).round(6).tolist(),
+            "columns": [
+                {
+                    "label": column.label,
+                    "unit": column.unit,
+                    "plot": column.plot,
+                    "values": [None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
+                }
+                for n, column in enumerate(one.columns)
+            ],
+        }
+    )
 
 
 def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
@@ -219,9 +235,10 @@ async def picture(
     ahead_ns = held.recorded_ahead_ns
     owner = _owner(sessions, library, session_id)
     at_ns = held.origin_ns + ahead_ns + round(at * 1e9)
-    found = await while_connected(
-        request, library.picture(owner, held.recording.log_id, visitor, topic, min(max(at_ns, 0), LAST_NS))
-    )
+    at_ns = min(max(at_ns, 0), LAST_NS)
+    address = client_address(request)
+    making = library.picture(owner, held.recording.log_id, visitor, topic, at_ns, address=address)
+    found = await while_connected(request, making)
     seconds = held.seconds(found.stamp_ns - ahead_ns)
     headers = {"X-Picture-Seconds": f"{seconds:.3f}", "Cache-Control": "private, max-age=60"}
     return Response(found.data, media_type=found.media_type, headers=headers)

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from mapper.core.errors import MapperError
 from server.downloads import Downloads
 from server.http.guests import GuestRight, guests_may
-from server.http.page_files import page_file
+from server.http.page_files import page_of_secret
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import public
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
@@ -179,14 +179,7 @@ async def begin(
 @guests_may(GuestRight.ALWAYS)
 async def page(request: Request, library: Logs, token: str) -> Response:
     """Return the page of a link, with status 404 if the link is gone."""
-    response = page_file(request, "logs.html")
-    response.headers["X-Robots-Tag"] = "noindex"
-    try:
-        library.links.get(token)
-    except LinkGoneError:
-        if response.status_code == 200:
-            response.status_code = 404
-    return response
+    return page_of_secret(request, "logs.html", lambda: library.links.get(token))
 
 
 async def _navigation(library: Library, downloads: Downloads, link: Link) -> list[dict[str, Any]]:

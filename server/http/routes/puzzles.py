@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
-from server.http.page_files import page_file
+from server.http.page_files import page_of_secret
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import public
 from server.http.services import AllPuzzles, FileDownloads, Logs, RequestWork, Sessions, Visitor
@@ -217,14 +217,7 @@ async def begin_shared(
 @guests_may(GuestRight.ALWAYS)
 async def page(request: Request, library: Logs, token: str) -> Response:
     """Return the page of a puzzle that a visitor made, with status 404 if there is none."""
-    response = page_file(request, "puzzles.html")
-    response.headers["X-Robots-Tag"] = "noindex"
-    try:
-        library.puzzles.get(token)
-    except PuzzleGoneError:
-        if response.status_code == 200:
-            response.status_code = 404
-    return response
+    return page_of_secret(request, "puzzles.html", lambda: library.puzzles.get(token))
 
 
 # -- an attempt ----------------------------------------------------------------------------------------------------
@@ -279,7 +272,7 @@ async def check(
     async def measured() -> None:
         nonlocal goes_on
         try:
-            async with work.of(visitor):
+            async with work.of(visitor, client_address(request)):
                 seen = recording.view()
                 values, trajectory = seen.values or {}, seen.trajectory or recording.trajectory
                 now = await asyncio.to_thread(

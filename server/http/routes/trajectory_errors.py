@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
@@ -16,6 +16,7 @@ from mapper.io.contents.downsampling import min_max
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
 from server.http.guests import GuestRight, guests_may
+from server.http.routes.clients import client_address, to_its_end, while_connected
 from server.http.services import RequestWork, Sessions, Visitor
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -29,6 +30,7 @@ Name = Annotated[str, Query(max_length=400, description="Name of one of the log'
 @router.get("/{session_id}/trajectory-errors")
 @guests_may(GuestRight.LINKED_SESSION)
 async def errors(
+    request: Request,
     sessions: Sessions,
     visitor: Visitor,
     work: RequestWork,
@@ -50,8 +52,12 @@ async def errors(
         raise MapperError("session.not_a_log", "Only the trajectories of a log can be compared.")
     log = recording.log
     options = ComparisonOptions(align=align, delta=delta, delta_unit=unit)
-    async with work.of(visitor):
-        return await asyncio.to_thread(_errors, log, reference, estimate, options)
+
+    async def found() -> dict[str, Any]:
+        async with work.of(visitor, client_address(request)):
+            return await to_its_end(asyncio.to_thread(_errors, log, reference, estimate, options))
+
+    return await while_connected(request, found())
 
 
 def _errors(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions) -> dict[str, Any]:

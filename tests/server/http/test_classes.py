@@ -330,10 +330,29 @@ def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
     assert len(copies) == 1
 
 
-def test_guesses_of_codes_are_braked(guest: Person) -> None:
+def test_who_asks_for_a_puzzle_that_is_not_there_takes_no_number(lecturer: Person, guest: Person) -> None:
+    """A class has a limited quantity of them."""
+    code = lecturer.http.post("/api/classes").json()["code"]
+    assert guest.http.post(f"/api/classes/{code}/puzzle/sessions").json()["code"] == "class.no_puzzle"
+    assert not guest.service.state.classes.get(code).knows(guest.http.cookies["gridbloom_visitor"])
+
+
+def test_guesses_of_codes_are_braked_except_for_who_is_in_the_class(lecturer: Person, guest: Person) -> None:
     """The last test of this file: the service takes no code from here for a minute."""
+    code = lecturer.http.post("/api/classes").json()["code"]
+
+    async def joins() -> None:
+        async with guest.stream(f"/api/classes/{code}/stream") as socket:
+            await Seat(socket).until("welcome")
+
+    asyncio.run(joins())
+    newcomer = Person(guest.service, knows_token=False)
     answers: list[int] = []
     while 429 not in answers:  # a slow machine allows some more
         answers.append(guest.http.get("/api/classes/BBBBBB").status_code)
     assert answers == [404] * (len(answers) - 1) + [429]
     assert len(answers) > 50  # of 60; the tests above gave some wrong codes
+    assert [who.http.get(f"/api/classes/{code}").status_code for who in (guest, newcomer)] == [200, 429]
+    places = [who.http.get(f"/class/{code}").headers["location"] for who in (guest, newcomer)]
+    assert places == [f"/class/{code}/other.html", "/join?refused=class.guesses"]
+    newcomer.http.close()

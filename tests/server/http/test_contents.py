@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import signal
+import threading
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from mapper.io.contents.downsampling import min_max
 from server.library.inspections import InspectJob
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
@@ -87,6 +89,22 @@ def test_a_series_in_seconds_of_the_log_with_its_extremes(service: Service, sess
     assert (part["times"][0], part["times"][-1]) == (0.95, 2.05)
     refused = service.http.get(f"/api/sessions/{session}/contents/series", params={"topic": "/scan"})
     assert refused.json()["code"] == "contents.no_series"
+
+
+def test_a_series_is_computed_beside_the_event_loop(
+    service: Service, session: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One of millions of samples takes seconds, in which no stream would go on."""
+    threads: list[threading.Thread] = []
+
+    def noted(*arguments: Any) -> Any:
+        threads.append(threading.current_thread())
+        return min_max(*arguments)
+
+    monkeypatch.setattr("server.http.routes.contents.min_max", noted)
+    got(service, session, "/series", topic="/imu")
+    assert [thread.name != "uvicorn" for thread in threads] == [True]
+    assert any(thread.name == "uvicorn" for thread in threading.enumerate()), "the event loop's"
 
 
 def test_the_transforms_at_a_moment(service: Service, session: str) -> None:

@@ -330,6 +330,18 @@ def test_odd_requests(ann: httpx.Client) -> None:
         assert ann.get(f"/api/shared/{path}").status_code == 404
 
 
+def test_the_page_of_a_secret_that_is_gone_says_so_by_its_status(
+    browser: Callable[..., httpx.Client], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("index", "logs", "puzzles"):
+        (tmp_path / f"{name}.html").write_text(name)
+    monkeypatch.setattr("server.http.page_files.PLACES", (tmp_path,))
+    guest = browser(guest=True)
+    for place, name in (("/shared/none", "logs"), ("/puzzle/none", "puzzles")):
+        answer = guest.get(place)
+        assert (answer.status_code, answer.text, answer.headers["x-robots-tag"]) == (404, name, "noindex")
+
+
 def test_links_outlive_a_restart_and_are_few(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.library.links.MAX_LINKS_PER_OWNER", 2)
     with running(settings_for(tmp_path)) as first:

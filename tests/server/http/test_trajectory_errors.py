@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
+import threading
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
+from server.http.routes.clients import to_its_end
+from server.work.fair_lock import FairLock
 from tests.server.library.small_logs import carmen
-from tests.server.service import Service, once_read, running, settings_for
+from tests.server.service import PATIENCE_S, Service, once_read, running, settings_for
 
 SCANS = 20
 
@@ -71,3 +75,28 @@ def test_what_cannot_be_compared(service: Service, session: str) -> None:
     assert "other" in missing.json()["message"]
     far = service.http.get(address, params={"reference": "scan", "estimate": "mine", "delta": 1e5})
     assert (far.status_code, far.json()["code"]) == (422, "evaluation.no_delta")
+
+
+async def test_a_cancelled_computation_keeps_its_turn_until_its_thread_ends() -> None:
+    turns, begun, ending = FairLock(), threading.Event(), threading.Event()
+
+    def work() -> None:
+        begun.set()
+        ending.wait(PATIENCE_S)
+
+    async def request(owner: str) -> None:
+        async with turns.of(owner):
+            await to_its_end(asyncio.to_thread(work))
+
+    cancelled = asyncio.create_task(request("ann"))
+    await asyncio.to_thread(begun.wait, PATIENCE_S)
+    begun.clear()
+    cancelled.cancel()
+    other = asyncio.create_task(request("ben"))
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert not cancelled.done()
+    assert not begun.is_set()
+    ending.set()
+    await other
+    assert cancelled.cancelled()

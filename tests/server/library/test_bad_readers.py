@@ -116,6 +116,20 @@ async def test_owners_are_served_in_rotation() -> None:
     assert order == ["a1", "a2", "b1", "c1", "a3", "b2"]
 
 
+async def test_an_address_has_one_turn_in_a_rotation_under_any_number_of_cookies() -> None:
+    turns = FairLock()
+    order: list[str] = []
+
+    async def job(owner: str, address: str) -> None:
+        async with turns.of(owner, address):
+            order.append(owner)
+            await asyncio.sleep(0)
+
+    one_client = [job(f"cookie {number}", "192.0.2.7") for number in range(6)]
+    await asyncio.gather(*one_client, job("ann", "192.0.2.1"), job("ben", "192.0.2.1"))
+    assert order == ["cookie 0", "cookie 1", "ann", "cookie 2", "ben", "cookie 3", "cookie 4", "cookie 5"]
+
+
 async def test_a_cancelled_request_does_not_block_the_queue() -> None:
     turns = FairLock()
     gate = asyncio.Event()

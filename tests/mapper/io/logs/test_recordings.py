@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import gzip
 import math
-import shutil
-import sqlite3
-from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
-from rosbags.rosbag2 import StoragePlugin
 
 from mapper.core.errors import ReadError
 from mapper.core.se2 import compose, wrap_angle
@@ -23,29 +17,8 @@ from mapper.io.logs import is_log, open_log, open_robot_log
 from mapper.mapping.integrate import geometry_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.driven_robot import MOUNT, T0, run, truth
 from tests.mapper.io.logs.recorded import KINDS, SECOND, estimate, odometry, scan, sonar, transform, written
-
-T0 = 1_700_000_000 * SECOND
-MOUNT = (0.3, -0.1, 0.5)
-
-
-def truth(seconds: float) -> tuple[float, float, float]:
-    """Pose of the robot in the odometry frame: straight ahead at 1 m/s, turning at 0.2 rad/s."""
-    return (seconds, 2.0, float(wrap_angle(3.0 + 0.2 * seconds)))
-
-
-def run(n: int = 10) -> list[recorded.Said]:
-    """Scans at odd tenths of a second, poses at even ones; the map's frame lies 5 m beside the odometry's."""
-    said = [transform(T0, "base_link", "laser", *MOUNT, topic="/tf_static"), transform(T0, "map", "odom", 0.0, 5.0)]
-    for i in range(n + 1):
-        at = T0 + i * SECOND // 5
-        said.append(transform(at, "odom", "base_link", *truth(i / 5)))
-        said.append(odometry(at, *truth(i / 5)))
-        said.append(estimate(at, i / 5, 7.0, 3.0 + i / 25))
-        if i < n:
-            said.append(scan(at + SECOND // 10, [1.0 + i, np.nan, 31.0, -np.inf, 0.0]))
-    said.append(transform(T0 + (n + 1) * SECOND // 5, "map", "odom", 0.0, 5.0))
-    return said
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -237,102 +210,6 @@ def test_scans_without_a_time_of_their_own_get_that_of_their_recording(tmp_path)
     said = scan(0, [1.0])
     said.stamp_ns = T0
     assert open_log(written(tmp_path, [said], "bag")).stamps_ns.tolist() == [T0]
-
-
-@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_compressed_chunks_of_a_bag(tmp_path, compression):
-    plain = open_log(written(tmp_path, run(), "bag"))
-    log = open_log(recorded.write_bag(tmp_path / "packed.bag", run(), compression))
-    np.testing.assert_array_equal(log.ranges, plain.ranges)
-    assert log.notes == plain.notes == ()
-
-
-@pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
-@pytest.mark.parametrize("options", [{}, {"use_chunking": False}, {"enable_data_crcs": True}, {"chunk_size": 300}])
-@pytest.mark.parametrize("ros", [1, 2])
-def test_kinds_of_mcap(tmp_path, compression, options, ros):
-    path = tmp_path / "a.mcap"
-    path.write_bytes(recorded.mcap_bytes(run(), compression, ros, **options))
-    log = open_log(path)
-    assert (log.n_scans, len(log.trajectories), log.notes) == (10, 4, ())
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("pack", [gzip.compress, zstandard.compress], ids=["gzip", "zstd"])
-def test_the_whole_file_compressed(tmp_path, kind, pack):
-    path = written(tmp_path, run(), kind)
-    packed = tmp_path / "picture.png"
-    packed.write_bytes(pack(path.read_bytes()))
-    assert is_log(packed)
-    np.testing.assert_array_equal(open_log(packed).ranges, open_log(path).ranges)
-
-
-@pytest.mark.parametrize(
-    ("plugin", "suffix", "compression"),
-    [
-        (StoragePlugin.SQLITE3, "db3.zstd", "file"),
-        (StoragePlugin.SQLITE3, "db3", "message"),
-        (StoragePlugin.MCAP, "mcap", "none"),
-        (StoragePlugin.MCAP, "mcap.zstd", "file"),
-        (StoragePlugin.MCAP, "mcap", "message"),
-        (StoragePlugin.MCAP, "mcap", "storage"),
-    ],
-)
-def test_the_ways_in_which_rosbag2_compresses(tmp_path, plugin, suffix, compression):
-    log = open_log(recorded.write_rosbag2(tmp_path / "run", run(), plugin, suffix, compression))
-    plain = open_log(written(tmp_path, run(), "mcap"))
-    np.testing.assert_array_equal(log.ranges, plain.ranges)
-    assert list(log.trajectories) == list(plain.trajectories)
-    assert log.notes == ()
-
-
-@pytest.mark.parametrize("kind", ["db3", "mcap"])
-def test_a_ros_2_bag_is_a_folder(tmp_path, kind):
-    plugin = StoragePlugin.SQLITE3 if kind == "db3" else StoragePlugin.MCAP
-    file = recorded.write_rosbag2(tmp_path / "run", run(), plugin, kind)
-    assert is_log(tmp_path / "run")
-    assert open_log(tmp_path / "run").n_scans == 10
-    assert file.with_name("metadata.yaml").exists()
-
-
-def test_a_db3_that_was_not_closed_notes_what_may_be_missing(tmp_path):
-    """Of a database in WAL mode the last rows are in another file, which nobody thinks of."""
-    path = written(tmp_path, run(), "db3")
-    with closing(sqlite3.connect(path)) as recorder:
-        recorder.execute("PRAGMA journal_mode=WAL")
-        recorder.execute("PRAGMA wal_autocheckpoint=0")
-        recorder.execute("INSERT INTO messages SELECT id + 1000, topic_id, timestamp, data FROM messages")
-        recorder.commit()
-        assert path.with_name(f"{path.name}-wal").stat().st_size > 0
-        single_threaded = tmp_path / "alone.db3"
-        for pack in (bytes, gzip.compress):
-            single_threaded.write_bytes(pack(path.read_bytes()))
-            log = open_log(single_threaded)
-            assert log.n_scans == 10
-            assert [note for note in log.notes if "ends in -wal, which is not read" in note] == list(log.notes)
-
-
-def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):
-    with closing(sqlite3.connect(tmp_path / "run.db3")) as recorder:
-        recorder.execute("PRAGMA journal_mode=WAL")
-        recorder.execute("CREATE TABLE topics (id, name, type, serialization_format)")
-        recorder.commit()
-        single_threaded = tmp_path / "alone.db3"
-        single_threaded.write_bytes((tmp_path / "run.db3").read_bytes())
-        with pytest.raises(ReadError, match=r"no table 'topics'\. .* ends in -wal; .* wal_checkpoint"):
-            open_log(single_threaded)
-        single_threaded.write_bytes((tmp_path / "run.db3-wal").read_bytes())
-        with pytest.raises(ReadError, match=r"write-ahead log of an SQLite file, of no use without the \.db3"):
-            open_log(single_threaded)
-
-
-@pytest.mark.parametrize("packing", ["zip", "gztar"])
-def test_an_archive_of_a_recording_gives_advice(tmp_path, packing):
-    recorded.write_rosbag2(tmp_path / "in" / "run", run(), StoragePlugin.MCAP, "mcap")
-    archive = shutil.make_archive(str(tmp_path / "run"), packing, tmp_path / "in")
-    with pytest.raises(ReadError, match=r"The file is a (zip|packed tar) archive: unpack it, and take") as caught:
-        open_log(archive)
-    assert caught.value.code == "log.archive"
 
 
 @pytest.mark.parametrize("kind", KINDS)

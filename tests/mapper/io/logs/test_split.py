@@ -14,7 +14,7 @@ from rosbags.rosbag2 import StoragePlugin
 from mapper.core.errors import ReadError
 from mapper.io.logs import is_log, open_log
 from tests.mapper.io.logs import recorded
-from tests.mapper.io.logs.test_recordings import T0, run
+from tests.mapper.io.logs.driven_robot import T0, run
 
 PLUGINS = {"db3": StoragePlugin.SQLITE3, "db3.zstd": StoragePlugin.SQLITE3, "mcap": StoragePlugin.MCAP}
 
