@@ -15,8 +15,11 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.puzzles import CAUSES
+from mapper.replay.overview import FREE, OCCUPIED, UNOBSERVED
 from server.library.log_picture import DARK, LIGHT
+from server.puzzles.pictures import picture_codes
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for
 
 TOKEN = "long enough"
@@ -192,6 +195,15 @@ def test_the_picture_of_a_puzzle_is_the_map_that_an_attempt_begins_with(owner: h
         assert (drawn == value).sum() == (state == value).sum() * pixels_per_cell**2
     dark = pixels(owner, "/api/puzzles/doorway/map.png?dark=true")
     assert ((dark == DARK[2]).all(axis=2) == (drawn == 0)).all()
+
+
+def test_a_cell_at_the_lower_clamp_is_free_in_the_picture() -> None:
+    grid = OccupancyGrid(GridGeometry(1.0, 1, 5))
+    grid.log_odds[0] = [-0.5, -0.4, 3.0, -4.0, 0.0]
+    grid.observed[0] = [True, True, True, True, False]
+    codes = picture_codes(grid, log_odds_min=-0.5)
+    side = codes.shape[0]
+    assert codes[0, ::side].tolist() == [FREE, UNOBSERVED, OCCUPIED, FREE]
 
 
 def test_an_unknown_puzzle_has_no_picture(owner: httpx.Client) -> None:
