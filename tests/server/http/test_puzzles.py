@@ -78,6 +78,12 @@ def test_a_guest_solves_a_puzzle_and_the_answer_comes_last(guest: httpx.Client, 
     first = state(guest, session)
     assert first["answer"] is None
     assert first["points"] == 0
+    better = {
+        name
+        for name, sign in (("agreement", 1), ("sharpness", 1), ("entropy", -1))
+        if sign * (first["goal"][name] - first["first"][name]) > 0
+    }
+    assert set(first["measures"]) == better
     texts = [hint for cause in CAUSES.values() for hint in (*cause.hints, cause.explanation)]
     assert not any(text in json.dumps(first, ensure_ascii=False) for text in texts)
     assert {one["name"] for one in first["causes"]} == set(CAUSES)
