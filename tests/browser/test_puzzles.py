@@ -33,8 +33,11 @@ def test_a_puzzle_is_solved_from_start_to_end(page: Page, server: str) -> None:
     expect(case.get_by_text("Repaired: 0 %. Best: 0 %.")).to_be_visible()
     page.evaluate("() => gridbloom.connection.store.setParameter('resolution', 0.05)")
     page.wait_for_function("() => gridbloom.connection.store.map.peek()?.geometry.resolution === 0.05")
+    page.set_viewport_size({"width": 390, "height": 844})
     page.get_by_role("tab", name="Settings").click()
-    page.get_by_role("button", name="Check the map").first.click()
+    check = page.get_by_role("tabpanel", name="Settings").get_by_role("button", name="Check the map")
+    expect(check).to_be_in_viewport(ratio=0.99)
+    check.click()
     expect(case.get_by_role("heading", name="Solved: 80 of 100 points")).to_be_visible()  # though Settings were open
     expect(case.get_by_role("button", name="Next: The thick walls")).to_be_visible()
     link = case.get_by_role("link", name="Its section of the lecture")

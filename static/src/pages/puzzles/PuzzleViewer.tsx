@@ -82,6 +82,13 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     );
   }
   const now = attempt.value;
+  const checkButton = now && !now.answer && (
+    <Button disabled={isChecking.value} onClick={() => void check()}>
+      {isChecking.value ? "Checking …" : "Check the map"}
+    </Button>
+  );
+  // On a phone the head of the page is out of sight while a value is set.
+  const checkBelow = checkButton && <div class="case-check">{checkButton}</div>;
   const groups: readonly DockGroup[] = [
     {
       id: "case",
@@ -101,8 +108,27 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
         />
       ),
     },
-    { id: "settings", title: "Settings", keeps: true, content: () => <Settings store={store} sensor={null} /> },
-    { id: "poses", title: "Poses", content: () => <TrajectoryChoice store={store} /> },
+    {
+      id: "settings",
+      title: "Settings",
+      keeps: true,
+      content: () => (
+        <>
+          <Settings store={store} sensor={null} />
+          {checkBelow}
+        </>
+      ),
+    },
+    {
+      id: "poses",
+      title: "Poses",
+      content: () => (
+        <>
+          <TrajectoryChoice store={store} />
+          {checkBelow}
+        </>
+      ),
+    },
     { id: "why", title: "Why", content: () => <WhyGroup store={store} /> },
     {
       id: "compare",
@@ -127,11 +153,7 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
             <b class="number">{now.points}</b> of 100 points
           </output>
         )}
-        {now && !now.answer && (
-          <Button disabled={isChecking.value} onClick={() => void check()}>
-            {isChecking.value ? "Checking …" : "Check the map"}
-          </Button>
-        )}
+        {checkButton}
         {now && now.repair !== null && <output class="viewer-badge">repaired {Math.floor(100 * now.repair)} %</output>}
       </header>
       <MapStage
