@@ -14,7 +14,6 @@ import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
 import { nextPuzzle, type Offered } from "./puzzles/attempt";
 import { PuzzleList } from "./puzzles/PuzzleList";
-import { PuzzlePicture } from "./puzzles/PuzzlePicture";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
 import { allPuzzles, beginAttempt, preparing, rememberSolved, solvedPoints } from "./puzzles/puzzles";
 
@@ -109,9 +108,6 @@ function Page() {
         {awaited && (
           <>
             <h1>{awaited.title}</h1>
-            <div class="card puzzles-preparing">
-              <PuzzlePicture puzzle={awaited} />
-            </div>
             <p class="prose">{awaited.story}</p>
           </>
         )}
