@@ -95,7 +95,6 @@ class Game:
     def public(self) -> dict[str, Any]:
         """Return what the page may know now."""
         puzzle, cause = self.puzzle, CAUSES[self.puzzle.cause]
-        shares = None if self.now is None else puzzle.shares(self.now)
         return {
             "title": self.title,
             "story": self.story,
@@ -109,7 +108,7 @@ class Game:
             "first": asdict(puzzle.spoiled),
             "goal": asdict(puzzle.repaired),
             "now": None if self.now is None else asdict(self.now),
-            "shares": shares,
+            "measures": sorted(puzzle.shares(puzzle.spoiled)) or sorted(asdict(puzzle.spoiled)),
             "repair": None if self.now is None else puzzle.share(self.now),
             "best": self.best,
             "enough": REPAIRED,

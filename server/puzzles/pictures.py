@@ -11,7 +11,7 @@ import numpy as np
 
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.grid.occupancy_grid import FREE, OCCUPIED
+from mapper.grid.occupancy_grid import FREE, OCCUPIED, OccupancyGrid
 from mapper.puzzles import RECIPES
 from mapper.puzzles.puzzle import mapped
 from mapper.replay.overview import SIDE, cells_overview
@@ -49,14 +49,22 @@ class PuzzlePictures:
 
 
 def _codes(name: str, check: Check) -> UInt8Array:
-    """Return the codes of the picture of a puzzle's map (rows, cols), cut to the observed cells.
-
-    A cell is a square of pixels, so that large cells have sharp borders when the picture is enlarged.
-    """
+    """Return the codes of the picture of a puzzle's map."""
     spoiled = RECIPES[name].make(lambda _: check())
     config = first_config(spoiled.reference).with_values(spoiled.start)
-    grid = mapped(spoiled.log, config, spoiled.trajectory)
+    return picture_codes(mapped(spoiled.log, config, spoiled.trajectory), config.log_odds_min)
+
+
+def picture_codes(grid: OccupancyGrid, log_odds_min: float) -> UInt8Array:
+    """Return the codes of the picture of a map (rows, cols), row 0 at the greatest y, cut to the observed cells.
+
+    A cell is a square of pixels, so that large cells have sharp borders when the picture is enlarged. A cell at
+    the lower clamp ``log_odds_min`` is free, as the page of the attempt shows it: a high clamp keeps all cells from
+    being so certain that they are classified as free.
+    """
     rows, cols = (np.flatnonzero(np.any(grid.observed, axis=axis)) for axis in (1, 0))
-    state = grid.classify()[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
-    enlarged = np.kron(state, np.ones(2 * (max(1, SIDE // max(state.shape)),), dtype=np.int8))
-    return cells_overview(enlarged == FREE, enlarged == OCCUPIED)
+    seen = np.s_[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]
+    state = grid.classify()[seen]
+    occupied, free = state == OCCUPIED, (state == FREE) | (grid.observed & (grid.log_odds <= log_odds_min))[seen]
+    pixels = np.ones(2 * (max(1, SIDE // max(free.shape)),), dtype=np.bool_)
+    return cells_overview(np.kron(free, pixels), np.kron(occupied, pixels))

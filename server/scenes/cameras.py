@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from itertools import product
 from types import MappingProxyType
 from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from server.sessions.scene_controls import Bounds
 
 CameraName = Literal["overview", "above", "south", "west", "north", "east"]
 Vector = tuple[float, float, float]
 
-#: Name → direction from the centre of the bounds to the camera, in sizes of the bounds. From straight above, the
-#: camera is a little to the south, so that north is up.
+#: Name → direction from the centre of the bounds to the camera, in sizes of the bounds, which is its least distance.
+#: From straight above, the camera is a little to the south, so that north is up.
 CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
     {
         "overview": (0.0, -0.75, 0.95),
@@ -25,25 +30,48 @@ CAMERAS: Mapping[CameraName, Vector] = MappingProxyType(
 )
 
 
+FOV = 0.8  #: vertical field of view of all cameras, radians
+MARGIN = 1.03  #: by which a box is seen smaller than the picture
+ASPECT = 1.3  #: aspect ratio from which the distances of :data:`CAMERAS` are meant
+
+
 def camera_at(
     name: CameraName, bounds: Bounds, aspect: float, heights: tuple[float, float] | None = None
 ) -> tuple[Vector, Vector]:
     """Return where the camera ``name`` is and what it looks at, metres; in a narrow picture it is farther away.
 
-    It looks at the floor, or at the middle of ``heights``.
+    It looks at the floor, or at the middle of ``heights``, from where the whole box of the bounds and the heights is in
+    the picture.
     """
     x0, y0, x1, y1 = bounds
     x, y, size = (x0 + x1) / 2, (y0 + y1) / 2, max(x1 - x0, y1 - y0, 2.0)
-    z = 0.0
+    z0, z1 = heights or (0.0, 0.0)
     if heights is not None:
-        z0, z1 = heights
-        z, size = (z0 + z1) / 2, max(x1 - x0, y1 - y0, 1.3 * (z1 - z0), 0.1)
-    far = size * farther(aspect)
-    dx, dy, dz = CAMERAS[name]
-    return (x + dx * far, y + dy * far, z + dz * far), (x, y, z)
+        size = max(x1 - x0, y1 - y0, 1.3 * (z1 - z0), 0.1)
+    centre, direction = np.array([x, y, (z0 + z1) / 2]), np.array(CAMERAS[name])
+    far = size * farther(aspect) * float(np.linalg.norm(direction))
+    far = max(far, _least_distance(direction, np.array([x1 - x0, y1 - y0, z1 - z0]), aspect))
+    place = centre + far * direction / np.linalg.norm(direction)
+    return _vector(place), _vector(centre)
 
 
-ASPECT = 1.3  #: aspect ratio from which a camera has all of its bounds in view
+def _least_distance(direction: NDArray[np.float64], sides: NDArray[np.float64], aspect: float) -> float:
+    """Return how far away along ``direction`` (3,) a camera sees a box of ``sides`` (3,) about its aim, metres.
+
+    A corner c that is c · d nearer to the camera than its aim is in the picture if |c · up| ≤ (far − c · d) tan(FOV/2),
+    and to the sides likewise, times the aspect ratio.
+    """
+    d = direction / np.linalg.norm(direction)
+    right = np.cross([0.0, 0.0, 1.0], d)
+    right /= np.linalg.norm(right)
+    corners = 0.5 * sides * np.array(list(product((-1.0, 1.0), repeat=3)))
+    slope = math.tan(FOV / 2) / MARGIN
+    off = np.maximum(np.abs(corners @ np.cross(d, right)), np.abs(corners @ right) / aspect)
+    return float(np.max(corners @ d + off / slope))
+
+
+def _vector(place: NDArray[np.float64]) -> Vector:
+    return float(place[0]), float(place[1]), float(place[2])
 
 
 def farther(aspect: float) -> float:

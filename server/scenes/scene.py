@@ -18,7 +18,7 @@ import structlog
 import viser
 
 from server.logging import short_hash
-from server.scenes.cameras import ASPECT, CameraName, camera_at
+from server.scenes.cameras import ASPECT, FOV, CameraName, camera_at
 from server.scenes.contents import SceneContents
 from server.scenes.drawer import DrawerContext
 from server.scenes.drawers import DRAWERS, Drawers
@@ -132,7 +132,7 @@ class Scene:
         self._bounds, self._heights = bounds, heights
         camera = self._server.initial_camera
         camera.up = (0.0, 0.0, 1.0)
-        camera.fov = 0.8
+        camera.fov = FOV
         camera.position, camera.look_at = camera_at("overview", bounds, ASPECT, heights)
         camera.far = max(1000.0, 10.0 * max(bounds[2] - bounds[0], bounds[3] - bounds[1]))
 

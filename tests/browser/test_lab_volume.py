@@ -39,6 +39,10 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(
         without_canvas_in_3d(page)  # the surface below is drawn
     open_lab("levels")
     panel = open_group(page, "3D map")
+    usual = page.viewport_size or {"width": 1280, "height": 720}
+    page.set_viewport_size({"width": 1024, "height": 700})
+    expect(panel.get_by_title("3D view")).to_be_in_viewport(ratio=0.3)
+    page.set_viewport_size(usual)
     page.evaluate(f"() => {_STORE}.send({{ type: 'play' }})")
     for x, y in ((2.6, 3.0), (4.0, 1.6), (5.6, 3.0), (4.0, 4.6)):
         before = page.evaluate(_MESSAGE)["scans"]

@@ -9,11 +9,24 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
+from mapper.terrain.patches import UNSAFE
 
 if TYPE_CHECKING:
     from server.sessions.models.lab_terrain import Assessed
 
 MOST_SENT = 400  #: points of a patch; of more every second one is sent, or fewer
+
+
+def first_asked(found: Assessed) -> tuple[float, float] | None:
+    """Return the middle of the unsafe patch with a plane that is nearest to the middle of all; None without one."""
+    terrain = found.terrain
+    unsafe = np.argwhere((terrain.classes == UNSAFE) & np.isfinite(terrain.score))
+    if not len(unsafe):
+        return None
+    away = np.square(unsafe - 0.5 * (np.array(terrain.classes.shape) - 1)).sum(axis=1)
+    row, col = unsafe[np.argmin(away)].tolist()
+    x, y = terrain.geometry.cell_to_world((row, col))
+    return float(x), float(y)
 
 
 def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from mapper.grid import OccupancyGrid
 from mapper.terrain import Terrain
 from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed
 from server.sessions.models.simulation_commands import flag
-from server.sessions.models.terrain_patch import patch_at
+from server.sessions.models.terrain_patch import first_asked, patch_at
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, number, values
@@ -44,9 +44,18 @@ class TerrainView:
     """A terrain, from the session's command ``terrain`` on until the same command ends it, or there are no points."""
 
     def __init__(
-        self, source: TerrainPoints, first: TerrainParameters | None = None, host: ModelHost | None = None
+        self,
+        source: TerrainPoints,
+        first: TerrainParameters | None = None,
+        host: ModelHost | None = None,
+        *,
+        asks_first: bool = False,
     ) -> None:
-        """``first`` are the parameters to begin with; a visitor can cancel the work of a session with a ``host``."""
+        """``first`` are the parameters to begin with; a visitor can cancel the work of a session with a ``host``.
+
+        With ``asks_first`` it begins with an unsafe patch that is explained, before a visitor asks about one.
+        """
+        self._asks_first = asks_first
         self._source, self._first, self._host = source, first or TerrainParameters(), host
         self.share: float | None = None  #: of the present assessment that is done
         self._parameters: TerrainParameters | None = None
@@ -127,6 +136,8 @@ class TerrainView:
         self.share = None
         self.grid = None if self._found is None else self._found.grid()
         if self._found is not None:
+            if self._asks_first and self._asked is None:
+                self._asked = first_asked(self._found)
             self._show(self._found, self._parameters.values["shown"])
         result.changed = True
         result.slot(self.message())

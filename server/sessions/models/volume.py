@@ -79,7 +79,7 @@ class VolumeModel(SessionModel):
         self._nodes: int | None = None
         self._comparison = VolumeComparison(other, self._limits)
         points = CloudPoints(scans, self._low, self._high, other)
-        self._terrain = TerrainView(points, points.first, host)
+        self._terrain = TerrainView(points, points.first, host, asks_first=True)
         super().__init__(self._timeline.first_playback())
 
     def _limits(self) -> Limits:

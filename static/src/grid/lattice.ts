@@ -44,12 +44,15 @@ export function contains(geometry: Geometry, { row, col }: Cell): boolean {
 }
 
 /** The box around the whole grid. */
-export function extent(geometry: Geometry): Bounds {
+export const extent = (geometry: Geometry): Bounds => boxAround(geometry, 0, 0, geometry.rows, geometry.cols);
+
+/** The box around the cells of rows `row0` to below `row1` and columns `col0` to below `col1`. */
+export function boxAround(lattice: Lattice, row0: number, col0: number, row1: number, col1: number): Bounds {
   const corners = [
-    fromLattice(geometry, 0, 0),
-    fromLattice(geometry, geometry.cols, 0),
-    fromLattice(geometry, 0, geometry.rows),
-    fromLattice(geometry, geometry.cols, geometry.rows),
+    fromLattice(lattice, col0, row0),
+    fromLattice(lattice, col1, row0),
+    fromLattice(lattice, col0, row1),
+    fromLattice(lattice, col1, row1),
   ];
   const xs = corners.map((corner) => corner[0]);
   const ys = corners.map((corner) => corner[1]);

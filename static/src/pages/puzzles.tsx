@@ -12,9 +12,10 @@ import { ProgressBar } from "../ui/ProgressBar";
 import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { progressText } from "../ui/Working";
+import { nextPuzzle, type Offered } from "./puzzles/attempt";
 import { PuzzleList } from "./puzzles/PuzzleList";
 import { PuzzleViewer } from "./puzzles/PuzzleViewer";
-import { beginAttempt, preparing, rememberSolved } from "./puzzles/puzzles";
+import { allPuzzles, beginAttempt, preparing, rememberSolved, solvedPoints } from "./puzzles/puzzles";
 
 /** The token of a shared puzzle; null on the other addresses. */
 const token = /^\/puzzle\/([\w-]+)\/?$/.exec(location.pathname)?.[1] ?? null;
@@ -24,6 +25,8 @@ const hasList = token === null && followedCode === null;
 const chosen = signal<string | null>(hasList ? new URLSearchParams(location.search).get("puzzle") : "");
 const session = signal<string | null>(null);
 const failure = signal<string | null>(null);
+/** The puzzles of the list, for the one that is opened and for the next one; none where there is no list. */
+const offered = signal<readonly Offered[]>([]);
 let ending: AbortController | null = null;
 
 const beginning = (name: string): string => {
@@ -32,7 +35,16 @@ const beginning = (name: string): string => {
   return `/api/puzzles/${encodeURIComponent(name)}/sessions`;
 };
 
+async function loadOffered(): Promise<void> {
+  if (!hasList || offered.peek().length > 0) return;
+  offered.value = await allPuzzles().then(
+    (all) => all.puzzles,
+    () => [], // they are only named: the puzzle itself is what has to be there
+  );
+}
+
 async function begin(name: string): Promise<void> {
+  void loadOffered();
   ending?.abort();
   const own = new AbortController();
   ending = own;
@@ -90,8 +102,15 @@ function Page() {
   }
   if (session.value === null) {
     const now = preparing.value;
+    const awaited = offered.value.find((one) => one.name === name);
     return (
       <div class="viewer-message" role="status">
+        {awaited && (
+          <>
+            <h1>{awaited.title}</h1>
+            <p class="prose">{awaited.story}</p>
+          </>
+        )}
         <p class="prose">
           {now?.what ?? "Preparing the puzzle"} …{" "}
           {now && (
@@ -111,6 +130,8 @@ function Page() {
       session={session.value}
       onClose={hasList ? close : undefined}
       onGone={() => void begin(name)}
+      next={nextPuzzle(offered.value, name, solvedPoints())}
+      onNext={open}
       onSolved={(points) => {
         if (name) rememberSolved(name, points);
       }}

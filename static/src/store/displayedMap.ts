@@ -70,12 +70,12 @@ export class DisplayedMap {
         this.#newest = Math.max(this.#newest, tile.revision);
       }
     }
+    if (frame.complete) this.#complete = { epoch: frame.epoch, revision: this.#newest };
     batch(() => {
       if (coming && (frame.complete || performance.now() - coming.since > STALE_PICTURE_MS)) this.#show();
       if (frame.tiles.length > 0) this.#version.value++;
     });
     if (frame.complete && frame.tiles.length > 0) this.#isRemade = false;
-    if (frame.complete) this.#complete = { epoch: frame.epoch, revision: this.#newest };
   }
 
   #show(): void {

@@ -94,6 +94,8 @@ export class SessionSignals {
   readonly view = signal<View | null>(null);
   /** Whether the user moved the view: it then no longer follows the growth of the map. */
   readonly viewHeld = signal(false);
+  /** The box around the observed cells, which everything is fitted to in place of the grid; null for the grid. */
+  readonly observed = signal<Bounds | null>(null);
   /** The sizes of all pictures that show the view: a view of everything must fit into the smallest. */
   readonly pictures = new Map<object, Size>();
   /** The pointer's position in the world, in any picture. */
@@ -248,7 +250,7 @@ export class SessionSignals {
       if (world || !map) return world?.bounds ?? null;
       const under = this.underlay.value === null ? null : this.layers.grid(this.underlay.value).map.value;
       if (under) return extent(under.geometry);
-      const own = extent(map.geometry);
+      const own = this.observed.value ?? extent(map.geometry);
       const second = this.second.value?.map.value;
       return second ? around(own, extent(second.geometry)) : own;
     });

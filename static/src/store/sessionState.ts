@@ -1,7 +1,7 @@
 /** The state received from the stream, and the view: the part of the store that changes nothing on the server. */
 
 import { batch } from "@preact/signals";
-import type { Cell } from "../grid/lattice";
+import { boxAround, type Cell } from "../grid/lattice";
 import { fitted, type View } from "../render/view";
 import type { BinaryFrame } from "../wire/decodeFrame";
 import type { Command, Frame, FrameMessage, Hello, Point, ServerMessage } from "../wire/protocol";
@@ -19,6 +19,14 @@ export class SessionState extends SessionSignals implements Receiver {
     const views = [...this.pictures.values()].map((size) => fitted(bounds, size));
     const widest = views.reduce<View | null>((best, view) => (best && best.scale >= view.scale ? best : view), null);
     if (widest) this.view.value = widest;
+  }
+
+  /** Fit the pictures to the cells observed so far, once the map is received completely: a grid is of whole tiles. */
+  fitObserved(): void {
+    const map = this.map.peek();
+    const box = this.shown.complete?.epoch === map?.geometry.epoch ? map?.cells.observedBox() : null;
+    if (!map || !box) return;
+    this.observed.value = boxAround(map.geometry, box.row0, box.col0, box.row1 + 1, box.col1 + 1);
   }
 
   /** Show a part of the world that the user chose. */

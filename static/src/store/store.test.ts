@@ -124,6 +124,24 @@ describe("the store", () => {
     expect(store.opening()).toEqual([]);
   });
 
+  test("the pictures are fitted to the observed cells of a complete map", () => {
+    store.receive({ ...hello("a"), kind: "log" });
+    store.receive(LAYERS);
+    store.receive(geometry(1));
+    store.take(tiles(1, 1, false));
+    store.fitObserved();
+    const grid = store.bounds.value;
+    expect(store.observed.value).toBeNull();
+    store.take(tiles(1, 2, true));
+    store.fitObserved();
+    const box = store.map.value?.cells.observedBox();
+    expect(box).toBeTruthy();
+    const { resolution, origin } = geometry(1);
+    const ends = [box?.col0, box?.row0, (box?.col1 ?? 0) + 1, (box?.row1 ?? 0) + 1];
+    expect(store.bounds.value).toEqual(ends.map((cell, k) => (origin[k % 2] ?? 0) + (cell ?? 0) * resolution));
+    expect(store.bounds.value).not.toEqual(grid);
+  });
+
   test("the old picture stays on show until the new epoch is complete", () => {
     store.receive(hello("a"));
     store.receive(LAYERS);

@@ -15,8 +15,11 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.puzzles import CAUSES
+from mapper.replay.overview import FREE, OCCUPIED, UNOBSERVED
 from server.library.log_picture import DARK, LIGHT
+from server.puzzles.pictures import picture_codes
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for
 
 TOKEN = "long enough"
@@ -75,6 +78,12 @@ def test_a_guest_solves_a_puzzle_and_the_answer_comes_last(guest: httpx.Client, 
     first = state(guest, session)
     assert first["answer"] is None
     assert first["points"] == 0
+    better = {
+        name
+        for name, sign in (("agreement", 1), ("sharpness", 1), ("entropy", -1))
+        if sign * (first["goal"][name] - first["first"][name]) > 0
+    }
+    assert set(first["measures"]) == better
     texts = [hint for cause in CAUSES.values() for hint in (*cause.hints, cause.explanation)]
     assert not any(text in json.dumps(first, ensure_ascii=False) for text in texts)
     assert {one["name"] for one in first["causes"]} == set(CAUSES)
@@ -192,6 +201,15 @@ def test_the_picture_of_a_puzzle_is_the_map_that_an_attempt_begins_with(owner: h
         assert (drawn == value).sum() == (state == value).sum() * pixels_per_cell**2
     dark = pixels(owner, "/api/puzzles/doorway/map.png?dark=true")
     assert ((dark == DARK[2]).all(axis=2) == (drawn == 0)).all()
+
+
+def test_a_cell_at_the_lower_clamp_is_free_in_the_picture() -> None:
+    grid = OccupancyGrid(GridGeometry(1.0, 1, 5))
+    grid.log_odds[0] = [-0.5, -0.4, 3.0, -4.0, 0.0]
+    grid.observed[0] = [True, True, True, True, False]
+    codes = picture_codes(grid, log_odds_min=-0.5)
+    side = codes.shape[0]
+    assert codes[0, ::side].tolist() == [FREE, UNOBSERVED, OCCUPIED, FREE]
 
 
 def test_an_unknown_puzzle_has_no_picture(owner: httpx.Client) -> None:

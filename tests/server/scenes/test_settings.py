@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 
-from server.scenes.cameras import CAMERAS, CameraName, camera_at
+from server.scenes.cameras import CAMERAS, FOV, CameraName, camera_at
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import Client, viser_client
@@ -77,3 +79,22 @@ def test_cameras_look_at_the_middle_and_go_back_in_narrow_pictures(name: CameraN
     near, far = (((x - 7) ** 2 + (y - 4) ** 2 + z**2) ** 0.5, ((far_x - 7) ** 2 + (far_y - 4) ** 2 + far_z**2) ** 0.5)
     assert far == pytest.approx(2.0 * near)
     assert z > 0
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+@pytest.mark.parametrize("aspect", [0.6, 1.0, 1.3, 3.4])
+@pytest.mark.parametrize("box", [(204.0, 264.0, 37.0), (2.0, 60.0, 1.0), (1.0, 1.0, 8.0)])
+def test_the_whole_box_is_in_the_picture(name: CameraName, aspect: float, box: tuple[float, float, float]) -> None:
+    x, y, z = box
+    place, look_at = camera_at(name, (-x / 2, -y / 2, x / 2, y / 2), aspect, (0.0, z))
+    forward = np.subtract(look_at, place)
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    for corner in itertools.product((-x / 2, x / 2), (-y / 2, y / 2), (0.0, z)):
+        seen = np.subtract(corner, place)
+        height = (seen @ forward) * np.tan(FOV / 2)  # half of what the picture shows at this depth
+        assert height > 0
+        assert abs(seen @ up) < height
+        assert abs(seen @ right) < aspect * height

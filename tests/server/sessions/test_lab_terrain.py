@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
@@ -15,7 +16,7 @@ from mapper.volume.scan_sequence import ScanSequence
 from server.sessions import SessionRegistry
 from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, first_patch, true_ground
-from server.sessions.models.terrain_patch import patch_at
+from server.sessions.models.terrain_patch import first_asked, patch_at
 from server.sessions.models.terrain_view import TerrainView
 from server.sessions.tick import TickResult
 from server.stream.protocol import ProtocolError
@@ -239,6 +240,8 @@ def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> N
     assert plain is not None
     assert robust is not None
     assert patch_at(plain, 1.5, 1.5)["state"] == "unsafe"
+    assert first_asked(plain) == (1.5, 1.5)
+    assert first_asked(robust) is None
     asked = patch_at(robust, 1.5, 1.5)
     assert asked["state"] == "safe"
     left_out = robust.ground_points[~robust.is_fitted]
@@ -255,6 +258,29 @@ def test_ransac_leaves_the_stone_out_and_thresholds_are_for_each_property() -> N
         assert found is not None
         states.append(patch_at(found, 1.0, 1.0)["state"])
     assert states == ["unsafe", "safe"]
+
+
+def test_the_terrain_of_a_file_begins_with_an_unsafe_patch_that_is_explained() -> None:
+    rng = np.random.default_rng(5)
+    points = np.column_stack([rng.uniform(0.0, 9.0, (9000, 2)), np.zeros(9000)])
+    on_ramp = (points[:, 0] > 3.0) & (points[:, 0] < 4.0)
+    points[on_ramp, 2] = 2.0 * (points[on_ramp, 0] - 3.0)
+
+    class Points:
+        count, truth = 1, None
+
+        def read(self) -> tuple[NDArray[np.float64], tuple[float, float, float, float], None]:
+            return points, (0.0, 0.0, 9.0, 9.0), None
+
+    first = TerrainParameters().with_values({"filter": False, "patch": 1.0})
+    for asks_first in (True, False):
+        view, result = TerrainView(Points(), first, asks_first=asks_first), TickResult()
+        view.obey({}, result)
+        view.draw(result)
+        patch = view.message()["patch"]
+        assert (patch and (patch["x"], patch["y"], patch["state"])) == ((4.5, 4.5, "unsafe") if asks_first else None)
+        view.obey({"x": 8.5, "y": 8.5}, result)
+        assert view.message()["patch"]["state"] == "safe"
 
 
 def test_a_patch_that_is_asked_about_has_its_points_its_neighbours_and_its_children() -> None:

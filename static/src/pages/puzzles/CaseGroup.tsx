@@ -2,13 +2,14 @@
 
 import { type Signal, useSignal } from "@preact/signals";
 import type { Store } from "../../store/store";
-import { readable } from "../../tools/parameters/parameters";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
-import { type Attempt, ask, type Measure, nameCause } from "./puzzles";
+import { Answer } from "./Answer";
+import type { Attempt, Measure, Offered } from "./attempt";
+import { ask, nameCause } from "./puzzles";
 
 interface CaseProps {
   readonly session: string;
@@ -18,9 +19,13 @@ interface CaseProps {
   readonly onCheck: () => void;
   readonly isChecking: boolean;
   readonly onClose: (() => void) | undefined;
+  /** A puzzle that is not solved yet, for the end of this one; null for none. */
+  readonly next: Offered | null;
+  readonly onNext: (name: string) => void;
 }
 
-export function CaseGroup({ session, store, attempt, openGroup, onCheck, isChecking, onClose }: CaseProps) {
+export function CaseGroup(props: CaseProps) {
+  const { session, store, attempt, openGroup, onCheck, isChecking, onClose, next, onNext } = props;
   const failure = useSignal<string | null>(null);
   const now = attempt.value;
   if (!now) return null;
@@ -43,7 +48,7 @@ export function CaseGroup({ session, store, attempt, openGroup, onCheck, isCheck
   );
   return (
     <div class="case">
-      {now.answer && <Answer store={store} attempt={now} onClose={onClose} />}
+      {now.answer && <Answer store={store} attempt={now} onClose={onClose} next={next} onNext={onNext} />}
       {!now.answer && (
         <>
           {now.story && <p class="case-story">{now.story}</p>}
@@ -165,9 +170,12 @@ interface RepairProps {
 }
 
 function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
-  const { first, now, goal, shares } = attempt;
+  const { first, now, goal } = attempt;
   return (
-    <Panel title="2. Repair the map" note={`done from ${percent(attempt.enough)}`}>
+    <Panel title="2. Repair the map" note={`solved at ${percent(attempt.enough)}`}>
+      {!attempt.answer && (
+        <p class="quiet">Change the settings or the poses until the map is as it should be, then check it.</p>
+      )}
       <table class="case-measures">
         <thead>
           <tr>
@@ -180,8 +188,8 @@ function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
           </tr>
         </thead>
         <tbody>
-          {MEASURES.map(([name, label, title]) => (
-            <tr key={name} class={shares && !(name in shares) ? "is-idle" : ""}>
+          {MEASURES.filter(([name]) => attempt.measures.includes(name)).map(([name, label, title]) => (
+            <tr key={name}>
               <th scope="row" title={title}>
                 {label}
               </th>
@@ -221,36 +229,3 @@ function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
 }
 
 const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)} %`;
-
-interface AnswerProps {
-  readonly store: Store;
-  readonly attempt: Attempt;
-  readonly onClose: (() => void) | undefined;
-}
-
-function Answer({ store, attempt, onClose }: AnswerProps) {
-  const { answer } = attempt;
-  if (!answer) return null;
-  const rows = store.hello.value?.parameters.table ?? [];
-  const said = Object.entries(answer.repair).map(([name, value]) => {
-    const row = rows.find((one) => one.name === name);
-    const text = typeof value === "boolean" ? (value ? "on" : "off") : readable(String(value));
-    return `${row?.label ?? name} ${text}${row?.unit ? ` ${row.unit}` : ""}`;
-  });
-  if (answer.trajectory) said.push(`poses from ${answer.trajectory}`);
-  return (
-    <Panel title={attempt.is_solved ? `Solved: ${attempt.points} points` : "The answer"}>
-      <p class="case-right" role="status">
-        <Icon name={attempt.is_solved ? "check" : "info"} /> {answer.label}.
-      </p>
-      <p>{answer.explanation}</p>
-      {said.length > 0 && <p class="quiet">Repaired with: {said.join(", ")}.</p>}
-      <div class="actions">
-        <Button kind="primary" href={`/lecture.html#${answer.section}`} target="_blank">
-          Its section of the lecture
-        </Button>
-        {onClose && <Button onClick={onClose}>All puzzles</Button>}
-      </div>
-    </Panel>
-  );
-}

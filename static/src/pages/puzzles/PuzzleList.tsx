@@ -5,16 +5,9 @@ import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { toast } from "../../ui/Toast";
+import type { Offered } from "./attempt";
 import { PuzzlePicture } from "./PuzzlePicture";
-import {
-  type AllPuzzles,
-  allPuzzles,
-  giveToClass,
-  type Made,
-  type Offered,
-  removePuzzle,
-  solvedPoints,
-} from "./puzzles";
+import { type AllPuzzles, allPuzzles, giveToClass, type Made, removePuzzle, solvedPoints } from "./puzzles";
 
 const LEVELS: Readonly<Record<number, string>> = { 1: "Level 1", 2: "Level 2", 3: "Level 3" };
 

@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { Icon } from "../../ui/Icon";
 import { isDark } from "../../ui/theme";
-import type { Offered } from "./puzzles";
+import type { Offered } from "./attempt";
 
 /** The map that an attempt at a puzzle begins with. The server draws it when it is first asked for. */
 export function PuzzlePicture({ puzzle }: { readonly puzzle: Offered }) {

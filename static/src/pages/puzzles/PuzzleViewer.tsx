@@ -1,4 +1,4 @@
-import { useSignal } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Picture } from "../../render/picture/Picture";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
@@ -14,8 +14,9 @@ import { Settings } from "../logs/Settings";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { SessionEnded } from "../SessionEnded";
 import { useConnected } from "../useConnected";
+import { type Attempt, leadsToCase, type Offered } from "./attempt";
 import { CaseGroup } from "./CaseGroup";
-import { type Attempt, ask } from "./puzzles";
+import { ask } from "./puzzles";
 
 interface PuzzleViewerProps {
   readonly session: string;
@@ -24,10 +25,13 @@ interface PuzzleViewerProps {
   /** The session has ended on the server. */
   readonly onGone: () => void;
   readonly onSolved: (points: number) => void;
+  /** A puzzle that is not solved yet; null for none. */
+  readonly next: Offered | null;
+  readonly onNext: (name: string) => void;
 }
 
 /** The view of one puzzle: its map, the task, and the tools of the log page that find and repair its fault. */
-export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewerProps) {
+export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext }: PuzzleViewerProps) {
   const attempt = useSignal<Attempt | null>(null);
   const picture = useRef<Picture | null>(null);
   const connection = useConnected(session, { picture, title: attempt.value?.title ?? "Puzzle" });
@@ -44,6 +48,12 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
     }
   };
   useEffect(() => void load(), [session]);
+  // The map of all scans fills the picture: a grid of large cells is mostly a border.
+  useSignalEffect(() => {
+    void store.mapVersion.value;
+    const frame = store.frame.peek();
+    if (frame?.count && (frame.index ?? 0) >= frame.count) store.fitObserved();
+  });
   const isSolved = attempt.value?.is_solved ?? false;
   useEffect(() => {
     if (isSolved) onSolved(attempt.peek()?.points ?? 0);
@@ -51,7 +61,9 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
   const check = async (): Promise<void> => {
     isChecking.value = true;
     try {
-      attempt.value = await ask(session, "check");
+      const checked = await ask(session, "check");
+      attempt.value = checked;
+      if (leadsToCase(checked)) openGroup.value = "case";
     } catch (error) {
       toast((error as Error).message, "error");
     }
@@ -70,6 +82,13 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
     );
   }
   const now = attempt.value;
+  const checkButton = now && !now.answer && (
+    <Button disabled={isChecking.value} onClick={() => void check()}>
+      {isChecking.value ? "Checking …" : "Check the map"}
+    </Button>
+  );
+  // On a phone the head of the page is out of sight while a value is set.
+  const checkBelow = checkButton && <div class="case-check">{checkButton}</div>;
   const groups: readonly DockGroup[] = [
     {
       id: "case",
@@ -84,11 +103,32 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
           onCheck={() => void check()}
           isChecking={isChecking.value}
           onClose={onClose}
+          next={next}
+          onNext={onNext}
         />
       ),
     },
-    { id: "settings", title: "Settings", keeps: true, content: () => <Settings store={store} sensor={null} /> },
-    { id: "poses", title: "Poses", content: () => <TrajectoryChoice store={store} /> },
+    {
+      id: "settings",
+      title: "Settings",
+      keeps: true,
+      content: () => (
+        <>
+          <Settings store={store} sensor={null} />
+          {checkBelow}
+        </>
+      ),
+    },
+    {
+      id: "poses",
+      title: "Poses",
+      content: () => (
+        <>
+          <TrajectoryChoice store={store} />
+          {checkBelow}
+        </>
+      ),
+    },
     { id: "why", title: "Why", content: () => <WhyGroup store={store} /> },
     {
       id: "compare",
@@ -110,14 +150,10 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved }: PuzzleViewe
         <h1>{now?.title ?? "…"}</h1>
         {now && (
           <output class="case-score">
-            <b class="number">{now.points}</b> points
+            <b class="number">{now.points}</b> of 100 points
           </output>
         )}
-        {now && !now.answer && (
-          <Button disabled={isChecking.value} onClick={() => void check()}>
-            {isChecking.value ? "Checking …" : "Check the map"}
-          </Button>
-        )}
+        {checkButton}
         {now && now.repair !== null && <output class="viewer-badge">repaired {Math.floor(100 * now.repair)} %</output>}
       </header>
       <MapStage

@@ -3,13 +3,7 @@
 import { signal } from "@preact/signals";
 import { request } from "../logs/request";
 import { followMaking, type Making, newName } from "../making";
-
-export interface Offered {
-  readonly name: string;
-  readonly level: number;
-  readonly title: string;
-  readonly story: string;
-}
+import type { Attempt, Offered } from "./attempt";
 
 /** A puzzle that this visitor made. */
 export interface Made {
@@ -23,48 +17,6 @@ export interface Made {
 export interface AllPuzzles {
   readonly puzzles: readonly Offered[];
   readonly mine: readonly Made[];
-}
-
-/** What is measured of a map: agreement and sharpness 0 … 1, entropy in bits. */
-export interface Measures {
-  readonly agreement: number;
-  readonly sharpness: number;
-  readonly entropy: number;
-}
-
-export type Measure = keyof Measures;
-
-/** The state of an attempt: the server tells no more than the visitor has found. */
-export interface Attempt {
-  readonly title: string;
-  readonly story: string;
-  readonly level: number;
-  readonly causes: readonly { readonly name: string; readonly label: string }[];
-  readonly is_named: boolean;
-  readonly wrong: readonly string[];
-  readonly hints: readonly string[];
-  readonly hints_left: number;
-  readonly costs: { readonly wrong: number; readonly hint: number };
-  readonly first: Measures;
-  readonly goal: Measures;
-  readonly now: Measures | null;
-  readonly shares: Readonly<Partial<Record<Measure, number>>> | null;
-  /** Share of the repair of the map that was checked last, and of the best one. */
-  readonly repair: number | null;
-  readonly best: number;
-  readonly enough: number;
-  readonly can_repair: boolean | null;
-  readonly points: number;
-  readonly is_solved: boolean;
-  readonly gave_up: boolean;
-  readonly answer: {
-    readonly cause: string;
-    readonly label: string;
-    readonly explanation: string;
-    readonly section: string;
-    readonly repair: Readonly<Record<string, number | string | boolean>>;
-    readonly trajectory: string | null;
-  } | null;
 }
 
 export const allPuzzles = (): Promise<AllPuzzles> => request("/api/puzzles");

@@ -135,6 +135,24 @@ export class Cells {
     return counts;
   }
 
+  /** The first and last row and column of the observed cells; null while there are none. */
+  observedBox(): { row0: number; col0: number; row1: number; col1: number } | null {
+    let [row0, col0, row1, col1] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const chunk of this.#chunks.values()) {
+      const bytes = chunk.pyramid[0] as Uint8Array;
+      for (let row = 0; row < CHUNK; row++) {
+        const line = bytes.subarray(row * CHUNK, (row + 1) * CHUNK);
+        const first = line.findIndex((byte) => byte !== NEVER);
+        if (first < 0) continue;
+        row0 = Math.min(row0, chunk.row * CHUNK + row);
+        row1 = Math.max(row1, chunk.row * CHUNK + row);
+        col0 = Math.min(col0, chunk.col * CHUNK + first);
+        col1 = Math.max(col1, chunk.col * CHUNK + line.findLastIndex((byte) => byte !== NEVER));
+      }
+    }
+    return row0 > row1 ? null : { row0, col0, row1, col1 };
+  }
+
   #chunkOf(row: number, col: number): Chunk {
     const key = keyOf(row, col);
     let chunk = this.#chunks.get(key);

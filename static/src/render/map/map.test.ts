@@ -196,3 +196,17 @@ test("the newest changed cells are highlighted until the highlight has faded", (
   highlights.clear();
   expect(highlights.count).toBe(0);
 });
+
+test("the box of the observed cells ends at the outermost ones, across chunks", () => {
+  const cells = new Cells();
+  expect(cells.observedBox()).toBeNull();
+  const tile = new Uint8Array(64 * 64).fill(128); // -128: never observed
+  cells.setTile(0, 0, tile);
+  expect(cells.observedBox()).toBeNull();
+  tile[5 * 64 + 7] = 3;
+  cells.setTile(9, 1, tile); // column 9 * 64 + 7 lies in the second chunk
+  tile[5 * 64 + 7] = 128;
+  tile[63 * 64 + 2] = 250;
+  cells.setTile(1, 3, tile);
+  expect(cells.observedBox()).toEqual({ row0: 64 + 5, row1: 3 * 64 + 63, col0: 64 + 2, col1: 9 * 64 + 7 });
+});

@@ -61,6 +61,10 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
   const isSurface = values.value.kind === "tsdf";
   return (
     <div class="map3d">
+      {/* First, so that it is in sight in a panel of 200 px: the tabs take as much above it. */}
+      <div class="map3d-view">
+        <Scene session={session} hasColumns={false} />
+      </div>
       <Choice
         label="Map"
         sentence={kind?.sentence ?? ""}
@@ -68,9 +72,6 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
         value={String(values.value.kind)}
         onChange={(value) => set("kind", value)}
       />
-      <div class="map3d-view">
-        <Scene session={session} hasColumns={false} />
-      </div>
       {isSurface && surface}
       <ClickChoice store={store} />
       <Difference store={store} />

@@ -3,9 +3,9 @@
 import { useMemo } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { Button } from "../../ui/Button";
-import { written } from "../../ui/numbers";
 import { KINDS } from "../../wire/kinds";
 import { ParameterRows } from "../parameters/ParameterRows";
+import { PathNumbers } from "./PathNumbers";
 import { Scenes } from "./Scenes";
 import { OverChoice, Tools } from "./Tools";
 import { useCostmap } from "./useCostmap";
@@ -75,58 +75,34 @@ export function End({ store }: { readonly store: Store }) {
 
 function Outcome({ store }: { readonly store: Store }) {
   const path = store.navigation.path.value;
-  if (!path?.goal) return <p class="navigation-outcome">There is no goal yet.</p>;
+  const goal = path?.goal ?? null;
+  const isRefused = goal !== null && path?.length === null;
   const drive = (drives: boolean): void => {
-    const [x, y] = path.goal ?? [0, 0];
+    const [x, y] = goal ?? [0, 0];
     store.send({ type: "goal", x, y, drives });
     if (drives) store.send({ type: "play" });
   };
   return (
-    <div class={`navigation-outcome${path.length === null ? " refused" : ""}`}>
-      {path.length !== null && (
-        <dl class="navigation-numbers">
-          <div>
-            <dt>Path</dt>
-            <dd>{written(path.length, 1)} m</dd>
-          </div>
-          {path.travel_s !== null && (
-            <div>
-              <dt>Travel time</dt>
-              <dd>{written(path.travel_s, 1)} s</dd>
-            </div>
+    <div class={`navigation-outcome${isRefused ? " refused" : ""}`}>
+      {!isRefused && <PathNumbers path={goal && path} />}
+      <p role="status">{goal ? path?.reason : "There is no goal yet."}</p>
+      {goal && path && (
+        <div class="actions">
+          {isDriven(store) && (
+            <Button
+              kind={path.drives ? undefined : "primary"}
+              icon={path.drives ? "pause" : "play"}
+              disabled={path.length === null && !path.drives}
+              onClick={() => drive(!path.drives)}
+            >
+              {path.drives ? "Stop" : "Drive there"}
+            </Button>
           )}
-          <div>
-            <dt>Cost</dt>
-            <dd>{Math.round(path.cost ?? 0).toLocaleString("en")}</dd>
-          </div>
-          <div>
-            <dt>Planned in</dt>
-            <dd>{written(path.plan_ms, 1)} ms</dd>
-          </div>
-          {path.speed_limit !== null && (
-            <div>
-              <dt>Speed limit</dt>
-              <dd>{path.speed_limit}</dd>
-            </div>
-          )}
-        </dl>
-      )}
-      <p role="status">{path.reason}</p>
-      <div class="actions">
-        {isDriven(store) && (
-          <Button
-            kind={path.drives ? undefined : "primary"}
-            icon={path.drives ? "pause" : "play"}
-            disabled={path.length === null && !path.drives}
-            onClick={() => drive(!path.drives)}
-          >
-            {path.drives ? "Stop" : "Drive there"}
+          <Button kind="quiet" onClick={() => store.setGoal(null)}>
+            Remove goal
           </Button>
-        )}
-        <Button kind="quiet" onClick={() => store.setGoal(null)}>
-          Remove goal
-        </Button>
-      </div>
+        </div>
+      )}
     </div>
   );
 }

@@ -16,7 +16,7 @@ export function AskedPatch({ message }: { readonly message: TerrainMessage }) {
   if (!patch) {
     return (
       <p class="quiet">
-        Click a patch on the map: its points, its P, its plane and its class are shown here to change.
+        Click a patch on the map: its points, the plane through them and why it is safe or not are shown here.
       </p>
     );
   }
@@ -54,7 +54,7 @@ function Asked({ patch, size, values, fit }: AskedProps) {
         <b>
           {across > 1 ? `Window of ${across} × ${across} patches of` : "Patch of"} {written(size, 2)} m at ({x}, {y})
         </b>
-        , in the map {patch.why.replace(/^Terrain: /, "")}
+        , in the map {patch.why.replace(/^Terrain: /, "")} Click the map for another.
       </p>
       {points.length === 0 ? (
         <p class="quiet">It has no ground points.</p>

@@ -54,6 +54,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const { values } = terrain.values;
   return (
     <div class="terrain-group">
+      {shown === COSTS && <Key />}
       <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
       <AskedPatch message={message} />
       <ParameterRows rows={view} values={values} set={set} />
@@ -72,6 +73,23 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
         End the assessment
       </Button>
     </div>
+  );
+}
+
+/** What the colours of the costs mean. */
+function Key() {
+  return (
+    <ul class="terrain-key" aria-label="Colours of the patches">
+      <li>
+        <i class="safe" /> safe, score 0 … 1
+      </li>
+      <li>
+        <i class="unsafe" /> not safe
+      </li>
+      <li>
+        <i class="unknown" /> too few points
+      </li>
+    </ul>
   );
 }
 
@@ -104,7 +122,7 @@ function Numbers({ message, isFile, rows }: NumbersProps) {
   return (
     <div role="status" class="terrain-numbers">
       <p>
-        <b>{many(safe)}</b> patches are safe, <b>{many(unsafe)}</b> are not (dark), {many(unknown)} have too few points.
+        <b>{many(safe)}</b> patches are safe, <b>{many(unsafe)}</b> are not, {many(unknown)} have too few points.
       </p>
       {before && (
         <p class="terrain-before">

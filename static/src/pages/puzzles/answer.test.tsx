@@ -1,0 +1,49 @@
+// @vitest-environment happy-dom
+import { h, render } from "preact";
+import { afterEach, expect, test, vi } from "vitest";
+import type { Store } from "../../store/store";
+import { Answer } from "./Answer";
+import type { Attempt, Offered } from "./attempt";
+
+afterEach(() => render(null, document.body));
+
+const given = (is_solved: boolean): Attempt =>
+  ({
+    title: "Detours",
+    points: is_solved ? 80 : 0,
+    is_solved,
+    wrong: [],
+    hints: [],
+    answer: {
+      cause: "drift",
+      label: "The poses drift",
+      explanation: "Wheels slip.",
+      section: "odometry",
+      repair: { resolution: 0.05 },
+      trajectory: "cameras",
+    },
+  }) as unknown as Attempt;
+
+function shown(attempt: Attempt, next: Offered | null) {
+  const store = { hello: { value: null }, setTogether: vi.fn(), send: vi.fn() };
+  const onNext = vi.fn();
+  render(h(Answer, { store: store as unknown as Store, attempt, onClose: undefined, next, onNext }), document.body);
+  const buttons = [...document.querySelectorAll("button")];
+  return { store, onNext, buttons, names: buttons.map((one) => one.textContent?.trim()) };
+}
+
+test("who asked for the answer can have the map repaired", () => {
+  const { store, buttons, names } = shown(given(false), null);
+  expect(names).toEqual(["Repair the map"]);
+  buttons[0]?.click();
+  expect(store.setTogether).toHaveBeenCalledWith("repair", { resolution: 0.05 });
+  expect(store.send).toHaveBeenCalledWith({ type: "trajectory", name: "cameras" });
+});
+
+test("who solved it goes on to the next puzzle", () => {
+  const { onNext, buttons, names } = shown(given(true), { name: "ghost", level: 2, title: "After lunch", story: "" });
+  expect(names).toEqual(["Next: After lunch", "Copy the result"]);
+  expect(document.body.textContent).toContain("Solved: 80 of 100 points");
+  buttons[0]?.click();
+  expect(onNext).toHaveBeenCalledWith("ghost");
+});

@@ -1,0 +1,32 @@
+import { expect, test } from "vitest";
+import { type Attempt, leadsToCase, nextPuzzle, type Offered, resultText } from "./attempt";
+
+const attempt = (given: Partial<Attempt>): Attempt =>
+  ({ answer: null, best: 0, enough: 0.9, is_named: false, wrong: [], hints: [], ...given }) as Attempt;
+
+test("a check leads to the case with the answer, and where only the cause is missing", () => {
+  const answer = { cause: "drift", label: "", explanation: "", section: "", repair: {}, trajectory: null };
+  expect(leadsToCase(attempt({ answer, is_named: true, best: 0.95 }))).toBe(true);
+  expect(leadsToCase(attempt({ best: 0.9 }))).toBe(true);
+  expect(leadsToCase(attempt({ best: 0.5 }))).toBe(false);
+  expect(leadsToCase(attempt({ is_named: true, best: 0.5 }))).toBe(false);
+});
+
+test("the next puzzle is the first unsolved one in turn, never the same", () => {
+  const puzzles = ["a", "b", "c"].map((name): Offered => ({ name, level: 1, title: name, story: "" }));
+  const next = (name: string, ...solved: string[]) =>
+    nextPuzzle(puzzles, name, Object.fromEntries(solved.map((one) => [one, 100])))?.name;
+  expect(next("a")).toBe("b");
+  expect(next("a", "a", "b")).toBe("c");
+  expect(next("c", "c")).toBe("a");
+  expect(next("b", "a", "c")).toBeUndefined();
+  expect(next("b", "a", "b", "c")).toBeUndefined();
+});
+
+test("the result is one line with the address", () => {
+  const solved = attempt({ title: "Detours", points: 80, wrong: ["drift"], hints: ["Look.", "Play."] });
+  expect(resultText(solved, "http://here/puzzles.html?puzzle=ghost")).toBe(
+    "“Detours”: 80 of 100 points, 1 wrong answer, 2 hints. http://here/puzzles.html?puzzle=ghost",
+  );
+  expect(resultText(attempt({ title: "A", points: 100 }), "x")).toContain("no wrong answers, no hints");
+});

@@ -1,0 +1,72 @@
+/** A puzzle that is offered, an attempt at one, and what follows from its state. */
+
+export interface Offered {
+  readonly name: string;
+  readonly level: number;
+  readonly title: string;
+  readonly story: string;
+}
+
+/** What is measured of a map: agreement and sharpness 0 … 1, entropy in bits. */
+export interface Measures {
+  readonly agreement: number;
+  readonly sharpness: number;
+  readonly entropy: number;
+}
+
+export type Measure = keyof Measures;
+
+/** The state of an attempt: the server tells no more than the visitor has found. */
+export interface Attempt {
+  readonly title: string;
+  readonly story: string;
+  readonly level: number;
+  readonly causes: readonly { readonly name: string; readonly label: string }[];
+  readonly is_named: boolean;
+  readonly wrong: readonly string[];
+  readonly hints: readonly string[];
+  readonly hints_left: number;
+  readonly costs: { readonly wrong: number; readonly hint: number };
+  readonly first: Measures;
+  readonly goal: Measures;
+  /** The measures that the repair is judged by. */
+  readonly measures: readonly Measure[];
+  readonly now: Measures | null;
+  /** Share of the repair of the map that was checked last, and of the best one. */
+  readonly repair: number | null;
+  readonly best: number;
+  readonly enough: number;
+  readonly can_repair: boolean | null;
+  readonly points: number;
+  readonly is_solved: boolean;
+  readonly gave_up: boolean;
+  readonly answer: {
+    readonly cause: string;
+    readonly label: string;
+    readonly explanation: string;
+    readonly section: string;
+    readonly repair: Readonly<Record<string, number | string | boolean>>;
+    readonly trajectory: string | null;
+  } | null;
+}
+
+/** Whether what a check found is for the group Case: the answer, or the question for the cause of a repaired map. */
+export const leadsToCase = ({ answer, best, enough, is_named }: Attempt): boolean =>
+  answer !== null || (best >= enough && !is_named);
+
+/** The first puzzle after the one of this name, else the first of all, that is not solved; null for none. */
+export function nextPuzzle(
+  puzzles: readonly Offered[],
+  name: string,
+  points: Readonly<Record<string, number>>,
+): Offered | null {
+  const at = puzzles.findIndex((one) => one.name === name);
+  const inTurn = [...puzzles.slice(at + 1), ...puzzles.slice(0, at + 1)];
+  return inTurn.find((one) => one.name !== name && !(one.name in points)) ?? null;
+}
+
+const counted = (n: number, one: string): string => `${n === 0 ? "no" : n} ${one}${n === 1 ? "" : "s"}`;
+
+/** The result of an attempt in one line, to send to others; `address` is that of the page. */
+export const resultText = ({ title, points, wrong, hints }: Attempt, address: string): string =>
+  `“${title}”: ${points} of 100 points, ${counted(wrong.length, "wrong answer")}, ${counted(hints.length, "hint")}. ${address}`;
