@@ -15,7 +15,6 @@ async function fork(room: Classroom): Promise<void> {
 /** What a follower sees of the class on every page: where one is, the question, and the way into a world of one's own. */
 export function FollowerBar({ room }: { readonly room: Classroom }) {
   const isForking = useSignal(false);
-  const hasHand = useSignal(false);
   const state = room.state.value;
   if (room.isOver.value)
     return (
@@ -35,10 +34,7 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
     }
     isForking.value = false;
   };
-  const raise = (value: boolean): void => {
-    hasHand.value = value;
-    room.send({ type: "raise", value });
-  };
+  const asks = room.asksForRobot.value;
   return (
     <aside class={`class-bar-box ${isOwn ? "is-own" : ""}`} aria-label="Class">
       {questionOnPage.value !== state?.question?.text && <AnswerCard room={room} />}
@@ -76,8 +72,8 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
                   {isForking.value ? "Copying …" : "Try it yourself"}
                 </Button>
                 {!room.drives.value && hasRobot(room) && (
-                  <Button pressed={hasHand.value} icon="robot" onClick={() => raise(!hasHand.value)}>
-                    {hasHand.value ? "Asked for the robot" : "Ask for the robot"}
+                  <Button pressed={asks} icon="robot" onClick={() => room.raise(!asks)}>
+                    {asks ? "Asked for the robot" : "Ask for the robot"}
                   </Button>
                 )}
               </>

@@ -49,8 +49,9 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
       <div class="class-line">
         <p role="status">
           <span class={`class-dot ${room.isConnected.value ? "is-live" : ""}`} aria-hidden="true" />
-          Class <b class="class-code-small">{room.code}</b> · {state?.present ?? 0} here
-          {state?.is_locked && " · locked"}
+          Class <b class="class-code-small">{room.code}</b> ·{" "}
+          {room.isConnected.value ? `${state?.present ?? 0} here` : "connecting …"}
+          {state?.is_locked && " · locked: nobody else can join"}
         </p>
         <div class="actions">
           <Button
@@ -61,6 +62,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
             Show the code
           </Button>
           <Button
+            disabled={!room.isConnected.value}
             onClick={() => {
               isPolling.value = true;
             }}
@@ -70,6 +72,8 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
           <Robot room={room} />
           <Button
             pressed={state?.is_locked ?? false}
+            disabled={!room.isConnected.value}
+            label="Lock: nobody else can join"
             onClick={() => room.send({ type: "lock", value: !state?.is_locked })}
           >
             Lock
@@ -160,11 +164,13 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
         </p>
         <div class="actions">
           {!question.is_revealed && (
-            <Button kind="primary" onClick={() => room.send({ type: "reveal" })}>
+            <Button kind="primary" disabled={!room.isConnected.value} onClick={() => room.send({ type: "reveal" })}>
               Reveal
             </Button>
           )}
-          <Button onClick={() => room.send({ type: "close" })}>Close the question</Button>
+          <Button disabled={!room.isConnected.value} onClick={() => room.send({ type: "close" })}>
+            Close the question
+          </Button>
         </div>
       </div>
     </section>

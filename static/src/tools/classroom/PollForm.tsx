@@ -23,6 +23,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
   const given = options.value.map((one) => one.trim()).filter(Boolean);
   const isAxis = kind.value === "number";
   const isReady =
+    room.isConnected.value &&
     text.value.trim() !== "" &&
     (isAxis ? low.value !== "" && high.value !== "" && Number(low.value) < Number(high.value) : given.length >= 2);
   const ask = (): void => {
@@ -122,6 +123,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
             )}
           </>
         )}
+        {!room.isConnected.value && <p role="status">The class cannot be reached now. Connecting …</p>}
         <div class="dialog-actions">
           <Button
             onClick={() => {
