@@ -75,6 +75,7 @@ afterEach(() => {
 
 test("an answer that did not arrive is sent again after a reconnect, and not once it is known", () => {
   socket().join(null, QUESTION);
+  expect(socket().url).toMatch(/\/api\/classes\/ABCDEF\/stream\?follows=true$/);
   socket().breakOff();
   room.give(1);
   expect(room.answer.value).toEqual({ question: 1, value: 1 });

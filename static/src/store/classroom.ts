@@ -103,7 +103,9 @@ export class Classroom {
 
   #connect(): void {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/api/classes/${this.code}/stream`, SUBPROTOCOL);
+    const query = this.isFollowed ? "?follows=true" : ""; // the lecturer may follow the class in a second tab
+    const address = `${scheme}://${location.host}/api/classes/${this.code}/stream${query}`;
+    const socket = new WebSocket(address, SUBPROTOCOL);
     this.#socket = socket;
     socket.onopen = () => {
       for (const command of this.#last.values()) socket.send(JSON.stringify(command));

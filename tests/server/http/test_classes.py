@@ -163,6 +163,19 @@ async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, 
     assert guest.http.get(f"/class/{code}").headers["location"] == "/join?refused=class.unknown"
 
 
+async def test_the_lecturers_browser_follows_the_class_in_a_second_page(lecturer: Person) -> None:
+    session = lab_of(lecturer)
+    path = f"/api/classes/{lecturer.http.post('/api/classes').json()['code']}/stream"
+    async with lecturer.stream(path) as front, lecturer.stream(f"{path}?follows=true") as second:
+        teacher, pupil = Seat(front), Seat(second)
+        await teacher.send("show", view={"page": "lab", "hash": ""}, session=session)
+        assert (await pupil.until("welcome"))["role"] == "follower"
+        assert (await pupil.until("view", lambda message: message["stage"] == 1))["view"]["page"] == "lab"
+        await teacher.until("class", lambda state: state["present"] == 1)
+        await pupil.send("lock", value=True)
+        assert (await pupil.until("refused"))["code"] == "class.lecturer"
+
+
 async def test_the_map_of_a_log_is_followed_and_copied_and_the_copy_says_nothing_of_the_log(
     lecturer: Person, guest: Person
 ) -> None:
