@@ -19,8 +19,14 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
   if (room.isOver.value)
     return (
       <aside class="class-bar-box" aria-label="Class">
-        <p role="status">The class has ended.</p>
-        <Button href="/join">Join another class</Button>
+        <div class="class-line">
+          <p role="status">
+            The class has ended. <span class="quiet">What you see stays as it was.</span>
+          </p>
+          <div class="actions">
+            <Button href="/join">Join another class</Button>
+          </div>
+        </div>
       </aside>
     );
   const isOwn = room.own.value !== null;
