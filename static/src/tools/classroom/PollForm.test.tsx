@@ -45,15 +45,15 @@ test("a question has the right option among those that are not empty", () => {
   press("Another option");
   type("Option C", "Perhaps");
   type("Option A", " ");
-  press("Option C is right");
+  press("Mark C as right");
   press("Ask");
   expect(sent).toHaveBeenCalledWith({ type: "ask", text: "Is it free?", options: ["No", "Perhaps"], right: 1 });
 });
 
 test("a mark is taken away by a second press, and no right option is sent", () => {
   const sent = opened();
-  press("Option B is right");
-  press("Option B is right");
+  press("Mark B as right");
+  press("Mark B as right");
   press("Ask");
   expect(sent).toHaveBeenCalledWith({ type: "ask", text: "Is it free?", options: ["Yes", "No"] });
 });

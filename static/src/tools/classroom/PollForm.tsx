@@ -132,7 +132,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
                 <Button
                   pressed={rightOption.value === i}
                   icon="check"
-                  label={`Option ${letterOf(i)} is right`}
+                  label={`Mark ${letterOf(i)} as right`}
                   onClick={() => {
                     rightOption.value = rightOption.peek() === i ? -1 : i;
                   }}
