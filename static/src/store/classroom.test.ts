@@ -121,3 +121,11 @@ test("a raised hand is raised again after a reconnect, until the robot was hande
   socket().join(null, null);
   expect(socket().sent).toEqual([]);
 });
+
+test("a page that a newer server asks to reload says so, and connects no more", () => {
+  socket().receive({ type: "hello", protocol: "gridbloom.v4" });
+  expect(room.isOutdated.value).toBe(true);
+  vi.runAllTimers();
+  dispatchEvent(new Event("online"));
+  expect(FakeSocket.all).toHaveLength(1);
+});

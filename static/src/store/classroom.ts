@@ -5,6 +5,7 @@
 
 import { batch, computed, signal } from "@preact/signals";
 import { decodeClassText } from "../wire/decodeClassText";
+import { OutdatedPageError } from "../wire/decodeText";
 import {
   type ClassCommand,
   type ClassMessage,
@@ -36,6 +37,8 @@ export class Classroom {
   readonly isConnected = signal(false);
   /** Whether the class is over, or cannot be joined. */
   readonly isOver = signal(false);
+  /** Whether the server is newer than this page, which must be reloaded. */
+  readonly isOutdated = signal(false);
   /** Why the last command was refused. */
   readonly refused = signal<string | null>(null);
   /** What this follower has answered to the question that is asked. */
@@ -96,7 +99,7 @@ export class Classroom {
   }
 
   #again(): void {
-    if (document.hidden || this.isOver.peek() || this.#socket) return;
+    if (document.hidden || this.isOver.peek() || this.isOutdated.peek() || this.#socket) return;
     clearTimeout(this.#timer);
     this.#connect();
   }
@@ -116,6 +119,7 @@ export class Classroom {
         batch(() => this.#take(message));
       } catch (error) {
         if (!(error instanceof ProtocolError)) throw error;
+        this.isOutdated.value ||= error instanceof OutdatedPageError;
         socket.close();
       }
     };
@@ -123,7 +127,7 @@ export class Classroom {
       this.#socket = null;
       this.isConnected.value = false;
       if (OVER.includes(code)) this.isOver.value = true;
-      if (this.isOver.peek()) return;
+      if (this.isOver.peek() || this.isOutdated.peek()) return;
       this.#timer = setTimeout(() => this.#connect(), Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures));
       this.#failures++;
     };

@@ -3,6 +3,7 @@ import { type Classroom, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
 import { AnswerCard } from "./AnswerCard";
+import { OutdatedPage } from "./OutdatedPage";
 
 /** Begin a session of one's own with the state that the lecturer's has now. */
 async function fork(room: Classroom): Promise<void> {
@@ -16,6 +17,7 @@ async function fork(room: Classroom): Promise<void> {
 export function FollowerBar({ room }: { readonly room: Classroom }) {
   const isForking = useSignal(false);
   const state = room.state.value;
+  if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)
     return (
       <aside class="class-bar-box" aria-label="Class">

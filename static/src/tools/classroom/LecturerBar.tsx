@@ -5,6 +5,7 @@ import { toast } from "../../ui/Toast";
 import type { ClassQuestion } from "../../wire/protocol";
 import { CodeDialog } from "./CodeDialog";
 import { Histogram } from "./Histogram";
+import { OutdatedPage } from "./OutdatedPage";
 import { codeIsShown } from "./opening";
 import { PollForm } from "./PollForm";
 import { PuzzleBoard } from "./PuzzleBoard";
@@ -29,6 +30,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
       toast((error as Error).message, "error");
     }
   };
+  if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)
     return (
       <aside class="class-bar-box no-print" aria-label="Class">
