@@ -1,4 +1,5 @@
 import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { type Classroom, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
@@ -16,6 +17,15 @@ async function fork(room: Classroom): Promise<void> {
 /** What a follower sees of the class on every page: where one is, the question, and the way into a world of one's own. */
 export function FollowerBar({ room }: { readonly room: Classroom }) {
   const isForking = useSignal(false);
+  const hasTouched = useSignal(false);
+  useEffect(() => {
+    // What cannot be used is inert: a click on it goes to the view around it.
+    const touched = ({ target }: MouseEvent): void => {
+      hasTouched.value = target instanceof Element && target.closest(".is-following") !== null;
+    };
+    document.addEventListener("click", touched);
+    return () => document.removeEventListener("click", touched);
+  }, []);
   const state = room.state.value;
   if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)
@@ -49,7 +59,9 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
       <div class="class-line">
         <p role="status">
           <span class={`class-dot ${room.isConnected.value ? "is-live" : ""}`} aria-hidden="true" />
-          {described(room, isOwn)}
+          {hasTouched.value && canFork && !isOwn && !room.drives.value
+            ? "The lecturer controls this. “Try it yourself” gives you a copy."
+            : described(room, isOwn)}
           {state && (
             <span class="quiet">
               {" "}
