@@ -89,13 +89,16 @@ class Classes:
         if found.present >= self._max_followers or found.is_full:
             raise ClassBudgetError("class.crowded", "As many people as may follow this class already do.")
 
-    def join(self, code: str, visitor: str) -> tuple[Classroom, Member]:
-        """Join a class. Raises as :meth:`get` and :meth:`check`, and for too many connections of a visitor."""
+    def join(self, code: str, visitor: str, *, follows: bool = False) -> tuple[Classroom, Member]:
+        """Join a class, ``follows`` as in :meth:`Classroom.join`.
+
+        Raises as :meth:`get` and :meth:`check`, and for too many connections of a visitor.
+        """
         found = self.get(code)
         self.check(found, visitor)
         if found.connections_of(visitor) >= MAX_CONNECTIONS:
             raise ClassBudgetError("class.connections", "This browser shows the class on as many pages as it may.")
-        return found, found.join(visitor)
+        return found, found.join(visitor, follows=follows)
 
     def close(self, found: Classroom) -> None:
         """End a class; everything about it is forgotten."""

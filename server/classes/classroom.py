@@ -102,16 +102,19 @@ class Classroom:
 
     def connections_of(self, visitor: str) -> int:
         """Return how many connections a visitor has."""
-        number = 0 if visitor == self.owner else self._numbers.get(visitor)
-        return sum(member.number == number for member in self.members)
+        numbers = {self._numbers.get(visitor), 0 if visitor == self.owner else None}
+        return sum(member.number in numbers for member in self.members)
 
     def knows(self, visitor: str) -> bool:
         """Whether a visitor has joined before."""
         return visitor == self.owner or visitor in self._numbers
 
-    def join(self, visitor: str) -> Member:
-        """Return a new connection of the lecturer or a follower, to which the complete state will be sent."""
-        number = self.number_of(visitor)
+    def join(self, visitor: str, *, follows: bool = False) -> Member:
+        """Return a new connection of the lecturer or a follower, to which the complete state will be sent.
+
+        A page of the lecturer's own browser that ``follows`` the class is a follower as any other.
+        """
+        number = self._follower(visitor) if follows else self.number_of(visitor)
         member = Member(number)
         answer = None if self.asked is None else self.asked.answers.get(number)
         member.send(ClassWelcome("follower" if number else "lecturer", number, answer))
@@ -215,7 +218,10 @@ class Classroom:
 
     def number_of(self, visitor: str) -> int:
         """Return the number of a follower, a new one for who has none; 0 of the lecturer."""
-        return 0 if visitor == self.owner else self._numbers.setdefault(visitor, len(self._numbers) + 1)
+        return 0 if visitor == self.owner else self._follower(visitor)
+
+    def _follower(self, visitor: str) -> int:
+        return self._numbers.setdefault(visitor, len(self._numbers) + 1)
 
     def _hand(self, number: int | None) -> None:
         if number is not None and not any(member.number == number > 0 for member in self.members):

@@ -10,10 +10,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 from mapper.core.errors import MapperError
 from server.classes import Classroom, Member
-from server.http.stream_connection import Allowance
+from server.http.stream_connection import Allowance, accepted
 from server.stream.class_messages import ClassCommand, ClassError
 from server.stream.close_codes import ENDED, POLICY
-from server.stream.protocol import SUBPROTOCOL
 
 MAX_BYTES = 256 * 1024  #: of a message: an explanation of a cell has up to 300 updates
 MAX_REFUSED = 50  #: commands that were refused, before the socket is closed
@@ -24,7 +23,8 @@ _decoder = msgspec.json.Decoder(ClassCommand)
 async def attend(websocket: WebSocket, room: Classroom, member: Member) -> None:
     """Accept the WebSocket of a member of a class, and exchange messages until it ends."""
     try:
-        await websocket.accept(subprotocol=SUBPROTOCOL)
+        if not await accepted(websocket):
+            return
         tasks = [
             asyncio.create_task(_send(websocket, room, member), name="class out"),
             asyncio.create_task(_receive(websocket, room, member), name="class in"),

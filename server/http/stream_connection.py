@@ -73,6 +73,26 @@ class Following:
     over: asyncio.Event
 
 
+def speaks(websocket: WebSocket) -> bool:
+    """Return whether a page speaks the protocol of this version."""
+    return SUBPROTOCOL in websocket.scope["subprotocols"]
+
+
+async def accepted(websocket: WebSocket) -> bool:
+    """Accept the WebSocket of a page of this version; have a page of another one ask to be reloaded."""
+    if speaks(websocket):
+        await websocket.accept(subprotocol=SUBPROTOCOL)
+        return True
+    # A browser lets a page hear its own subprotocol only.
+    offered: list[str] = websocket.scope["subprotocols"]
+    other = next((name for name in offered if name.startswith("gridbloom.")), None)
+    await websocket.accept(subprotocol=other)
+    if other is not None:
+        await websocket.send_text(encode_text({"type": "hello", "protocol": SUBPROTOCOL}))
+    await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
+    return False
+
+
 async def exchange(
     websocket: WebSocket, session: SessionHost, max_clients: int, following: Following | None = None
 ) -> None:
@@ -82,19 +102,13 @@ async def exchange(
 
     Raises :class:`SessionBudgetError` before the socket is accepted.
     """
-    offered: list[str] = websocket.scope["subprotocols"]
-    if SUBPROTOCOL not in offered:
-        # A page of another version, which a browser lets hear its own subprotocol only, asks to be reloaded.
-        other = next((name for name in offered if name.startswith("gridbloom.")), None)
-        await websocket.accept(subprotocol=other)
-        if other is not None:
-            await websocket.send_text(encode_text({"type": "hello", "protocol": SUBPROTOCOL}))
-        await websocket.close(POLICY.code, f"the subprotocol {SUBPROTOCOL} is required")
+    if not speaks(websocket):
+        await accepted(websocket)
         return
     follows = following is not None
     if sum(client.follows == follows for client in session.hub.clients) >= max_clients:
         raise SessionBudgetError("session.crowded", "As many browsers as may watch this session already.")
-    await websocket.accept(subprotocol=SUBPROTOCOL)
+    await accepted(websocket)
     client = session.join(follows=follows)
     allowance = Allowance()
     direct: DirectSocket | None = websocket.scope.get("extensions", {}).get(EXTENSION, {}).get("socket")

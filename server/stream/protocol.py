@@ -56,7 +56,8 @@ malformed one is answered with an `error` whose code is `command.` and the name 
 
 ## Classes
 
-A page of a class opens `/api/classes/{code}/stream` with the same subprotocol; only text frames go over it, those of
+A page of a class opens `/api/classes/{code}/stream` with the same subprotocol, a page that follows it with
+`?follows=true`, also in the lecturer's browser. Only text frames go over it, those of
 the sections on classes below. Of each type a follower gets the newest message; none waits in a queue. The session
 that the lecturer shows is watched at `/api/classes/{code}/session`, as any other session; commands are answered with
 the error `class.read_only`, except those that drive the robot from the follower to whom it was handed. The `hello` of

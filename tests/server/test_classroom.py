@@ -24,6 +24,8 @@ async def test_one_visitor_has_few_connections_and_a_class_few_numbers(monkeypat
         assert caught.value.code == "class.connections"
         every.get(code).leave(joined[0])
         every.join(code, visitor)
+    with pytest.raises(ClassBudgetError):  # the lecturer's pages that follow are counted with the others
+        every.join(code, "lecturer", follows=True)
     monkeypatch.setattr(classroom, "MAX_NUMBERS", 2)
     room, member = every.join(code, "second")
     room.leave(member)

@@ -132,10 +132,17 @@ async def one(request: Request, classes: OpenClasses, brake: CodeBrake, visitor:
 
 @router.websocket("/api/classes/{code}/stream")
 @guests_may(GuestRight.ALWAYS)
-async def stream(websocket: WebSocket, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> None:
-    """Exchange messages with a class."""
+async def stream(
+    websocket: WebSocket,
+    classes: OpenClasses,
+    brake: CodeBrake,
+    visitor: Visitor,
+    code: str,
+    follows: bool = False,
+) -> None:
+    """Exchange messages with a class; ``follows``: a page that follows it, also in its lecturer's browser."""
     _guessed(brake, classes, code, websocket, visitor)
-    room, member = classes.join(code, visitor)
+    room, member = classes.join(code, visitor, follows=follows)
     from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
 
     await attend(websocket, room, member)

@@ -10,24 +10,40 @@ export interface Live extends Connection {
   readonly id: string;
 }
 
-/** Call `connected` with the session to show on a page, whenever it is another one; null while there is none. */
+/** In place of the key of a session: the class has ended. */
+const OVER = "over";
+
+/**
+ * Call `connected` with the session to show on a page, whenever it is another one; null while there is none. Once the
+ * class is over the page keeps what it shows, without a connection.
+ */
 export function watchClassSession(page: SessionPage, connected: (session: Live | null) => void): void {
   const wanted = computed(() => {
     const room = classroom.value;
-    if (!room || room.isOver.value) return null;
+    if (room?.isOver.value) return OVER;
+    if (!room) return null;
     if (room.own.value !== null) return `own ${room.own.value}`;
     const shown = room.shown.value;
     return shown && shown.view.page === page && shown.stage > 0 ? `stage ${shown.stage}` : null;
   });
+  let now: Live | null = null;
+  const show = (next: Live | null): void => {
+    now = next;
+    connected(next);
+  };
   effect(() => {
     const room = classroom.peek();
     const key = wanted.value;
-    if (!room || key === null) {
-      connected(null);
+    if (key === OVER && now) {
+      now.stop();
+      return;
+    }
+    if (!room || key === null || key === OVER) {
+      show(null);
       return;
     }
     const own = room.own.peek();
     const drives = (): boolean => room.drives.peek();
-    connected(own === null ? { ...connectToClass(room.code, drives), id: key } : { ...connect(own), id: own });
+    show(own === null ? { ...connectToClass(room.code, drives), id: key } : { ...connect(own), id: own });
   });
 }

@@ -141,7 +141,7 @@ function Lab() {
       <h1 class="visually-hidden">The lab</h1>
       <div class="lab-bar">
         <Controls store={store} />
-        <Connected connection={session} />
+        {!(followedCode !== null && classroom.value?.isOver.value) && <Connected connection={session} />}
       </div>
       {trouble.value && (
         <p class="lab-trouble" role="alert">

@@ -11,7 +11,10 @@ interface Options {
   readonly groups?: readonly string[];
 }
 
-/** Take part in a class with a session; returns whether the page follows the lecturer. */
+/**
+ * Take part in a class with a session; returns whether the page follows the lecturer, or shows what was last seen of a
+ * class that is over.
+ */
 export function useClass(session: Live | null, { page, group, groups }: Options): boolean {
   const live = useSignal(session);
   live.value = session;
@@ -23,5 +26,8 @@ export function useClass(session: Live | null, { page, group, groups }: Options)
     if (room.isFollowing.value) return followSession(room, now.store, group, groups);
     return;
   });
-  return useComputed(() => classroom.value?.isFollowing.value ?? false).value;
+  return useComputed(() => {
+    const room = classroom.value;
+    return (room?.isFollowed && (room.isFollowing.value || room.isOver.value)) ?? false;
+  }).value;
 }

@@ -5,6 +5,7 @@
 
 import { batch, computed, signal } from "@preact/signals";
 import { decodeClassText } from "../wire/decodeClassText";
+import { OutdatedPageError } from "../wire/decodeText";
 import {
   type ClassCommand,
   type ClassMessage,
@@ -36,10 +37,14 @@ export class Classroom {
   readonly isConnected = signal(false);
   /** Whether the class is over, or cannot be joined. */
   readonly isOver = signal(false);
+  /** Whether the server is newer than this page, which must be reloaded. */
+  readonly isOutdated = signal(false);
   /** Why the last command was refused. */
   readonly refused = signal<string | null>(null);
   /** What this follower has answered to the question that is asked. */
   readonly answer = signal<{ readonly question: number; readonly value: number } | null>(null);
+  /** Whether this follower asks for the robot. */
+  readonly asksForRobot = signal(false);
   /** The session of one's own in which a follower tries things out; null while the lecturer is followed. */
   readonly own = signal<string | null>(null);
   /** Whether the page shows what the lecturer shows. */
@@ -52,6 +57,8 @@ export class Classroom {
   #socket: WebSocket | null = null;
   #failures = 0;
   #timer: ReturnType<typeof setTimeout> | undefined;
+  /** Whether no state has come since the last welcome. */
+  #isJoining = false;
   /** Commands of the lecturer that say what is shown now: sent again after a reconnect. */
   readonly #last = new Map<ClassCommand["type"], ClassCommand>();
 
@@ -63,17 +70,26 @@ export class Classroom {
     document.addEventListener("visibilitychange", () => this.#again());
   }
 
-  /** Send a command; `show` and `explain` are sent when there is a connection again, others not. */
+  /**
+   * Send a command; `show` and `explain` are sent when there is a connection again, others not. {@link give} and
+   * {@link raise} see to it that the service has the answer and the raised hand after a reconnect.
+   */
   send(command: ClassCommand): void {
     if (command.type === "show" || command.type === "explain") this.#last.set(command.type, command);
     if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(command));
   }
 
-  give(value: number): void {
-    const question = this.state.peek()?.question;
-    if (!question) return;
-    this.answer.value = { question: question.id, value };
-    this.send({ type: "answer", question: question.id, value });
+  /** Answer a question, the one that is asked if no other is named. */
+  give(value: number, question = this.state.peek()?.question?.id): void {
+    if (question === undefined) return;
+    this.answer.value = { question, value };
+    this.send({ type: "answer", question, value });
+  }
+
+  /** Ask for the robot, or do so no longer. */
+  raise(value: boolean): void {
+    this.asksForRobot.value = value;
+    this.send({ type: "raise", value });
   }
 
   leave(): void {
@@ -83,14 +99,16 @@ export class Classroom {
   }
 
   #again(): void {
-    if (document.hidden || this.isOver.peek() || this.#socket) return;
+    if (document.hidden || this.isOver.peek() || this.isOutdated.peek() || this.#socket) return;
     clearTimeout(this.#timer);
     this.#connect();
   }
 
   #connect(): void {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/api/classes/${this.code}/stream`, SUBPROTOCOL);
+    const query = this.isFollowed ? "?follows=true" : ""; // the lecturer may follow the class in a second tab
+    const address = `${scheme}://${location.host}/api/classes/${this.code}/stream${query}`;
+    const socket = new WebSocket(address, SUBPROTOCOL);
     this.#socket = socket;
     socket.onopen = () => {
       for (const command of this.#last.values()) socket.send(JSON.stringify(command));
@@ -101,6 +119,7 @@ export class Classroom {
         batch(() => this.#take(message));
       } catch (error) {
         if (!(error instanceof ProtocolError)) throw error;
+        this.isOutdated.value ||= error instanceof OutdatedPageError;
         socket.close();
       }
     };
@@ -108,7 +127,7 @@ export class Classroom {
       this.#socket = null;
       this.isConnected.value = false;
       if (OVER.includes(code)) this.isOver.value = true;
-      if (this.isOver.peek()) return;
+      if (this.isOver.peek() || this.isOutdated.peek()) return;
       this.#timer = setTimeout(() => this.#connect(), Math.min(LONGEST_WAIT_MS, FIRST_WAIT_MS * 2 ** this.#failures));
       this.#failures++;
     };
@@ -118,18 +137,18 @@ export class Classroom {
     switch (message.type) {
       case "welcome":
         this.#failures = 0;
+        this.#isJoining = true;
         this.isConnected.value = true;
         this.welcome.value = message;
         return;
       case "class": {
-        const before = this.welcome.peek();
-        const asked = message.question;
-        if (asked && this.answer.peek()?.question !== asked.id) {
-          const known = this.state.peek() === null ? before?.answer : null;
-          this.answer.value = known === null || known === undefined ? null : { question: asked.id, value: known };
-        }
+        const isJoining = this.#isJoining;
+        this.#isJoining = false;
+        this.#takeAnswer(message.question, isJoining ? this.welcome.peek()?.answer : undefined);
         this.state.value = message;
         if (message.has_ended) this.isOver.value = true;
+        if (this.drives.peek()) this.asksForRobot.value = false;
+        else if (isJoining && this.asksForRobot.peek()) this.send({ type: "raise", value: true });
         return;
       }
       case "view":
@@ -141,6 +160,21 @@ export class Classroom {
       case "refused":
         this.refused.value = message.message;
     }
+  }
+
+  /**
+   * Bring the answer of this page and that of the service together. `known` is the answer that the service has, null
+   * for none, after the page has joined, and undefined otherwise. A socket may break without a sign, so that an answer
+   * that was sent did not arrive: it is sent again as long as answers are taken.
+   */
+  #takeAnswer(asked: ClassQuestion | null, known: number | null | undefined): void {
+    if (!asked) return;
+    const given = this.answer.peek();
+    const isGiven = given?.question === asked.id;
+    if (isGiven && !asked.is_revealed) {
+      if (known !== undefined && known !== given.value) this.give(given.value, asked.id);
+    } else if (!isGiven || known !== undefined)
+      this.answer.value = known === undefined || known === null ? null : { question: asked.id, value: known };
   }
 }
 

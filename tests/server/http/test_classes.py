@@ -11,8 +11,9 @@ from typing import Any
 
 import httpx
 import pytest
-from websockets.asyncio.client import ClientConnection
+from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
+from websockets.typing import Subprotocol
 
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at, until_closed
 
@@ -161,6 +162,33 @@ async def test_followers_see_answer_and_copy_but_do_not_steer(lecturer: Person, 
     assert guest.http.get(class_path).status_code == 404
     assert lecturer.http.get(f"/api/sessions/{again}").status_code == 404  # it has ended with the class
     assert guest.http.get(f"/class/{code}").headers["location"] == "/join?refused=class.unknown"
+
+
+async def test_the_lecturers_browser_follows_the_class_in_a_second_page(lecturer: Person) -> None:
+    session = lab_of(lecturer)
+    path = f"/api/classes/{lecturer.http.post('/api/classes').json()['code']}/stream"
+    async with lecturer.stream(path) as front, lecturer.stream(f"{path}?follows=true") as second:
+        teacher, pupil = Seat(front), Seat(second)
+        await teacher.send("show", view={"page": "lab", "hash": ""}, session=session)
+        assert (await pupil.until("welcome"))["role"] == "follower"
+        assert (await pupil.until("view", lambda message: message["stage"] == 1))["view"]["page"] == "lab"
+        await teacher.until("class", lambda state: state["present"] == 1)
+        await pupil.send("lock", value=True)
+        assert (await pupil.until("refused"))["code"] == "class.lecturer"
+
+
+async def test_a_page_of_another_version_is_asked_to_reload(lecturer: Person, service: Service) -> None:
+    path = f"/api/classes/{lecturer.http.post('/api/classes').json()['code']}/stream"
+    cookies = "; ".join(f"{name}={value}" for name, value in lecturer.http.cookies.items())
+    older = Subprotocol("gridbloom.v2")
+    headers = {"Cookie": cookies} | lecturer.headers
+    async with connect(
+        f"ws://127.0.0.1:{service.port}{path}", subprotocols=[older], additional_headers=headers
+    ) as page:
+        assert page.subprotocol == older  # or the browser would not let the page hear it
+        assert json.loads(await page.recv()) == {"type": "hello", "protocol": "gridbloom.v3"}
+        await until_closed(page)
+        assert page.close_code == 1008
 
 
 async def test_the_map_of_a_log_is_followed_and_copied_and_the_copy_says_nothing_of_the_log(

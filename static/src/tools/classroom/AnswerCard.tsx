@@ -23,9 +23,7 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
           {question.options && <Options room={room} options={question.options} given={given} />}
           {question.axis && <Guess key={question.id} room={room} axis={question.axis} given={given} />}
           <p role="status" class="quiet">
-            {given === null
-              ? "Your answer is counted without your name."
-              : "Answered. You can change it until the result is shown."}
+            {progress(given !== null, room.isConnected.value)}
           </p>
         </>
       )}
@@ -33,11 +31,17 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
   );
 }
 
+function progress(isGiven: boolean, isConnected: boolean): string {
+  if (!isGiven) return "Your answer is counted without your name.";
+  if (!isConnected) return "Your answer is sent as soon as the class can be reached again.";
+  return "Answered. You can change it until the result is shown.";
+}
+
 function verdict(question: ClassQuestion, given: number | null): string {
   const all = `${question.answered} answered.`;
   if (question.right === null || given === null) return all;
   if (question.axis) {
-    const off = given - question.right;
+    const off = Number((given - question.right).toPrecision(4)); // the difference of two decimals has rounding errors
     const unit = question.axis.unit ? ` ${question.axis.unit}` : "";
     return off === 0
       ? `${all} Exactly right.`
@@ -73,8 +77,9 @@ interface GuessProps {
 }
 
 function Guess({ room, axis, given }: GuessProps) {
-  const value = useSignal(given ?? Math.round((axis.low + axis.high) / 2));
   const isWhole = Number.isInteger(axis.low) && Number.isInteger(axis.high) && axis.high - axis.low >= 10;
+  const middle = (axis.low + axis.high) / 2;
+  const value = useSignal(given ?? (isWhole ? Math.round(middle) : middle));
   const set = (text: string): void => {
     const wanted = Number(text);
     if (Number.isFinite(wanted)) value.value = Math.min(axis.high, Math.max(axis.low, wanted));

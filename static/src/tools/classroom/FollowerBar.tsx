@@ -1,8 +1,10 @@
 import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { type Classroom, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
 import { AnswerCard } from "./AnswerCard";
+import { OutdatedPage } from "./OutdatedPage";
 
 /** Begin a session of one's own with the state that the lecturer's has now. */
 async function fork(room: Classroom): Promise<void> {
@@ -15,13 +17,28 @@ async function fork(room: Classroom): Promise<void> {
 /** What a follower sees of the class on every page: where one is, the question, and the way into a world of one's own. */
 export function FollowerBar({ room }: { readonly room: Classroom }) {
   const isForking = useSignal(false);
-  const hasHand = useSignal(false);
+  const hasTouched = useSignal(false);
+  useEffect(() => {
+    // What cannot be used is inert: a click on it goes to the view around it.
+    const touched = ({ target }: MouseEvent): void => {
+      hasTouched.value = target instanceof Element && target.closest(".is-following") !== null;
+    };
+    document.addEventListener("click", touched);
+    return () => document.removeEventListener("click", touched);
+  }, []);
   const state = room.state.value;
+  if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)
     return (
       <aside class="class-bar-box" aria-label="Class">
-        <p role="status">The class has ended.</p>
-        <Button href="/join">Join another class</Button>
+        <div class="class-line">
+          <p role="status">
+            The class has ended. <span class="quiet">What you see stays as it was.</span>
+          </p>
+          <div class="actions">
+            <Button href="/join">Join another class</Button>
+          </div>
+        </div>
       </aside>
     );
   const isOwn = room.own.value !== null;
@@ -35,17 +52,16 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
     }
     isForking.value = false;
   };
-  const raise = (value: boolean): void => {
-    hasHand.value = value;
-    room.send({ type: "raise", value });
-  };
+  const asks = room.asksForRobot.value;
   return (
     <aside class={`class-bar-box ${isOwn ? "is-own" : ""}`} aria-label="Class">
       {questionOnPage.value !== state?.question?.text && <AnswerCard room={room} />}
       <div class="class-line">
         <p role="status">
           <span class={`class-dot ${room.isConnected.value ? "is-live" : ""}`} aria-hidden="true" />
-          {described(room, isOwn)}
+          {hasTouched.value && canFork && !isOwn && !room.drives.value
+            ? "The lecturer controls this. “Try it yourself” gives you a copy."
+            : described(room, isOwn)}
           {state && (
             <span class="quiet">
               {" "}
@@ -76,8 +92,8 @@ export function FollowerBar({ room }: { readonly room: Classroom }) {
                   {isForking.value ? "Copying …" : "Try it yourself"}
                 </Button>
                 {!room.drives.value && hasRobot(room) && (
-                  <Button pressed={hasHand.value} icon="robot" onClick={() => raise(!hasHand.value)}>
-                    {hasHand.value ? "Asked for the robot" : "Ask for the robot"}
+                  <Button pressed={asks} icon="robot" onClick={() => room.raise(!asks)}>
+                    {asks ? "Asked for the robot" : "Ask for the robot"}
                   </Button>
                 )}
               </>

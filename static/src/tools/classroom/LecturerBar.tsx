@@ -5,6 +5,7 @@ import { toast } from "../../ui/Toast";
 import type { ClassQuestion } from "../../wire/protocol";
 import { CodeDialog } from "./CodeDialog";
 import { Histogram } from "./Histogram";
+import { OutdatedPage } from "./OutdatedPage";
 import { codeIsShown } from "./opening";
 import { PollForm } from "./PollForm";
 import { PuzzleBoard } from "./PuzzleBoard";
@@ -29,6 +30,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
       toast((error as Error).message, "error");
     }
   };
+  if (room.isOutdated.value) return <OutdatedPage />;
   if (room.isOver.value)
     return (
       <aside class="class-bar-box no-print" aria-label="Class">
@@ -49,8 +51,9 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
       <div class="class-line">
         <p role="status">
           <span class={`class-dot ${room.isConnected.value ? "is-live" : ""}`} aria-hidden="true" />
-          Class <b class="class-code-small">{room.code}</b> · {state?.present ?? 0} here
-          {state?.is_locked && " · locked"}
+          Class <b class="class-code-small">{room.code}</b> ·{" "}
+          {room.isConnected.value ? `${state?.present ?? 0} here` : "connecting …"}
+          {state?.is_locked && " · locked: nobody else can join"}
         </p>
         <div class="actions">
           <Button
@@ -61,6 +64,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
             Show the code
           </Button>
           <Button
+            disabled={!room.isConnected.value}
             onClick={() => {
               isPolling.value = true;
             }}
@@ -70,6 +74,8 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
           <Robot room={room} />
           <Button
             pressed={state?.is_locked ?? false}
+            disabled={!room.isConnected.value}
+            label="Lock: nobody else can join"
             onClick={() => room.send({ type: "lock", value: !state?.is_locked })}
           >
             Lock
@@ -160,11 +166,13 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
         </p>
         <div class="actions">
           {!question.is_revealed && (
-            <Button kind="primary" onClick={() => room.send({ type: "reveal" })}>
+            <Button kind="primary" disabled={!room.isConnected.value} onClick={() => room.send({ type: "reveal" })}>
               Reveal
             </Button>
           )}
-          <Button onClick={() => room.send({ type: "close" })}>Close the question</Button>
+          <Button disabled={!room.isConnected.value} onClick={() => room.send({ type: "close" })}>
+            Close the question
+          </Button>
         </div>
       </div>
     </section>

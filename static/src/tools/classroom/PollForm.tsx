@@ -3,8 +3,18 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Classroom } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { Choice } from "../../ui/Choice";
+import { letterOf } from "./histogram";
 
 const MOST_OPTIONS = 8;
+
+/** A number as it is written, with a point or a comma; null for an empty field, NaN for what is none. */
+const numberIn = (text: string): number | null => (text.trim() === "" ? null : Number(text.trim().replace(",", ".")));
+
+/** The index that the right option has among those that are not empty; null for none. */
+function rightAmong(options: readonly string[], right: number): number | null {
+  if (!options[right]?.trim()) return null;
+  return options.slice(0, right).filter((one) => one.trim()).length;
+}
 
 /** A form for a question that is made on the spot: options to choose from, or a number to guess. */
 export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly isOpen: Signal<boolean> }) {
@@ -15,6 +25,9 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
   const low = useSignal("0");
   const high = useSignal("100");
   const unit = useSignal("");
+  /** The right one of the options, −1 for none; and the right number, empty for none. */
+  const rightOption = useSignal(-1);
+  const rightNumber = useSignal("");
   const open = isOpen.value;
   useEffect(() => {
     if (open && !dialog.current?.open) dialog.current?.showModal();
@@ -22,15 +35,21 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
   }, [open]);
   const given = options.value.map((one) => one.trim()).filter(Boolean);
   const isAxis = kind.value === "number";
+  const from = numberIn(low.value);
+  const to = numberIn(high.value);
+  const right = isAxis ? numberIn(rightNumber.value) : rightAmong(options.value, rightOption.value);
   const isReady =
+    room.isConnected.value &&
     text.value.trim() !== "" &&
-    (isAxis ? low.value !== "" && high.value !== "" && Number(low.value) < Number(high.value) : given.length >= 2);
+    (isAxis ? from !== null && to !== null && from < to && !Number.isNaN(right) : given.length >= 2);
   const ask = (): void => {
     if (!isReady) return;
-    const axis = { low: Number(low.value), high: Number(high.value), unit: unit.value.trim() };
-    room.send({ type: "ask", text: text.value, ...(isAxis ? { axis } : { options: given }) });
+    const axis = { low: from ?? 0, high: to ?? 0, unit: unit.value.trim() };
+    const known = right === null ? {} : { right };
+    room.send({ type: "ask", text: text.value, ...(isAxis ? { axis } : { options: given }), ...known });
     isOpen.value = false;
-    text.value = "";
+    text.value = rightNumber.value = "";
+    rightOption.value = -1;
   };
   const change = (at: number, value: string): void => {
     options.value = options.value.map((one, i) => (i === at ? value : one));
@@ -80,6 +99,7 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
                 ["From", low],
                 ["To", high],
                 ["Unit", unit],
+                ["Right (if any)", rightNumber],
               ] as const
             ).map(([label, value]) => (
               <label class="field" key={label}>
@@ -99,15 +119,25 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
         ) : (
           <>
             {options.value.map((option, i) => (
-              <label class="field" key={i}>
-                <span class="field-label">Option {String.fromCharCode(65 + i)}</span>
-                <input
-                  class="field-text"
-                  maxLength={300}
-                  value={option}
-                  onInput={(event) => change(i, event.currentTarget.value)}
+              <div class="class-poll-option" key={i}>
+                <label class="field">
+                  <span class="field-label">Option {letterOf(i)}</span>
+                  <input
+                    class="field-text"
+                    maxLength={300}
+                    value={option}
+                    onInput={(event) => change(i, event.currentTarget.value)}
+                  />
+                </label>
+                <Button
+                  pressed={rightOption.value === i}
+                  icon="check"
+                  label={`Mark ${letterOf(i)} as right`}
+                  onClick={() => {
+                    rightOption.value = rightOption.peek() === i ? -1 : i;
+                  }}
                 />
-              </label>
+              </div>
             ))}
             {options.value.length < MOST_OPTIONS && (
               <Button
@@ -122,6 +152,10 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
             )}
           </>
         )}
+        <p class="quiet">
+          {isAxis ? "The right number is" : "A right option, marked with ✓, is"} shown to the class with the result.
+        </p>
+        {!room.isConnected.value && <p role="status">The class cannot be reached now. Connecting …</p>}
         <div class="dialog-actions">
           <Button
             onClick={() => {

@@ -6,16 +6,17 @@ import { Icon } from "../../../ui/Icon";
 import { toast } from "../../../ui/Toast";
 import { DeckRow, type Drag } from "./DeckRow";
 import { type Deck, LONGEST_TITLE, readDeckFile, type Slide, titleOf, WHOLE_LECTURE, writtenDeck } from "./deck";
-import { reordered } from "./deckOrder";
+import { numberOf, onlyOne, reordered, shown as shownSlide } from "./deckOrder";
 import { SlideForm } from "./SlideForm";
 import { SlidePicture } from "./SlidePicture";
 import { deck, deckLink, hashOf, LAST_STEP, place, takeDeck } from "./state";
 import { ThumbnailMaker } from "./Thumbnail";
 
-/** Change the slides; the present slide stays, where it still is there. */
-async function change(slides: readonly Slide[]): Promise<void> {
-  const now = deck.peek().slides[place.peek().index];
-  const index = now ? slides.indexOf(now) : -1;
+/** Change the slides; the present slide, at `index` of them, stays, where it still is there. */
+async function change(
+  slides: readonly Slide[],
+  index = slides.indexOf(deck.peek().slides[place.peek().index] as Slide),
+): Promise<void> {
   const title = deck.peek() === WHOLE_LECTURE ? `${WHOLE_LECTURE.title}, my deck` : deck.peek().title;
   await takeDeck({ title, slides }, index >= 0 ? { index, step: place.peek().step } : undefined);
 }
@@ -32,7 +33,22 @@ function Slides() {
   const edited = useSignal(-1);
   const atHand = useSignal(place.peek().index);
   const said = useSignal("");
-  useEffect(() => () => clearTimeout(timer.current), []);
+  const onlyShown = useSignal(false);
+  useEffect(() => {
+    const frame = requestAnimationFrame(() => {
+      // Once the dialog is open: rows have no place before.
+      const row = list.current?.children[place.peek().index];
+      if (list.current && row instanceof HTMLElement) list.current.scrollTop = row.offsetTop;
+    });
+    return () => {
+      cancelAnimationFrame(frame);
+      clearTimeout(timer.current);
+    };
+  }, []);
+  const isShown = slides.map((slide) => !slide.hidden);
+  const count = isShown.filter(Boolean).length;
+  const present = place.value.index;
+  const lastRow = onlyShown.value ? isShown.lastIndexOf(true) : slides.length - 1;
   const shown = Math.min(atHand.value, slides.length - 1);
   const title = titleOf(slides[shown] as Slide);
   const move = async (from: number, to: number): Promise<void> => {
@@ -52,13 +68,38 @@ function Slides() {
   };
   return (
     <div class="deck-slides">
-      <ol class="deck-list" ref={list}>
+      <div class="deck-choice">
+        <p>
+          {count} of {slides.length} slides are shown
+        </p>
+        <div class="actions">
+          <Button
+            disabled={count === 1 && isShown[present] === true}
+            onClick={() => void change(onlyOne(slides, present), present)}
+          >
+            Hide all but the present slide
+          </Button>
+          <Button disabled={count === slides.length} onClick={() => void change(slides.map(shownSlide), present)}>
+            Show all
+          </Button>
+          <Button
+            pressed={onlyShown.value}
+            onClick={() => {
+              onlyShown.value = !onlyShown.peek();
+            }}
+          >
+            List only the shown ones
+          </Button>
+        </div>
+      </div>
+      <ol class={`deck-list ${onlyShown.value ? "only-shown" : ""}`} ref={list}>
         {slides.map((slide, i) => (
           <DeckRow
             key={`${titleOf(slide)} ${i}`}
             slide={slide}
             index={i}
-            count={slides.length}
+            isShown={isShown}
+            isLast={i === lastRow}
             drag={drag}
             edited={edited}
             onMove={(to) => void move(i, to)}
@@ -75,9 +116,7 @@ function Slides() {
       <ThumbnailMaker />
       <figure class="deck-picture">
         <SlidePicture hash={hashOf({ index: shown, step: LAST_STEP })} title={`Picture of “${title}”`} />
-        <figcaption>
-          {shown + 1}: {title}
-        </figcaption>
+        <figcaption>{isShown[shown] ? `${numberOf(isShown, shown)}: ${title}` : `${title} (hidden)`}</figcaption>
       </figure>
       <p class="visually-hidden" role="status">
         {said.value}

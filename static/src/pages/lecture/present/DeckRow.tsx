@@ -2,7 +2,7 @@ import type { Signal } from "@preact/signals";
 import { Button } from "../../../ui/Button";
 import { Icon } from "../../../ui/Icon";
 import { type Slide, titleOf } from "./deck";
-import { gapAt, indexAfter, keyedIndex } from "./deckOrder";
+import { gapAt, indexAfter, keyedIndex, numberOf, shown } from "./deckOrder";
 import { type OwnSlide, SlideForm } from "./SlideForm";
 import { Thumbnail } from "./Thumbnail";
 
@@ -17,7 +17,10 @@ export interface Drag {
 interface DeckRowProps {
   readonly slide: Slide;
   readonly index: number;
-  readonly count: number;
+  /** Whether each of the slides is shown. */
+  readonly isShown: readonly boolean[];
+  /** Whether it is the last row of the list. */
+  readonly isLast: boolean;
   readonly drag: Signal<Drag | null>;
   /** The index of the slide whose form is open, −1 for none. */
   readonly edited: Signal<number>;
@@ -35,14 +38,14 @@ const EDGE = 36;
 const SCROLL = 14;
 
 /** One slide in the list of the deck. */
-export function DeckRow({ slide, index, count, drag, edited, onMove, onChange, onLook }: DeckRowProps) {
+export function DeckRow({ slide, index, isShown, isLast, drag, edited, onMove, onChange, onLook }: DeckRowProps) {
   const title = titleOf(slide);
   const own: OwnSlide | null = "section" in slide ? null : slide;
   const held = drag.value;
-  const hide = (): void => {
-    const { hidden, ...rest } = slide;
-    onChange(hidden ? (rest as Slide) : { ...slide, hidden: true });
-  };
+  const count = isShown.length;
+  const up = keyedIndex("ArrowUp", index, isShown) ?? index;
+  const down = keyedIndex("ArrowDown", index, isShown) ?? index;
+  const hide = (): void => onChange(slide.hidden ? shown(slide) : { ...slide, hidden: true });
   const take = (event: PointerEvent): void => {
     if (event.button !== 0) return;
     (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
@@ -72,7 +75,7 @@ export function DeckRow({ slide, index, count, drag, edited, onMove, onChange, o
     slide.hidden && "is-hidden",
     held?.from === index && "is-dragged",
     held?.gap === index && "takes-before",
-    held?.gap === count && index === count - 1 && "takes-after",
+    held?.gap === count && isLast && "takes-after",
   ].filter(Boolean);
   return (
     <li class={["deck-row", ...marks].join(" ")} onPointerEnter={onLook} onFocusCapture={onLook}>
@@ -88,7 +91,7 @@ export function DeckRow({ slide, index, count, drag, edited, onMove, onChange, o
           drag.value = null;
         }}
         onKeyDown={(event) => {
-          const to = keyedIndex(event.key, index, count);
+          const to = keyedIndex(event.key, index, isShown);
           if (to === null) return;
           event.preventDefault();
           onMove(to);
@@ -96,26 +99,20 @@ export function DeckRow({ slide, index, count, drag, edited, onMove, onChange, o
       >
         <Icon name="grip" />
       </button>
-      <span class="deck-row-number">{index + 1}</span>
+      <span class="deck-row-number">{slide.hidden ? "" : numberOf(isShown, index)}</span>
       <Thumbnail slide={slide} />
       <span class="deck-row-title">
         {title}
         {own && <small> {KIND_NAMES[slide.kind]}</small>}
         {slide.hidden && <small> hidden</small>}
       </span>
-      <Button
-        kind="quiet"
-        icon="up"
-        label={`Move “${title}” up`}
-        disabled={index === 0}
-        onClick={() => onMove(index - 1)}
-      />
+      <Button kind="quiet" icon="up" label={`Move “${title}” up`} disabled={up === index} onClick={() => onMove(up)} />
       <Button
         kind="quiet"
         icon="unfold"
         label={`Move “${title}” down`}
-        disabled={index === count - 1}
-        onClick={() => onMove(index + 1)}
+        disabled={down === index}
+        onClick={() => onMove(down)}
       />
       <Button
         kind="quiet"

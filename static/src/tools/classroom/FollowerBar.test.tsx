@@ -1,0 +1,48 @@
+// @vitest-environment happy-dom
+import { signal } from "@preact/signals";
+import { h, render } from "preact";
+import { act } from "preact/test-utils";
+import { afterEach, expect, test } from "vitest";
+import type { Classroom } from "../../store/classroom";
+import { FollowerBar } from "./FollowerBar";
+
+afterEach(() => render(null, document.body));
+
+/** Show the line of a follower below the view that the lecturer controls; returns the view and a second place. */
+function shown(drives: boolean): readonly HTMLElement[] {
+  const room = {
+    state: signal({ question: null, present: 1, puzzle: null }),
+    welcome: signal({ number: 1 }),
+    shown: signal({ stage: 1, view: { page: "lab" } }),
+    own: signal(null),
+    isConnected: signal(true),
+    isOutdated: signal(false),
+    isOver: signal(false),
+    asksForRobot: signal(false),
+    drives: signal(drives),
+  };
+  const page = h("div", {}, [
+    h("main", { class: "is-following" }),
+    h("header", {}),
+    h(FollowerBar, { room: room as unknown as Classroom }),
+  ]);
+  act(() => render(page, document.body));
+  return [...document.querySelectorAll<HTMLElement>("main, header")];
+}
+
+const status = (): string => document.querySelector("[role=status]")?.textContent ?? "";
+
+test("a follower who clicks what the lecturer controls is told of the copy", () => {
+  const [view, elsewhere] = shown(false);
+  expect(status()).toContain("Following the lecturer.");
+  act(() => view?.click());
+  expect(status()).toContain("“Try it yourself” gives you a copy.");
+  act(() => elsewhere?.click());
+  expect(status()).toContain("Following the lecturer.");
+});
+
+test("who drives the robot is not told so", () => {
+  const [view] = shown(true);
+  act(() => view?.click());
+  expect(status()).toContain("You drive the robot");
+});

@@ -1,0 +1,17 @@
+import { Button } from "../../ui/Button";
+
+/** In place of the line of a class: the server was replaced by a newer one while the page was open. */
+export function OutdatedPage() {
+  return (
+    <aside class="class-bar-box no-print" aria-label="Class">
+      <div class="class-line">
+        <p role="alert">This page is older than the server. Reload the page.</p>
+        <div class="actions">
+          <Button kind="primary" icon="restart" onClick={() => location.reload()}>
+            Reload
+          </Button>
+        </div>
+      </div>
+    </aside>
+  );
+}
