@@ -75,7 +75,7 @@ def fail(message: str) -> NoReturn:
 
 @contextmanager
 def refusing(path: Path) -> Iterator[None]:
-    """Report the mapper's errors on the file at ``path`` as one sentence, and a log where a map or a cloud is needed."""
+    """Report the mapper's errors on the file at ``path`` as one sentence, and a log in place of a map or a cloud."""
     try:
         yield
     except MapperError as error:
