@@ -100,7 +100,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   return (
     <div class="viewer">
       <Head store={store} onClose={onClose}>
-        {!isGuest && <HealOffer doctor={doctor} healing={healing} onHeal={onHeal} />}
+        {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
       </Head>
       <div class="viewer-stage">
         <div class="viewer-map">

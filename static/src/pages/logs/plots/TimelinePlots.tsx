@@ -25,10 +25,10 @@ import type { TimelinePlotsState } from "./timelinePlots";
 
 /** Colour roles: the robot's motion, its readings, the clock. */
 const TONES: Record<string, string> = { returns: "--miss", interval: "--foreground-soft" };
-/** What is shown at first; on a narrow screen, the first of these. */
+/** What is shown at first; in a small window, so that the map has room, fewer. */
 const FIRST = ["speed", "turn rate", "turn", "returns", "pose step"];
-const NARROW_FIRST = ["speed", "turn", "returns"];
-const NARROW_PX = 704;
+const FIRST_IF_SMALL = ["speed", "turn", "returns"];
+const isSmall = (): boolean => innerWidth < 704 || innerHeight < 800;
 
 /** What the numbers are, as the switches explain them. */
 const MEANINGS: Record<string, string> = {
@@ -51,7 +51,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   const failure = useSignal<string | null>(null);
   const zoom = useSignal<Span | null>(null);
   const whole = useSignal<Span>([0, 1]);
-  const shown = useSignal<readonly string[]>(innerWidth < NARROW_PX ? NARROW_FIRST : FIRST);
+  const shown = useSignal<readonly string[]>(isSmall() ? FIRST_IF_SMALL : FIRST);
   const pointed = useSignal<number | null>(null);
   const trajectory = store.trajectory.value;
   const span = zoom.value;
