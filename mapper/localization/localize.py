@@ -67,7 +67,8 @@ def odometry_of(log: ScanLog, trajectory: str | None = None) -> str:
     if not moving:
         raise ConfigError(
             "localization.no_odometry",
-            "The log has no odometry: localization needs to know how the robot moved between its scans.",
+            "The log has no odometry: localization needs to know how the robot moved between its scans. Add a "
+            "trajectory to the log, as SLAM makes one of the scans alone.",
         )
     return moving[0]
 

@@ -61,6 +61,12 @@ FirstScans = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
+#: Codes of files that are no map, or no cloud → what is said where they are logs.
+_A_MAP = "This is a log, and a map is needed here. `gridbloom map {path} --out out/map` makes one: out/map.yaml."
+_A_CLOUD = "This is a log, and a file of a point cloud is needed here, as PCD, PLY or LAS."
+NOT_A_LOG = {"map.yaml": _A_MAP, "map.key_missing": _A_MAP, "cloud.format": _A_CLOUD}
+
+
 def fail(message: str) -> NoReturn:
     """Print an error sentence and end the command."""
     typer.echo(f"gridbloom: {message}", err=True)
@@ -69,11 +75,21 @@ def fail(message: str) -> NoReturn:
 
 @contextmanager
 def refusing(path: Path) -> Iterator[None]:
-    """Report the mapper's errors on the file at ``path`` as one sentence."""
+    """Report the mapper's errors on the file at ``path`` as one sentence, and a log in place of a map or a cloud."""
     try:
         yield
     except MapperError as error:
-        fail(f"{path}: {error.message}")
+        fail(f"{path}: {_instead_of(path, error.code) or error.message}")
+
+
+def _instead_of(path: Path, code: str) -> str | None:
+    """Return what to do where a file that was read as no map, or as no cloud, is a log; None where it is none."""
+    wanted = next((text for begins, text in NOT_A_LOG.items() if code.startswith(begins)), None)
+    if wanted is None:
+        return None
+    from mapper.io.logs import is_log  # noqa: PLC0415 - only on an error
+
+    return wanted.format(path=path) if is_log(path) else None
 
 
 def print_json(values: dict[str, Any]) -> None:

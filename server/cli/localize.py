@@ -14,6 +14,7 @@ from server.cli.common import (
     LogPath,
     TopicNames,
     TrajectoryName,
+    TumTrajectory,
     fail,
     numbers,
     print_json,
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from mapper.localization import LocalizationConfig, Localized
     from mapper.sensors.scan import ScanLog
 
+#: How the command is given odometry that the log lacks.
+NO_ODOMETRY = " `gridbloom slam {log} --out out/slam` writes it: then add --tum-trajectory out/slam.tum here."
 COVARIANCE = ".covariance.csv"
 LEAST_CONVERGED = 0.5  #: of the scans since the filter first converged: a smaller share is said
 
@@ -57,6 +60,7 @@ def localize(
     seed: Annotated[int, typer.Option(min=0, metavar="N", help="Of the random numbers. [0]", show_default=False)] = 0,
     topic: TopicNames = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the robot of a log in a map, by its odometry and its scans (Monte Carlo localization)."""
@@ -79,14 +83,16 @@ def localize(
         except OSError as error:
             fail(f"{out}: the file cannot be written: {error.strerror}.")
     topics = list(dict.fromkeys(topic or ()))
-    scans = read_joint(log, topics) if len(topics) > 1 else read_log(log, topics[0] if topics else None)
+    one = topics[0] if topics else None
+    scans = read_joint(log, topics, tum_trajectory) if len(topics) > 1 else read_log(log, one, tum_trajectory)
     with progress_bar("Localizing") as bar:
         try:
             found = localize_log(
                 scans, loaded.grid, config, trajectory=trajectory, initial_pose=begin, seed=seed, progress=bar
             )
         except MapperError as error:
-            fail(f"{log} in {map_file}: {error.message}")
+            remedy = NO_ODOMETRY.format(log=log) if error.code == "localization.no_odometry" else ""
+            fail(f"{log} in {map_file}: {error.message}{remedy}")
     written = [] if out is None else _write(out, scans, found, loaded.description.frame or "map")
     notes = [*scans.notes, *loaded.notes]
     if ignored:

@@ -16,7 +16,12 @@ from server.imports import fast_imports
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on. [127.0.0.1]")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on; 0 chooses a free one. [8000]")] = None,
-    data_dir: Annotated[Path | None, typer.Option(help="Folder for uploaded logs.")] = None,
+    data_dir: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for uploaded logs. [gridbloom in the folder XDG_DATA_HOME, by default ~/.local/share]"
+        ),
+    ] = None,
     blobs: Annotated[str | None, typer.Option(help="Store of the logs' files: a folder or s3://BUCKET/PREFIX.")] = None,
     database: Annotated[
         str | None, typer.Option(help="Database of the logs' records, sqlite:/// or postgresql://.")

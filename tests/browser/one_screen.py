@@ -11,6 +11,7 @@ from playwright.sync_api import ElementHandle, Error, Locator, Page
 from tests.browser.looking import await_true, carried_out
 
 FULL_SCREEN = "Full screen"  #: the name of the button that shows a group alone
+PLOTS = "Plots"  #: the button of the plots below the timeline
 SIZES = ((1280, 720), (1440, 900), (1920, 1080), (1024, 768))
 
 # What is used: no explanations, no links, no files, no number fields, whose slider stands beside it.
@@ -190,6 +191,23 @@ class Screen:
             await_true(self.page, "() => document.fullscreenElement")
             self.page.evaluate("() => document.exitFullscreen()")
             self.page.evaluate(_STILL, self.pictures)
+        if name == PLOTS:
+            self._plots_take_their_room_from_the_picture()
+
+    def _plots_take_their_room_from_the_picture(self) -> None:
+        """They and the picture are in the viewport, one below the other; without them the picture is as before."""
+        plots = self.page.locator(".timeline-plots")
+        self.page.locator(".timeline-plots .u-over").first.wait_for()
+        self.page.evaluate(_STILL, self.pictures)
+        below, picture = plots.bounding_box(), self.page.locator(self.pictures).last.bounding_box()
+        assert below is not None
+        assert picture is not None
+        assert picture["height"] >= 140, (self._size, picture)
+        assert picture["y"] + picture["height"] <= below["y"], (self._size, picture, below)
+        assert below["y"] + below["height"] <= self._size[1], (self._size, below)
+        self.page.get_by_role("button", name=PLOTS, exact=True).click()
+        plots.wait_for(state="detached")
+        self.page.evaluate(_STILL, self.pictures)
 
 
 @dataclass

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,43 @@ def seek(page: Page, index: int) -> None:
     page.evaluate("(index) => gridbloom.connection.store.send({ type: 'pause' })")
     page.evaluate("(index) => gridbloom.connection.store.send({ type: 'seek', index })", index)
     until("the moment", lambda: frame(page)["index"] == index)
+
+
+def plots_under_the_timeline(page: Page) -> None:
+    """The cursor is that of the timeline both ways, a click goes to the moment, a drag zooms, and keys do the same."""
+    page.get_by_role("button", name="Plots", exact=True).click()
+    panel = page.get_by_role("region", name="Plots over the log")
+    over = panel.locator('[data-strip="speed"] .u-over')
+    expect(over).to_be_visible()
+    expect(panel.locator('[data-strip="returns"] output')).to_have_text("100 %")
+    expect(panel.locator('[data-strip="speed"] output')).to_have_text("1.00 m/s")  # 0.05 m in 0.05 s, twice
+    page.wait_for_function("() => document.querySelector('.strips').clientWidth <= innerWidth")
+    box = over.bounding_box()
+    assert box is not None
+    middle = box["y"] + 0.5 * box["height"]
+    page.mouse.move(box["x"] + 0.25 * box["width"], middle)
+    expect(page.locator(".timeline-preview")).to_have_text(re.compile(r"scan (9|10|11) · 0:00|scan 11 · 0:01"))
+    page.mouse.click(box["x"] + 0.25 * box["width"], middle)
+    until("a quarter of the log", lambda: abs(frame(page)["index"] - 10) <= 1)
+
+    page.mouse.move(box["x"] + 0.5 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.75 * box["width"], middle, steps=4)
+    page.mouse.up()
+    slider = panel.get_by_role("slider", name="Moment in the plots")
+    until("the third quarter", lambda: abs(float(slider.get_attribute("aria-valuemin") or 0) - 1.95) < 0.1)
+    expect(panel.get_by_role("button", name="Show the whole log")).to_be_enabled()
+
+    page.mouse.move(5, 5)
+    slider.focus()
+    slider.press("End")
+    expect(slider).to_have_attribute("aria-valuetext", re.compile("^0:02, scan (29|30|31). speed 1.00 m/s"))
+    slider.press("Enter")
+    until("the end of the interval", lambda: abs(frame(page)["index"] - 30) <= 1)
+    slider.press("Escape")
+    expect(panel.get_by_role("button", name="Show the whole log")).to_be_disabled()
+    page.get_by_role("button", name="Plots", exact=True).click()
+    expect(panel).to_have_count(0)
 
 
 def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None:
@@ -48,6 +86,8 @@ def test_what_a_recording_holds(page: Page, server: str, tmp_path: Path) -> None
     assert box is not None
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     until("the middle of the log", lambda: abs(frame(page)["index"] - 5 * SECONDS) <= 2)
+
+    plots_under_the_timeline(page)
 
     frames = open_group(page, "Frames")
     seek(page, 10)

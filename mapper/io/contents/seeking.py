@@ -16,7 +16,7 @@ from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.contents.bag_index import indexed_message
 from mapper.io.logs import mcap_file, ros1_bag, ros2_db3
-from mapper.io.logs.archive import Source
+from mapper.io.logs.archive import Member, Source
 from mapper.io.logs.container import Container
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.names import printable
@@ -105,6 +105,8 @@ def message_at(path: Path, topic: str, at_ns: int, limits: Limits = DEFAULT_LIMI
 
 
 def _found_in(file: Source, kind: Container, topic: str, at_ns: int, limits: Limits) -> FoundMessage | None:
+    if isinstance(file, Member) and file.unpacked is not None and kind is not ros2_db3.ROS2_DB3:
+        return read_up_to(file, kind, topic, at_ns, limits)  # an index leads back and forth, and back is slow there
     if kind is mcap_file.MCAP:
         try:
             found = _by_index_of_mcap(file, topic, at_ns, limits)

@@ -10,7 +10,8 @@ Python's own ``tarfile`` is not used: it takes a name of any length into memory,
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Literal
 
@@ -29,17 +30,22 @@ REGULAR, WITHOUT_DATA, LONG_NAME, EXTENDED = b"0\x007", b"123456", b"L", b"x"
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A file in an archive: ``size`` bytes of the file ``archive``, from ``at`` on. Opened as a path is."""
+    """A file in an archive: ``size`` bytes of the file ``archive``, from ``at`` on. Opened as a path is.
+
+    ``unpacked`` opens what a packed archive expands to, where ``at`` is a place in that; None: it is not packed.
+    """
 
     name: str
     folder: str
     archive: Path
     at: int
     size: int
+    unpacked: Callable[[Path], BinaryIO] | None = field(default=None, compare=False)
 
     def open(self, mode: Literal["rb"] = "rb") -> BinaryIO:
         """Return its bytes as a file. Raises :class:`OSError`."""
-        window: io.RawIOBase = _Window(self.archive.open(mode), self.at, self.size)
+        file = self.archive.open(mode) if self.unpacked is None else self.unpacked(self.archive)
+        window: io.RawIOBase = _Window(file, self.at, self.size)
         return io.BufferedReader(window)
 
 
@@ -85,13 +91,16 @@ def is_tar(head: bytes) -> bool:
     return head.startswith(MAGIC, MAGIC_AT)
 
 
-def members(archive: Path, limits: Limits) -> tuple[list[Member], list[str]]:
+def members(
+    archive: Path, limits: Limits, unpacked: Callable[[Path], BinaryIO] | None = None
+) -> tuple[list[Member], list[str]]:
     """Return the files in an archive in its order, without hidden ones, and what is to be noted of its end.
 
+    ``unpacked`` opens what a packed archive expands to; its errors are raised as they are.
     Raises :class:`ReadError` for a file that cannot be read and :class:`LimitError` for too many files.
     """
     found: list[Member] = []
-    with archive.open("rb") as file:
+    with archive.open("rb") if unpacked is None else unpacked(archive) as file:
         end = file.seek(0, io.SEEK_END)
         at = count = 0
         name = ""
@@ -116,7 +125,7 @@ def members(archive: Path, limits: Limits) -> tuple[list[Member], list[str]]:
                 name = ""
                 if kind in REGULAR and last and not last.startswith("."):
                     there = max(0, min(size, end - start))
-                    found.append(Member(printable(last[:200]), folder, archive, start, there))
+                    found.append(Member(printable(last[:200]), folder, archive, start, there, unpacked))
         except _NoHeaderError:
             return found, [f"The archive is damaged at byte {at}: only what precedes is read."]
         except OSError as error:

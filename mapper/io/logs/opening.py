@@ -12,10 +12,11 @@ from pathlib import Path
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
-from mapper.io.logs.archive import BLOCK, Member, Source, is_tar, members
+from mapper.io.logs.archive import Member, Source
 from mapper.io.logs.container import Container, in_order
 from mapper.io.logs.foreign import KNOWN, not_a_log
 from mapper.io.logs.lines import BOM
+from mapper.io.logs.packed_archive import archive_members, is_archive
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
@@ -30,7 +31,7 @@ ARCHIVES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"PK\x03\x04", "a zip archive"),
     (0, b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
     (0, b"Rar!", "a rar archive"),
-    (257, b"ustar", "a packed tar archive"),
+    (257, b"ustar", "a tar archive within an archive"),
 )
 
 Reader = Callable[[Source, Limits, Progress | None, str | None], ScanLog]
@@ -82,8 +83,8 @@ def open_log(
 ) -> ScanLog:
     """Return one range sensor of the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
 
-    Of a folder, or a tar archive of one, the log in it is read: the one file that is a log, the files that ROS 2 split
-    a recording into, a ring of sonars' two.
+    Of a folder, or a tar archive of one, plain or packed, the log in it is read: the one file that is a log, the files
+    that ROS 2 split a recording into, a ring of sonars' two.
     ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
     is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
     which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
@@ -116,7 +117,7 @@ def odometry_records(
     :func:`open_log`.
     """
     file = Path(path)
-    if file.is_dir() or _is_tar(file) or _kind_of(file) is not carmen.read_carmen:
+    if file.is_dir() or is_archive(file) or _kind_of(file) is not carmen.read_carmen:
         return None
     return carmen.read_carmen(file, limits, None, topic).odometry
 
@@ -139,8 +140,8 @@ def parts_of(path: Path, limits: Limits = DEFAULT_LIMITS) -> tuple[Sequence[Sour
     """
     if path.is_dir():
         files, kind = _one_log(_files_in(path, limits), "folder")
-    elif _is_tar(path):
-        files, kind = _one_log(members(path, limits)[0], "archive")
+    elif (archived := archive_members(path, limits)) is not None:
+        files, kind = _one_log(archived[0], "archive")
     else:
         return [path], _kind_of(path)
     return in_order(files) if isinstance(kind, Container) else files, kind
@@ -150,17 +151,12 @@ def _reading(path: Path, limits: Limits, also: MessageSink | None = None) -> Rea
     """Return what reads the log at ``path``; raise :class:`MapperError` where there is none, or several."""
     if path.is_dir():
         return _reading_together(_files_in(path, limits), "folder", path.name, also)
-    if _is_tar(path):
-        files, notes = members(path, limits)
+    if (archived := archive_members(path, limits)) is not None:
+        files, notes = archived
         if notes and not files:
             raise ReadError("log.archive", "The tar archive is damaged, or ends, before the first file in it.")
         return _noting(notes, _reading_together(files, "archive", path.name, also))
     return partial(_reader(_kind_of(path), also), path)
-
-
-def _is_tar(path: Path) -> bool:
-    with opened(path) as file:
-        return is_tar(file.read(BLOCK))
 
 
 def _files_in(folder: Path, limits: Limits) -> list[Source]:

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import asyncio
-import math
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import numpy as np
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
-from pydantic import FiniteFloat
 
 from mapper.core.errors import MapperError
-from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.frame_graph import chain_of, faults, parents_of
-from mapper.io.contents.model import Contents, Series, TopicContents
+from mapper.io.contents.model import Contents, TopicContents
 from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import ScanLog
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, to_its_end, while_connected
+from server.http.request_work import in_turn
+from server.http.routes.clients import client_address, while_connected
+from server.http.series_answer import BUCKETS, Buckets, Seconds, series_answer
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.library import Library
 from server.sessions import SessionRegistry
@@ -30,8 +27,6 @@ from server.sessions.parts import Recording
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
 
 LAST_NS = 1 << 62  #: SQLite's numbers end at twice as much
-
-Seconds = Annotated[FiniteFloat, Query(ge=-1e10, le=1e10)]
 
 
 class NotInspectedError(MapperError):
@@ -164,7 +159,7 @@ async def series(
     topic: Annotated[str, Query(max_length=400)],
     start: Annotated[Seconds | None, Query(description="Seconds; from the beginning where left out.")] = None,
     end: Annotated[Seconds | None, Query(description="Seconds; to the end where left out.")] = None,
-    buckets: Annotated[int, Query(ge=1, le=4000)] = 800,
+    buckets: Buckets = BUCKETS,
 ) -> JSONResponse:
     """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
     held = await _held(sessions, library, visitor, session_id)
@@ -173,44 +168,9 @@ async def series(
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
 
     # A series may have millions of samples: on the event loop it would hold up all streams.
-    async def answer() -> JSONResponse:
-        async with work.of(visitor, client_address(request)):
-            return await to_its_end(asyncio.to_thread(_plotted, one, held.origin_ns, (start, end), buckets))
-
-    return await while_connected(request, answer())
-
-
-def _plotted(one: Series, origin_ns: int, between_s: tuple[float | None, float | None], buckets: int) -> JSONResponse:
-    """Return the answer to :func:`series`, which encodes it when it is made."""
-    all_stamps, all_values = _between(one, origin_ns, *between_s)
-    stamps, values = min_max(all_stamps, all_values, buckets)
-    return JSONResponse(
-        {
-            "topic": one.topic,
-            "type": one.type,
-            "samples": len(all_stamps),
-            "times": ((stamps - origin_ns) * 1e-9).round(6).tolist(),
-            "columns": [
-                {
-                    "label": column.label,
-                    "unit": column.unit,
-                    "plot": column.plot,
-                    "values": [None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
-                }
-                for n, column in enumerate(one.columns)
-            ],
-        }
+    return await in_turn(
+        request, work, visitor, lambda: JSONResponse(series_answer(one, held.origin_ns, start, end, buckets))
     )
-
-
-def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
-    """Return the samples from ``start`` to ``end``, and one more at either end, so that lines reach the edge."""
-    low, high = 0, len(one.stamps_ns)
-    if start is not None:
-        low = max(0, int(np.searchsorted(one.stamps_ns, origin_ns + round(start * 1e9), side="left")) - 1)
-    if end is not None:
-        high = int(np.searchsorted(one.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
-    return one.stamps_ns[low:high], one.values[low:high]
 
 
 @router.get("/{session_id}/contents/picture", response_class=Response)

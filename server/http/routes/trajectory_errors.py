@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
@@ -16,7 +15,7 @@ from mapper.io.contents.downsampling import min_max
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.clients import client_address, to_its_end, while_connected
+from server.http.request_work import in_turn
 from server.http.services import RequestWork, Sessions, Visitor
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -52,12 +51,7 @@ async def errors(
         raise MapperError("session.not_a_log", "Only the trajectories of a log can be compared.")
     log = recording.log
     options = ComparisonOptions(align=align, delta=delta, delta_unit=unit)
-
-    async def found() -> dict[str, Any]:
-        async with work.of(visitor, client_address(request)):
-            return await to_its_end(asyncio.to_thread(_errors, log, reference, estimate, options))
-
-    return await while_connected(request, found())
+    return await in_turn(request, work, visitor, lambda: _errors(log, reference, estimate, options))
 
 
 def _errors(log: ScanLog, reference: str, estimate: str, options: ComparisonOptions) -> dict[str, Any]:

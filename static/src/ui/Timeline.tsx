@@ -16,6 +16,10 @@ interface TimelineProps {
   /** The recorded time at an index, where the log has times. */
   readonly timeAt?: ((index: number) => string) | undefined;
   readonly onSeek: (index: number) => void;
+  /** The index that is pointed at in another view of the same time. */
+  readonly pointed?: number | null;
+  /** Called with the index under the pointer, null when it leaves. */
+  readonly onPoint?: (index: number | null) => void;
   readonly marks?: readonly TimelineMark[];
   /** Called with the id of a mark that was pressed. */
   readonly onMark?: (id: string) => void;
@@ -44,7 +48,7 @@ export function Timeline({ marks = [], onMark, ...bar }: TimelineProps) {
   );
 }
 
-function SeekBar({ index, count, timeAt, onSeek }: Omit<TimelineProps, "marks" | "onMark">) {
+function SeekBar({ index, count, timeAt, onSeek, pointed = null, onPoint }: Omit<TimelineProps, "marks" | "onMark">) {
   const id = useId();
   const track = useRef<HTMLDivElement>(null);
   const dragged = useSignal<number | null>(null);
@@ -53,7 +57,7 @@ function SeekBar({ index, count, timeAt, onSeek }: Omit<TimelineProps, "marks" |
   const shown = dragged.value ?? index;
   const place = placeOf(shown, count);
   const label = (at: number): string => `scan ${at}${timeAt ? ` · ${timeAt(at)}` : ""}`;
-  const preview = dragged.value ?? hovered.value;
+  const preview = dragged.value ?? hovered.value ?? pointed;
 
   const at = (event: PointerEvent): number => {
     const box = track.current?.getBoundingClientRect();
@@ -72,6 +76,7 @@ function SeekBar({ index, count, timeAt, onSeek }: Omit<TimelineProps, "marks" |
   };
   const move = (event: PointerEvent): void => {
     hovered.value = event.pointerType === "mouse" ? at(event) : null;
+    onPoint?.(hovered.value);
     const begins = touched.current !== null && Math.abs(event.clientX - touched.current) > SLOP_TOUCH;
     if (begins) touched.current = null;
     if (begins || dragged.peek() !== null) drag(event);
@@ -103,6 +108,7 @@ function SeekBar({ index, count, timeAt, onSeek }: Omit<TimelineProps, "marks" |
       onPointerCancel={stop}
       onPointerLeave={() => {
         hovered.value = null;
+        onPoint?.(null);
       }}
       onKeyDown={(event) => {
         const next = keyedIndex(event.key, event.shiftKey, shown, count);

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+
 import pytest
 
 from mapper.mapping.parameters import MODELS
@@ -53,3 +55,27 @@ def test_a_bad_log_prints_one_sentence_with_its_path_and_exits_with_status_2(run
     assert (
         run(command, tmp_path / "gone.log").err == f"gridbloom: {tmp_path / 'gone.log'}: There is no file 'gone.log'.\n"
     )
+
+
+@pytest.mark.parametrize(
+    "command", [("costmap",), ("view",), ("path", "--from", "0,0", "--to", "1,1"), ("terrain",)], ids=lambda one: one[0]
+)
+def test_a_log_in_place_of_a_map_or_a_cloud_is_told_as_such(run, log, tmp_path, command):
+    name, *options = command
+    out = [] if name in ("view", "path") else ["--out", tmp_path / "out"]
+    status, printed, err = run(name, log, *options, *out)
+    assert (status, printed) == (2, "")
+    assert (
+        f"{log}: This is a log, and a {'file of a point cloud' if name == 'terrain' else 'map'} is needed here" in err
+    )
+    assert err.count("\n") == 1
+
+
+def test_a_large_log_in_place_of_a_map_is_told_as_such_and_other_files_as_before(run, log, tmp_path):
+    large = tmp_path / "large.log"
+    large.write_bytes(gzip.decompress(log.read_bytes()) * 100)
+    status, _, err = run("view", large)
+    assert status == 2
+    assert f"`gridbloom map {large} --out out/map` makes one" in err
+    (tmp_path / "other.yaml").write_text("a: 1\n")
+    assert "lacks the key 'image'" in run("view", tmp_path / "other.yaml").err

@@ -15,6 +15,8 @@ from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, Localized, amcl_yaml
 from mapper.sensors.scan import ScanLog
 from server.cli.localize import doubt
+from tests.mapper.io.contents.recorded_robot import T0
+from tests.mapper.io.logs import recorded
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.running import Run
 from tests.server.cli.test_slam import carmen
@@ -142,3 +144,29 @@ def test_a_map_without_free_cells(run: Run, files, tmp_path: Path):
     assert (status, printed) == (2, "")
     assert "The map has no free cells" in err
     assert not out.exists()
+
+
+def test_poses_of_a_file_take_the_place_of_odometry_that_the_log_lacks(run: Run, files, tmp_path: Path):
+    _, grid, drive = files
+    log, tum = tmp_path / "bare.mcap", tmp_path / "odometry.tum"
+    angles, limits = (drive.angle_min, drive.angle_increment), (drive.range_min, drive.range_max)
+    scans = [
+        recorded.scan(int(stamp) + T0, ranges, angles=angles, limits=limits)
+        for stamp, ranges in zip(drive.stamps_ns, drive.ranges, strict=True)
+    ]
+    log.write_bytes(recorded.mcap_bytes(scans))
+    command = ("localize", log, "--map", grid, "--json", "--seed", "1", *FEW)
+    status, _, err = run(*command)
+    assert (status, err.count("\n")) == (2, 1)
+    assert f"`gridbloom slam {log} --out out/slam` writes it: then add --tum-trajectory out/slam.tum here." in err
+
+    lines = []
+    for stamp, (x, y, yaw) in zip(drive.stamps_ns, drive.trajectory("odometry").poses, strict=True):
+        at = int(stamp) + T0
+        turned = f"{np.sin(yaw / 2):.9f} {np.cos(yaw / 2):.9f}"
+        lines.append(f"{at // 10**9}.{at % 10**9:09d} {x:.6f} {y:.6f} 0 0 0 {turned}\n")
+    tum.write_text("".join(lines))
+    status, printed, err = run(*command, "--tum-trajectory", tum)
+    assert status == 0, err
+    facts = json.loads(printed)
+    assert (facts["odometry"], facts["last_converged"]) == ("tum", True)

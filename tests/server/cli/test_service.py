@@ -50,3 +50,8 @@ def test_help_imports_neither_numba_nor_the_web_server():
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.endswith("0\n[]\n")
     assert "bench" in done.stdout
+
+
+def test_the_help_of_serve_states_where_uploads_are_kept(run):
+    out = run("serve", "--help").out
+    assert "~/.local/share" in " ".join(out.split())

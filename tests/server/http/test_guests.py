@@ -49,6 +49,7 @@ LINKED_SESSION = {
     ("GET", "/api/sessions/{session_id}/contents/picture"),
     ("GET", "/api/sessions/{session_id}/notes"),
     ("GET", "/api/sessions/{session_id}/trajectory-errors"),
+    ("GET", "/api/sessions/{session_id}/scan-series"),
     ("GET", "/api/sessions/{session_id}/compare"),
     ("PUT", "/api/sessions/{session_id}/compare"),
     ("GET", "/api/sessions/{session_id}/costmap/footprint"),

@@ -11,6 +11,31 @@ import { arrived, isMoving, type LogRecord, listError, logs, PAGE, total, wanted
 import { cancel, dismiss, type Upload, uploadAll, uploads } from "./uploading";
 import { uploadText } from "./uploadText";
 
+/** What can be dropped, by what it is opened as. */
+const FORMATS: readonly (readonly [opened: string, formats: string])[] = [
+  ["A log", "ROS 1 bag, ROS 2 bag (.db3), MCAP, CARMEN, CMU, DP-SLAM, BreezySLAM, CSV, a ring of sonars"],
+  ["In several files", "the folder of a recording, or a tar archive of it (.tar, .tar.gz)"],
+  ["A map to edit", "its yaml and image together"],
+  [
+    "A map in 3D",
+    "PCD, PLY, XYZ, VTK, LAS, LAZ; OctoMap (.graph, .bt, .ot); depth images (7-Scenes, TUM), folder or zip",
+  ],
+];
+
+const Formats = () => (
+  <details class="formats">
+    <summary>All formats</summary>
+    <dl>
+      {FORMATS.map(([opened, formats]) => (
+        <div key={opened}>
+          <dt>{opened}</dt>
+          <dd>{formats}</dd>
+        </div>
+      ))}
+    </dl>
+  </details>
+);
+
 /** The list of all logs, and the drop zone for uploads. */
 export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void }) {
   useEffect(watch, []);
@@ -38,11 +63,10 @@ export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | n
           <strong>Drop a log here: a file, or the folder of a ROS 2 recording</strong>
         </p>
         <p class="quiet">
-          CARMEN, CMU, ROS bag, MCAP, DP-SLAM, BreezySLAM, CSV or a ring of sonars, plain or compressed. For a recording
-          in several files, drop its folder. A map’s yaml and image together are a map to edit. In 3D: PCD, PLY, XYZ,
-          VTK, LAS, LAZ, OctoMap (.graph, .bt, .ot), folders and zips of depth images (7-Scenes, TUM). Your logs are
-          visible in this browser only, unless you share a view.
+          ROS bags, MCAP, CARMEN and other logs, plain or compressed; clouds and maps too. Your logs are visible in this
+          browser only, unless you share a view.
         </p>
+        <Formats />
       </Dropzone>
       {uploads.value.map((one) => (
         <UploadCard key={one.key} upload={one} />

@@ -7,6 +7,7 @@ import type { Trajectory } from "../../wire/protocol";
 import { goToNote } from "./notes/Notes";
 import { scanOf } from "./notes/noteRecords";
 import type { NotesState } from "./notes/useNotes";
+import type { TimelinePlotsState } from "./plots/timelinePlots";
 
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000];
 
@@ -40,10 +41,12 @@ interface TransportProps {
   readonly notes?: NotesState;
   /** Called when a note's mark was pressed. */
   readonly onNote?: () => void;
+  /** The plots below it, of a log of scans. */
+  readonly plots?: TimelinePlotsState;
 }
 
 /** Playback of the log: play, step, seek, speed. */
-export function Transport({ store, unit = "scan", notes, onNote }: TransportProps) {
+export function Transport({ store, unit = "scan", notes, onNote, plots }: TransportProps) {
   const frame = store.frame.value;
   const hello = store.hello.value;
   const playing = frame?.playing ?? false;
@@ -89,6 +92,10 @@ export function Transport({ store, unit = "scan", notes, onNote }: TransportProp
         count={count}
         timeAt={timeAt}
         onSeek={(to) => store.sendSoon({ type: "seek", index: to })}
+        pointed={plots?.inPlots.value ?? null}
+        onPoint={(at) => {
+          if (plots) plots.onTimeline.value = at;
+        }}
         marks={marksOf(notes, trajectory, count)}
         onMark={(id) => {
           const note = notes?.notes.peek()?.find((one) => one.id === id);
@@ -122,6 +129,18 @@ export function Transport({ store, unit = "scan", notes, onNote }: TransportProp
           ))}
         </select>
       </label>
+      {plots && (
+        <Button
+          icon="curve"
+          pressed={plots.isOpen.value}
+          disabled={!frame}
+          onClick={() => {
+            plots.isOpen.value = !plots.isOpen.peek();
+          }}
+        >
+          <span class="plots-word">Plots</span>
+        </Button>
+      )}
     </section>
   );
 }

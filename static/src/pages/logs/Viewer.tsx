@@ -22,6 +22,8 @@ import { useHealing } from "./heal/healing";
 import { useLocalizing } from "./localize/localizing";
 import { NotePins } from "./notes/NotePins";
 import { useNotes } from "./notes/useNotes";
+import { TimelinePlots } from "./plots/TimelinePlots";
+import { useTimelinePlots } from "./plots/timelinePlots";
 import { useSensor } from "./sensor/useSensor";
 import { applySharedView, type GuestOfLink, sharedViewOf } from "./sharedView";
 import { Transport } from "./Transport";
@@ -52,6 +54,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   const localizing = useLocalizing(store, session, guest !== undefined);
   const sensor = useSensor(session, onSensor);
   const notes = useNotes(session, store);
+  const plots = useTimelinePlots();
   const trajectoryErrors = useSignal<TrajectoryErrors | null>(null);
   const openGroup = useOpenGroup(store, "settings");
   const live = useMemo(() => (guest ? null : { ...connection, id: session }), [connection]);
@@ -97,7 +100,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
   return (
     <div class="viewer">
       <Head store={store} onClose={onClose}>
-        {!isGuest && <HealOffer doctor={doctor} healing={healing} onHeal={onHeal} />}
+        {!isGuest && <HealOffer store={store} doctor={doctor} healing={healing} onHeal={onHeal} />}
       </Head>
       <div class="viewer-stage">
         <div class="viewer-map">
@@ -126,7 +129,8 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           )}
           <ComputingMap store={store} />
         </div>
-        <Transport store={store} notes={notes} onNote={openNotes} />
+        <Transport store={store} notes={notes} onNote={openNotes} plots={plots} />
+        {plots.isOpen.value && <TimelinePlots store={store} session={session} state={plots} />}
         <div class="viewer-readout">
           {comparison.isOn.value ? (
             <CompareReadout store={store} summedOver={comparison.summedOver.value} />

@@ -106,10 +106,9 @@ def test_a_db3_with_all_data_in_its_journal_gives_advice(tmp_path):
             open_log(single_threaded)
 
 
-@pytest.mark.parametrize("packing", ["zip", "gztar"])
-def test_an_archive_of_a_recording_gives_advice(tmp_path, packing):
+def test_an_archive_of_a_recording_gives_advice(tmp_path):
     recorded.write_rosbag2(tmp_path / "in" / "run", run(), StoragePlugin.MCAP, "mcap")
-    archive = shutil.make_archive(str(tmp_path / "run"), packing, tmp_path / "in")
-    with pytest.raises(ReadError, match=r"The file is a (zip|packed tar) archive: unpack it, and take") as caught:
+    archive = shutil.make_archive(str(tmp_path / "run"), "zip", tmp_path / "in")
+    with pytest.raises(ReadError, match=r"The file is a zip archive: unpack it, and take") as caught:
         open_log(archive)
     assert caught.value.code == "log.archive"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import random
 import tarfile
@@ -47,10 +48,12 @@ def packed(folder: Path, form: int = tarfile.PAX_FORMAT, under: str = "bags/run"
 
 
 @pytest.mark.parametrize("suffix", PLUGINS)
-@pytest.mark.parametrize("by", ["folder", "tar"])
+@pytest.mark.parametrize("by", ["folder", "tar", "tar.gz"])
 def test_a_split_recording_is_one_log(tmp_path, suffix, by):
     folder, whole = split(tmp_path, suffix, 12)
     path = folder if by == "folder" else packed(folder)
+    if by == "tar.gz":
+        path.write_bytes(gzip.compress(path.read_bytes()))
     assert is_log(path)
     shares = list[float]()
     log, expected = open_log(path, progress=shares.append), open_log(whole)

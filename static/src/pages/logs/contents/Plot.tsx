@@ -5,10 +5,10 @@ import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Store } from "../../../store/store";
-import { labelFont } from "../../../style/labelFont";
 import { clock, written } from "../../../ui/numbers";
 import { isDark } from "../../../ui/theme";
 import { useWidth } from "../../../ui/useWidth";
+import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, zoomInto } from "./plotParts";
 import { type SeriesOfTopic, type Span, scanAtTime } from "./series";
 
 interface PlotProps {
@@ -42,7 +42,7 @@ export function Plot({ store, series, plot, zoom }: PlotProps) {
     const element = frame.current;
     if (!element) return;
     const chart = new UPlot(
-      { ...optionsOf(store, element, columns, width), ...(zoom ? zoomInto(zoom) : {}) },
+      { ...optionsOf(store, element, columns, width), ...(zoom ? { cursor: zoomInto(zoom) } : {}) },
       [series.times as number[], ...columns.map((column) => column.values as (number | null)[])],
       element,
     );
@@ -91,32 +91,6 @@ function levelOf(values: readonly (number | null)[]): number | null {
   return known.every((value) => value === first) ? first : null;
 }
 
-/** A drag sets the interval, a double click ends it; uPlot's own zoom would show the coarse values enlarged. */
-function zoomInto(zoom: Signal<Span | null>): Pick<UPlot.Options, "cursor"> {
-  return {
-    cursor: {
-      drag: { x: true, y: false, dist: 6, setScale: false },
-      points: { size: 6 },
-      sync: { key: "log" },
-      bind: {
-        dblclick: () => () => {
-          zoom.value = null;
-          return null;
-        },
-        mouseup: (chart, _, handler) => (event) => {
-          handler(event);
-          const { left, width } = chart.select;
-          if (width > 0) {
-            zoom.value = [chart.posToVal(left, "x"), chart.posToVal(left + width, "x")];
-            chart.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
-          }
-          return null;
-        },
-      },
-    },
-  };
-}
-
 /** The range of each line, for screen readers. */
 function inWords(series: SeriesOfTopic, plot: string): string {
   const lines = series.columns
@@ -135,28 +109,13 @@ function optionsOf(
   columns: SeriesOfTopic["columns"],
   width: number,
 ): UPlot.Options {
-  /** The colour of a role, as a canvas takes it. */
-  const resolved = (role: string): string => {
-    const probe = document.createElement("span");
-    probe.style.color = `var(${role})`;
-    element.append(probe);
-    const found = getComputedStyle(probe).color;
-    probe.remove();
-    return found;
-  };
-  const axisColour = resolved("--foreground-soft");
-  const axis = {
-    font: labelFont(),
-    stroke: axisColour,
-    grid: { stroke: resolved("--line"), width: 1 },
-    ticks: { stroke: resolved("--line") },
-  };
-  const now = resolved("--beam");
+  const axis = axisStyle(element);
+  const now = colourOf(element, "--beam");
   return {
     width,
     height: HEIGHT,
     legend: { show: true, live: true },
-    cursor: { drag: { x: true, y: false, dist: 6 }, points: { size: 6 }, sync: { key: "log" } },
+    cursor: { drag: { x: true, y: false, dist: DRAG_PX }, points: { size: 6 }, sync: { key: "log" } },
     scales: { x: { time: false } },
     axes: [
       { ...axis, size: 26, values: (_, splits) => splits.map((at) => clock(at)), space: 60 },
@@ -168,7 +127,7 @@ function optionsOf(
         const line = LINES[n % LINES.length];
         return {
           label: column.label,
-          stroke: resolved(line?.tone ?? "--foreground"),
+          stroke: colourOf(element, line?.tone ?? "--foreground"),
           width: 1.5,
           dash: line?.dash ?? [],
           points: { show: false },
@@ -180,37 +139,18 @@ function optionsOf(
       draw: [
         (chart) => {
           const at = store.frame.peek()?.stamp;
-          if (at === undefined) return;
-          const x = chart.valToPos(at, "x", true);
-          const { left, top, width: w, height: h } = chart.bbox;
-          if (x < left || x > left + w) return;
-          chart.ctx.save();
-          chart.ctx.strokeStyle = now;
-          chart.ctx.lineWidth = 2 * devicePixelRatio;
-          chart.ctx.setLineDash([]);
-          chart.ctx.beginPath();
-          chart.ctx.moveTo(x, top);
-          chart.ctx.lineTo(x, top + h);
-          chart.ctx.stroke();
-          chart.ctx.restore();
+          if (at !== undefined) drawLineAt(chart, at, now);
         },
       ],
       ready: [
-        (chart) => {
-          let from = 0;
-          chart.over.addEventListener("pointerdown", (event) => {
-            from = event.clientX;
-          });
-          chart.over.addEventListener("click", (event) => {
-            if (Math.abs(event.clientX - from) > 5) return; // a drag, which zooms
+        (chart) =>
+          onClickAt(chart, (seconds) => {
             const trajectory = store.trajectory.peek();
             const count = store.frame.peek()?.count ?? 0;
             if (!trajectory) return;
-            const seconds = chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, "x");
             store.send({ type: "pause" });
             store.send({ type: "seek", index: scanAtTime(trajectory, seconds, count) });
-          });
-        },
+          }),
       ],
     },
   };

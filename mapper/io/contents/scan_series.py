@@ -1,0 +1,84 @@
+"""The motion and the readings of a log from scan to scan, as a series for plots.
+
+Source of the rates: finite differences of consecutive poses, as evo's ``speed`` plot takes them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import wrap_angle
+from mapper.io.contents.model import Column, Series
+from mapper.sensors.joint_log import JointLog, sensors_of
+from mapper.sensors.scan import ScanLog
+
+BLOCK_READINGS = 1 << 22  #: readings that are classified at a time, so that the masks stay small
+
+SPEED = Column("speed", "m/s", "speed")
+TURN_RATE = Column("turn rate", "rad/s", "turn rate")
+TURN = Column("turn", "rad", "turn")
+RETURNS = Column("returns", "%", "returns")
+STEP = Column("pose step", "m", "pose step")
+INTERVAL = Column("interval", "s", "interval")
+
+
+def has_times(log: ScanLog) -> bool:
+    """Return whether the scans have different times; formats without stamps have one for all."""
+    return log.n_scans > 0 and int(log.stamps_ns.max()) > int(log.stamps_ns.min())
+
+
+def scan_series(log: ScanLog, trajectory: str | None = None) -> Series:
+    """Return what each scan of a log measured and how the robot moved since the scan before it.
+
+    Columns: speed (m/s) and turn rate (rad/s) of the base along ``trajectory`` (None: the default) since the scan
+    before, without sign and counter-clockwise; the share of a scan's beams with a measured range
+    (``range_min <= r <= range_max``), per cent; the distance between the two poses, m; the time between the two scans,
+    s. The first scan has no scan before it: NaN, as a rate over a time that does not pass or runs backwards. In order
+    of the scans' times. A log without times (:func:`has_times`) has one second from scan to scan as its stamps, the
+    turn (rad) in place of rates, and no intervals. Of a placeholder's poses nothing is told. Raises
+    :class:`mapper.core.errors.ConfigError` for a trajectory that the log lacks.
+    """
+    along = log.trajectory(trajectory)
+    is_timed = has_times(log)
+    step_xy = np.diff(along.poses[:, :2], axis=0, prepend=np.nan)
+    step = np.hypot(step_xy[:, 0], step_xy[:, 1])
+    turn = _differences(along.poses[:, 2])
+    turn = np.where(np.isnan(turn), np.nan, wrap_angle(turn))
+    interval = _differences(log.stamps_ns.astype(np.float64)) * 1e-9
+    columns: dict[Column, NDArray[np.float64]] = {}
+    if not along.is_placeholder:
+        if is_timed:
+            passed = np.where(interval > 0.0, interval, np.nan)
+            columns |= {SPEED: step / passed, TURN_RATE: turn / passed}
+        else:
+            columns |= {TURN: turn}
+        columns |= {STEP: step}
+    columns |= {RETURNS: 100.0 * _share_of_returns(log)}
+    if is_timed:
+        columns |= {INTERVAL: interval}
+    stamps = log.stamps_ns if is_timed else np.arange(log.n_scans, dtype=np.int64) * 1_000_000_000
+    order = np.argsort(stamps, kind="stable")
+    values = np.column_stack(list(columns.values())).astype(np.float32)
+    return Series("scans", "scan", tuple(columns), stamps[order], values[order])
+
+
+def _differences(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.diff(values, prepend=np.nan)
+
+
+def _share_of_returns(log: ScanLog) -> NDArray[np.float64]:
+    """Return the share of each scan's beams that measured a range, (n_scans,), 0 … 1."""
+    if isinstance(log, JointLog):  # the parts differ in their beams and limits
+        shares = np.empty(log.n_scans)
+        for number, part in enumerate(sensors_of(log)):
+            own = log.part_of_scan == number
+            shares[own] = _share_of_returns(part)[log.scan_of_part[own]]
+        return shares
+    shares = np.zeros(log.n_scans)
+    rows = max(1, BLOCK_READINGS // max(1, log.n_beams))
+    for first in range(0, log.n_scans, rows):
+        ranges = log.ranges[first : first + rows]
+        measured = (ranges >= log.range_min) & (ranges <= log.range_max)
+        shares[first : first + rows] = np.count_nonzero(measured, axis=1) / max(1, log.n_beams)
+    return shares

@@ -1,0 +1,52 @@
+"""A series of numbers over time as JSON, downsampled to the width of a plot."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+import numpy as np
+from fastapi import Query
+from pydantic import FiniteFloat
+
+from mapper.io.contents.downsampling import min_max
+from mapper.io.contents.model import Series
+
+Seconds = Annotated[FiniteFloat, Query(ge=-1e10, le=1e10)]
+Buckets = Annotated[int, Query(ge=1, le=4000, description="Intervals of time, each with at most two rows.")]
+
+BUCKETS = 800
+
+
+def series_answer(one: Series, origin_ns: int, start: float | None, end: float | None, buckets: int) -> dict[str, Any]:
+    """Return the rows of a series from ``start`` to ``end``, seconds since ``origin_ns``; None: its beginning, its end.
+
+    At most ``2 · buckets`` rows, with the least and the greatest value of each bucket; NaN is null.
+    """
+    all_stamps, all_values = _between(one, origin_ns, start, end)
+    stamps, values = min_max(all_stamps, all_values, buckets)
+    return {
+        "topic": one.topic,
+        "type": one.type,
+        "samples": len(all_stamps),
+        "times": ((stamps - origin_ns) * 1e-9).round(6).tolist(),
+        "columns": [
+            {
+                "label": column.label,
+                "unit": column.unit,
+                "plot": column.plot,
+                "values": [None if math.isnan(value) else round(value, 6) for value in values[:, n].tolist()],
+            }
+            for n, column in enumerate(one.columns)
+        ],
+    }
+
+
+def _between(one: Series, origin_ns: int, start: float | None, end: float | None) -> tuple[Any, Any]:
+    """Return the samples from ``start`` to ``end``, and one more at either end, so that lines reach the edge."""
+    low, high = 0, len(one.stamps_ns)
+    if start is not None:
+        low = max(0, int(np.searchsorted(one.stamps_ns, origin_ns + round(start * 1e9), side="left")) - 1)
+    if end is not None:
+        high = int(np.searchsorted(one.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
+    return one.stamps_ns[low:high], one.values[low:high]

@@ -1,0 +1,80 @@
+/** What all plots over the time of a log have in common: colours, axes, the moment of the map, zooming by a drag. */
+
+import type { Signal } from "@preact/signals";
+import type UPlot from "uplot";
+import { labelFont } from "../../../style/labelFont";
+import type { Span } from "./series";
+
+/** Horizontal distance from which a press is a drag, px. */
+export const DRAG_PX = 6;
+
+/** The colour of a role within an element, as a canvas takes it. */
+export function colourOf(element: HTMLElement, role: string): string {
+  const probe = document.createElement("span");
+  probe.style.color = `var(${role})`;
+  element.append(probe);
+  const found = getComputedStyle(probe).color;
+  probe.remove();
+  return found;
+}
+
+export function axisStyle(element: HTMLElement): UPlot.Axis {
+  return {
+    font: labelFont(),
+    stroke: colourOf(element, "--foreground-soft"),
+    grid: { stroke: colourOf(element, "--line"), width: 1 },
+    ticks: { stroke: colourOf(element, "--line") },
+  };
+}
+
+/** A vertical line over the height of a chart. */
+export function drawLineAt(chart: UPlot, at: number, colour: string): void {
+  const x = chart.valToPos(at, "x", true);
+  const { left, top, width, height } = chart.bbox;
+  if (x < left || x > left + width) return;
+  chart.ctx.save();
+  chart.ctx.strokeStyle = colour;
+  chart.ctx.lineWidth = 2 * devicePixelRatio;
+  chart.ctx.setLineDash([]);
+  chart.ctx.beginPath();
+  chart.ctx.moveTo(x, top);
+  chart.ctx.lineTo(x, top + height);
+  chart.ctx.stroke();
+  chart.ctx.restore();
+}
+
+/** Calls `go` with the place on the x axis of each click that is not the end of a drag. */
+export function onClickAt(chart: UPlot, go: (at: number) => void): void {
+  let from = 0;
+  chart.over.addEventListener("pointerdown", (event) => {
+    from = event.clientX;
+  });
+  chart.over.addEventListener("click", (event) => {
+    if (Math.abs(event.clientX - from) >= DRAG_PX) return;
+    go(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, "x"));
+  });
+}
+
+/** A drag sets the interval, a double click ends it; uPlot's own zoom would show the coarse values enlarged. */
+export function zoomInto(zoom: Signal<Span | null>): UPlot.Cursor {
+  return {
+    drag: { x: true, y: false, dist: DRAG_PX, setScale: false },
+    points: { size: 6 },
+    sync: { key: "log" },
+    bind: {
+      dblclick: () => () => {
+        zoom.value = null;
+        return null;
+      },
+      mouseup: (chart, _, handler) => (event) => {
+        handler(event);
+        const { left, width } = chart.select;
+        if (width > 0) {
+          zoom.value = [chart.posToVal(left, "x"), chart.posToVal(left + width, "x")];
+          chart.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+        }
+        return null;
+      },
+    },
+  };
+}

@@ -1,0 +1,140 @@
+/** One low plot over the time of a log, in a column of several with one cursor and one interval. */
+
+import { effect, type Signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import UPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { clock, written } from "../../../ui/numbers";
+import { isDark } from "../../../ui/theme";
+import { useWidth } from "../../../ui/useWidth";
+import { axisStyle, colourOf, drawLineAt, onClickAt, zoomInto } from "../contents/plotParts";
+import type { SeriesColumn, Span } from "../contents/series";
+import type { ScanSeries, Shown } from "./strips";
+
+const HEIGHT = 56;
+const AXIS_HEIGHT = 30;
+const Y_AXIS_WIDTH = 52;
+
+interface StripProps {
+  readonly series: ScanSeries;
+  readonly column: SeriesColumn;
+  readonly shown: Shown;
+  /** Colour role of its line. */
+  readonly tone: string;
+  /** The visible interval. */
+  readonly span: Span;
+  readonly zoom: Signal<Span | null>;
+  /** Where the pointer or the keyboard is on the axis; null nowhere. */
+  readonly pointed: Signal<number | null>;
+  /** The place of the map's moment. */
+  readonly now: Signal<number | null>;
+  /** Whether the axis of time is written below it. */
+  readonly hasAxis: boolean;
+  readonly onGo: (place: number) => void;
+}
+
+export function Strip({ series, column, shown, tone, span, zoom, pointed, now, hasAxis, onGo }: StripProps) {
+  const frame = useRef<HTMLDivElement>(null);
+  const width = useWidth(frame, 600).value;
+  const drawn = useRef<UPlot | null>(null);
+  const scheme = isDark.value;
+  const height = HEIGHT + (hasAxis ? AXIS_HEIGHT : 0);
+  useEffect(() => {
+    const element = frame.current;
+    if (!element) return;
+    const moment = colourOf(element, "--beam");
+    const axis = axisStyle(element);
+    let isPointing = false;
+    const options: UPlot.Options = {
+      width,
+      height,
+      padding: [6, 8, hasAxis ? 0 : 4, 0],
+      legend: { show: false },
+      cursor: { ...zoomInto(zoom), y: false },
+      scales: {
+        x: { time: false, range: () => [span[0], span[1]] },
+        y: { range: () => [shown.low, shown.high] },
+      },
+      axes: [
+        {
+          ...axis,
+          size: hasAxis ? AXIS_HEIGHT : 0,
+          space: 70,
+          gap: 3,
+          values: (_, splits) =>
+            hasAxis ? splits.map((at) => (series.axis === "time" ? timeLabel(at, span) : written(at, 0))) : [],
+          ticks: { ...axis.ticks, show: hasAxis, size: 5 },
+        },
+        { ...axis, size: Y_AXIS_WIDTH, space: 22, gap: 4 },
+      ],
+      series: [
+        {},
+        {
+          label: column.label,
+          stroke: colourOf(element, tone),
+          width: 1.5,
+          spanGaps: true,
+          points: { show: false },
+        },
+      ],
+      hooks: {
+        draw: [
+          (chart) => {
+            const at = now.peek();
+            if (at !== null) drawLineAt(chart, at, moment);
+          },
+        ],
+        setCursor: [
+          (chart) => {
+            // Only of the plot that the pointer is over: its place reaches the others by the signal and by uPlot.
+            if (!isPointing) return;
+            const { left } = chart.cursor;
+            pointed.value = left === undefined || left < 0 ? null : chart.posToVal(left, "x");
+          },
+        ],
+        ready: [
+          (chart) => {
+            onClickAt(chart, onGo);
+            chart.over.addEventListener("pointerenter", () => {
+              isPointing = true;
+            });
+            chart.over.addEventListener("pointerleave", () => {
+              isPointing = false;
+              pointed.value = null;
+            });
+          },
+        ],
+      },
+    };
+    const limited = column.values.map((value) =>
+      value === null ? null : Math.min(shown.high, Math.max(shown.low, value)),
+    );
+    const chart = new UPlot(options, [series.times as number[], limited], element);
+    drawn.current = chart;
+    const stops = [
+      effect(() => {
+        void now.value;
+        chart.redraw(false);
+      }),
+      effect(() => {
+        const at = pointed.value;
+        if (isPointing) return;
+        chart.setCursor({ left: at === null ? -10 : chart.valToPos(at, "x"), top: 0 }, false);
+      }),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+      drawn.current = null;
+      chart.destroy();
+    };
+  }, [series, column, shown, tone, span, hasAxis, scheme]);
+  useEffect(() => {
+    drawn.current?.setSize({ width, height });
+  }, [width, height]);
+  return <div ref={frame} class="strip-plot" aria-hidden="true" style={{ height: `${height}px` }} />;
+}
+
+/** A time on the axis; with tenths of seconds where whole ones would repeat. */
+function timeLabel(at: number, [from, to]: Span): string {
+  return to - from < 8 ? `${clock(at)}.${Math.floor((at % 1) * 10 + 1e-6)}` : clock(at);
+}

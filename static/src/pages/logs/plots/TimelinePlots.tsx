@@ -1,0 +1,222 @@
+/** Plots below the timeline of a log: motion and readings from scan to scan, with the timeline's cursor. */
+
+import { batch, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useId, useMemo } from "preact/hooks";
+import type { Store } from "../../../store/store";
+import { Button } from "../../../ui/Button";
+import { clock } from "../../../ui/numbers";
+import { SwitchChip } from "../../../ui/SwitchChip";
+import { fetchJson } from "../contents/contents";
+import type { Span } from "../contents/series";
+import { Strip } from "./LazyStrip";
+import "./plots.css";
+import {
+  keyedPlace,
+  nearest,
+  placeOfScan,
+  type ScanSeries,
+  scanAtPlace,
+  shownRange,
+  valueText,
+  wholeSpan,
+  zoomedSpan,
+} from "./strips";
+import type { TimelinePlotsState } from "./timelinePlots";
+
+/** Colour roles: the robot's motion, its readings, the clock. */
+const TONES: Record<string, string> = { returns: "--miss", interval: "--foreground-soft" };
+/** What is shown at first; in a small window, so that the map has room, fewer. */
+const FIRST = ["speed", "turn rate", "turn", "returns", "pose step"];
+const FIRST_IF_SMALL = ["speed", "turn", "returns"];
+const isSmall = (): boolean => innerWidth < 704 || innerHeight < 800;
+
+/** What the numbers are, as the switches explain them. */
+const MEANINGS: Record<string, string> = {
+  speed: "Distance between the poses of two consecutive scans by the time between them",
+  "turn rate": "Change of heading between two consecutive scans by the time between them, counter-clockwise",
+  turn: "Change of heading between two consecutive scans, counter-clockwise",
+  "pose step": "Distance between the poses of two consecutive scans: a jump of the poses is a peak",
+  returns: "Share of a scan's beams that measured a range",
+  interval: "Time between two consecutive scans: a gap of the recording is a peak",
+};
+
+interface TimelinePlotsProps {
+  readonly store: Store;
+  readonly session: string;
+  readonly state: TimelinePlotsState;
+}
+
+export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
+  const series = useSignal<ScanSeries | null>(null);
+  const failure = useSignal<string | null>(null);
+  const zoom = useSignal<Span | null>(null);
+  const whole = useSignal<Span>([0, 1]);
+  const shown = useSignal<readonly string[]>(isSmall() ? FIRST_IF_SMALL : FIRST);
+  const pointed = useSignal<number | null>(null);
+  const trajectory = store.trajectory.value;
+  const span = zoom.value;
+  useEffect(() => {
+    zoom.value = null;
+  }, [session, trajectory]);
+  useEffect(() => {
+    pointed.value = null; // the pointer is over another place now
+    const abort = new AbortController();
+    const query = span ? `?start=${span[0]}&end=${span[1]}` : "";
+    const address = `/api/sessions/${encodeURIComponent(session)}/scan-series${query}`;
+    fetchJson<ScanSeries>(address, abort.signal).then(
+      ({ body }) =>
+        batch(() => {
+          failure.value = null;
+          series.value = body;
+          if (!span) whole.value = wholeSpan(body.times);
+        }),
+      (error: Error) => {
+        if (!abort.signal.aborted) failure.value = error.message;
+      },
+    );
+    return () => abort.abort();
+  }, [session, trajectory, span]);
+
+  const axis = series.value?.axis ?? "time";
+  const now = useComputed(() => {
+    const [frame, way] = [store.frame.value, store.trajectory.value];
+    if (!frame || !way || frame.index === 0) return null;
+    return series.value?.axis === "scan" ? frame.index - 1 : frame.stamp;
+  });
+  useSignalEffect(() => {
+    const [index, way] = [state.onTimeline.value, store.trajectory.peek()];
+    if (!way) return;
+    pointed.value = index === null ? null : placeOfScan(series.peek()?.axis ?? "time", way, index);
+  });
+  const scanAt = (place: number): number => {
+    const way = store.trajectory.peek();
+    return way ? scanAtPlace(axis, way, place, store.frame.peek()?.count ?? 0) : 0;
+  };
+  useSignalEffect(() => {
+    const at = pointed.value;
+    state.inPlots.value = at === null || state.onTimeline.peek() !== null ? null : scanAt(at);
+  });
+  useEffect(
+    () => () => {
+      state.inPlots.value = null;
+    },
+    [state],
+  );
+  const go = (place: number): void => {
+    store.send({ type: "pause" });
+    store.send({ type: "seek", index: scanAt(place) });
+  };
+
+  const hint = useId();
+  const found = series.value;
+  const columns = useMemo(
+    () => (found?.columns ?? []).map((column) => ({ column, range: shownRange(column.values) })),
+    [found],
+  );
+  if (failure.value) return <p role="alert">{failure.value}</p>;
+  if (!found) return <p class="quiet">…</p>;
+  const visible = columns.filter(({ column }) => shown.value.includes(column.label));
+  const interval = span ?? whole.value;
+  const at = pointed.value ?? now.value;
+  const row = at === null ? -1 : nearest(found.times, at);
+  const toggle = (label: string, isOn: boolean): void => {
+    shown.value = isOn ? [...shown.peek(), label] : shown.peek().filter((one) => one !== label);
+  };
+  const zoomAround = (factor: number): void => {
+    const middle = (interval[0] + interval[1]) / 2;
+    const held = at !== null && at >= interval[0] && at <= interval[1] ? at : middle;
+    zoom.value = zoomedSpan(interval, whole.peek(), held, factor);
+  };
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.target !== event.currentTarget || event.ctrlKey || event.metaKey || event.altKey) return;
+    const moved = keyedPlace(event.key, event.shiftKey, at ?? interval[0], interval);
+    if (moved !== null) pointed.value = moved;
+    else if (event.key === "Enter" && pointed.peek() !== null) go(pointed.peek() ?? 0);
+    else if (event.key === "+" || event.key === "=") zoomAround(0.5);
+    else if (event.key === "-") zoomAround(2);
+    else if (event.key === "Escape") {
+      zoom.value = null;
+      pointed.value = null;
+    } else return;
+    event.preventDefault();
+  };
+  const place = at === null ? "" : `${axis === "time" ? `${clock(at)}, ` : ""}scan ${scanAt(at)}`;
+  const inWords = visible.map(({ column }) => `${column.label} ${valueText(column, column.values[row])}`).join("; ");
+  return (
+    <section class="timeline-plots" aria-label="Plots over the log">
+      <div class="timeline-plots-head">
+        <fieldset>
+          <legend class="visually-hidden">What is plotted</legend>
+          {columns.map(({ column }) => (
+            <SwitchChip
+              key={column.label}
+              label={column.label}
+              checked={shown.value.includes(column.label)}
+              title={MEANINGS[column.label] ?? ""}
+              onChange={(isOn) => toggle(column.label, isOn)}
+            />
+          ))}
+        </fieldset>
+        <span id={hint} class="timeline-plots-hint">
+          <span class="visually-hidden">Arrow keys move the cursor, Enter goes there, + and − zoom. </span>
+          Click to go there, drag to zoom in.
+        </span>
+        <Button icon="plus" label="Zoom in on the moment" onClick={() => zoomAround(0.5)} />
+        <Button
+          icon="fit"
+          label="Show the whole log"
+          disabled={!span}
+          onClick={() => {
+            zoom.value = null;
+          }}
+        />
+      </div>
+      <div
+        class="strips"
+        role="slider"
+        tabIndex={0}
+        aria-label="Moment in the plots"
+        aria-valuemin={interval[0]}
+        aria-valuemax={interval[1]}
+        aria-valuenow={at ?? interval[0]}
+        aria-valuetext={at === null ? "No moment." : `${place}. ${inWords}`}
+        aria-describedby={hint}
+        onKeyDown={onKey}
+        onBlur={() => {
+          pointed.value = null;
+        }}
+      >
+        {visible.map(({ column, range }, n) => (
+          <div key={column.label} class="strip" data-strip={column.label}>
+            <p class="strip-label">
+              <strong>{column.label}</strong>
+              <output>{valueText(column, column.values[row])}</output>
+              {range?.beyond != null && (
+                <span class="quiet" title="Beyond the edge of the plot">
+                  peak {valueText(column, range.beyond)}
+                </span>
+              )}
+            </p>
+            {range ? (
+              <Strip
+                series={found}
+                column={column}
+                shown={range}
+                tone={TONES[column.label] ?? "--robot"}
+                span={interval}
+                zoom={zoom}
+                pointed={pointed}
+                now={now}
+                hasAxis={n === visible.length - 1}
+                onGo={go}
+              />
+            ) : (
+              <p class="quiet">There are no values.</p>
+            )}
+          </div>
+        ))}
+        {visible.length === 0 && <p class="quiet">Switch on what is to be plotted.</p>}
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,15 @@
+/** What the plots below a log's timeline share with it. */
+
+import { type Signal, useSignal } from "@preact/signals";
+
+export interface TimelinePlotsState {
+  readonly isOpen: Signal<boolean>;
+  /** The number of scans at the pointer's place on the timeline; null where it is not on it. */
+  readonly onTimeline: Signal<number | null>;
+  /** The same of the pointer in the plots. */
+  readonly inPlots: Signal<number | null>;
+}
+
+export function useTimelinePlots(): TimelinePlotsState {
+  return { isOpen: useSignal(false), onTimeline: useSignal(null), inPlots: useSignal(null) };
+}
