@@ -103,7 +103,7 @@ def test_a_new_world_is_shown_before_its_session_says_anything(page: Page, serve
     for picture in pictures.all():
         canvas = picture.locator("canvas")
         expect(canvas).to_be_visible()
-        until("the world, its robot and beams", lambda canvas=canvas: canvas.evaluate(COLOURS) > 10)
+        until("the world, its robot and beams", lambda canvas=canvas: canvas.evaluate(COLOURS) > 10)  # type: ignore[misc]
 
 
 def test_pictures_are_not_black_while_a_known_session_says_nothing(page: Page, server: str) -> None:
