@@ -61,6 +61,13 @@ def test_a_page_opens_without_errors(
     assert scheme in ground or "light dark" in ground
 
 
+#: Of each picture: its upper edge, width and height, pixels.
+PICTURES = """() => [...document.querySelectorAll(".plate-picture")].map((picture) => {
+  const { top, width, height } = picture.getBoundingClientRect();
+  return [top, width, height].map(Math.round);
+})"""
+
+
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
 def test_a_tap_teleports_on_a_phone(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
@@ -75,6 +82,11 @@ def test_a_tap_teleports_on_a_phone(page: Page, server: str) -> None:
     pixel = page.evaluate("(xy) => gridbloom.screen(xy)", target)
     page.touchscreen.tap(box["x"] + pixel[0], box["y"] + pixel[1])
     until("the robot to be there", lambda: abs(frame(page)["pose"][0] - x) > 3.0)
+    # Both pictures share one scale: they are equally large, below each other and, on a tablet, beside each other.
+    world_size, map_size = page.evaluate(PICTURES)
+    assert world_size[1:] == map_size[1:]
+    page.set_viewport_size({"width": 768, "height": 1024})
+    until("both pictures on one line", lambda: len({tuple(one) for one in page.evaluate(PICTURES)}) == 1)
 
 
 def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str) -> None:
