@@ -230,3 +230,20 @@ def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: 
     assert set(printed) == {1}
     page.emulate_media(media="print")
     expect(stage_of(page)).to_be_hidden()
+
+
+def test_on_a_wide_screen_a_figure_stays_beside_its_text(page: Page, server: str) -> None:
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    page.goto(f"{server}/lecture.html#cell")
+    section = page.locator("#cell")
+    title, text, figure = (section.locator(one).first for one in ("h2", ".prose", ".lesson-figure"))
+    for part in (title, text, figure, page.get_by_label("Stage", exact=True)):
+        expect(part).to_be_in_viewport(ratio=1)
+    beside, words = figure.bounding_box(), text.bounding_box()
+    assert beside is not None
+    assert words is not None
+    assert beside["x"] >= words["x"] + words["width"]
+    page.mouse.move(words["x"] + 9, words["y"] + 9)
+    page.mouse.wheel(0, 600)
+    expect(title).not_to_be_in_viewport()
+    expect(figure).to_be_in_viewport(ratio=1)

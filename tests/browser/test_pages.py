@@ -61,6 +61,13 @@ def test_a_page_opens_without_errors(
     assert scheme in ground or "light dark" in ground
 
 
+#: Of each picture: its upper edge, width and height, pixels.
+PICTURES = """() => [...document.querySelectorAll(".plate-picture")].map((picture) => {
+  const { top, width, height } = picture.getBoundingClientRect();
+  return [top, width, height].map(Math.round);
+})"""
+
+
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
 def test_a_tap_teleports_on_a_phone(page: Page, server: str) -> None:
     page.goto(f"{server}/lab.html")
@@ -75,6 +82,11 @@ def test_a_tap_teleports_on_a_phone(page: Page, server: str) -> None:
     pixel = page.evaluate("(xy) => gridbloom.screen(xy)", target)
     page.touchscreen.tap(box["x"] + pixel[0], box["y"] + pixel[1])
     until("the robot to be there", lambda: abs(frame(page)["pose"][0] - x) > 3.0)
+    # Both pictures share one scale: they are equally large, below each other and, on a tablet, beside each other.
+    world_size, map_size = page.evaluate(PICTURES)
+    assert world_size[1:] == map_size[1:]
+    page.set_viewport_size({"width": 768, "height": 1024})
+    until("both pictures on one line", lambda: len({tuple(one) for one in page.evaluate(PICTURES)}) == 1)
 
 
 def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str) -> None:
@@ -85,10 +97,31 @@ def test_the_front_page_leads_to_the_lab_and_to_the_logs(page: Page, server: str
     expect(page.get_by_role("heading", name="Robot logs")).to_be_visible()
 
 
+COLOURS = """canvas => {
+  const ctx = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height })
+    .getContext("2d");
+  ctx.drawImage(canvas, 0, 0);
+  const pixels = new Uint32Array(ctx.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+  return new Set([...pixels].map((pixel) => pixel & 0xffffff)).size;
+}"""
+
+
 @pytest.mark.parametrize("name", ["", "lab.html"])
-def test_pictures_are_not_black_while_their_session_says_nothing(page: Page, server: str, name: str) -> None:
+def test_a_new_world_is_shown_before_its_session_says_anything(page: Page, server: str, name: str) -> None:
     page.route_web_socket(re.compile("/stream"), lambda _: None)  # it opens, and nothing arrives
     page.goto(f"{server}/{name}")
+    pictures = page.get_by_role("application")
+    expect(pictures).to_have_count(2)
+    for picture in pictures.all():
+        canvas = picture.locator("canvas")
+        expect(canvas).to_be_visible()
+        until("the world, its robot and beams", lambda canvas=canvas: canvas.evaluate(COLOURS) > 10)  # type: ignore[misc]
+
+
+def test_pictures_are_not_black_while_a_known_session_says_nothing(page: Page, server: str) -> None:
+    session = page.request.post(f"{server}/api/sessions", data={"kind": "simulation"}).json()["id"]
+    page.route_web_socket(re.compile("/stream"), lambda _: None)
+    page.goto(f"{server}/lab.html?session={session}")
     pictures = page.get_by_role("application")
     expect(pictures).to_have_count(2)
     for picture in pictures.all():

@@ -9,6 +9,7 @@ import { beamModel, INITIAL_PARAMETERS } from "../grid/sensorModel";
 import { Cell } from "../lessons/cell/Cell";
 import type { Picture } from "../render/picture/Picture";
 import { type Connection, connect } from "../store/connect";
+import { firstPicture } from "../store/firstPicture";
 import type { Store } from "../store/store";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { showOther } from "../tools/classroom/pages";
@@ -28,17 +29,23 @@ import { FREE_THRESHOLD, LIVE_RANGE_MAX, LIVE_WINDOW } from "../wire/constants";
 import { exposeHook } from "./debugHook";
 import { Contents } from "./lecture/Contents";
 import { Starting } from "./Starting";
-import { worldSession } from "./worldSession";
+import { shownStore } from "./shownStore";
+import { hadWorld, worldSession } from "./worldSession";
 
 /** The connection to the visitor's own live world; null until there is a session. */
 const connection = signal<Connection | null>(null);
 const session = signal<string | null>(null);
 const trouble = signal<string | null>(null);
+/** What the pictures and the curve show: a recorded picture until the live world has one. */
+const shown = shownStore(
+  computed(() => connection.value?.store ?? null),
+  hadWorld() ? null : firstPicture(),
+);
 
 /** The picture of the belief. */
-let shown: Picture | null = null;
+let beliefPicture: Picture | null = null;
 const onPicture = (picture: Picture): void => {
-  shown = picture;
+  beliefPicture = picture;
 };
 
 async function openWorld(): Promise<void> {
@@ -47,7 +54,7 @@ async function openWorld(): Promise<void> {
     trouble.value = null;
     connection.peek()?.stop();
     const fresh = connect(id);
-    exposeHook(fresh, () => shown);
+    exposeHook(fresh, () => beliefPicture);
     fresh.start();
     session.value = id;
     connection.value = fresh;
@@ -62,6 +69,7 @@ async function openWorld(): Promise<void> {
 
 function Hero() {
   const store = connection.value?.store ?? null;
+  const pictured = shown.value;
   useSignalEffect(() => {
     if (connection.value?.status.value === "gone") void openWorld();
   });
@@ -93,10 +101,12 @@ function Hero() {
       </div>
       <div class="hero-maps">
         <Plate title="The world" note="ground truth">
-          {store && <WorldView store={store} />}
+          {pictured && <WorldView store={pictured} />}
         </Plate>
         <Plate title="The belief" note="the map of the robot">
-          {store && <BeliefView store={store} onTap={(point) => store.teleport(point)} onPicture={onPicture} />}
+          {pictured && (
+            <BeliefView store={pictured} onTap={(point) => pictured.teleport(point)} onPicture={onPicture} />
+          )}
         </Plate>
         {store && <RobotAnnouncement store={store} />}
         <Starting isInside />
@@ -141,7 +151,7 @@ function hasOtherValues(store: Store): boolean {
 /** The inverse sensor model of the map: a curve of which every part can be dragged. */
 function Curve() {
   const view = useProfileView(parameters, reading);
-  const isPointed = Boolean(connection.value?.store.probe.value);
+  const isPointed = Boolean(shown.value?.probe.value);
   return (
     <ProfileFigure
       view={view}
@@ -199,8 +209,8 @@ function setParameter(name: string, value: number): void {
 }
 
 const reading = computed(() => {
-  const store = connection.value?.store;
-  return store && profileReading(store);
+  const store = shown.value;
+  return store ? profileReading(store) : undefined;
 });
 
 /** A sentence on the effect of the clamp, with the current increments. */

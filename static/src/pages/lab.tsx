@@ -8,6 +8,7 @@ import { useMemo, useRef } from "preact/hooks";
 import type { Picture } from "../render/picture/Picture";
 import { classroom, followedCode } from "../store/classroom";
 import { connect } from "../store/connect";
+import { firstPicture } from "../store/firstPicture";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { followPages } from "../tools/classroom/pages";
 import type { Comparison } from "../tools/compare/comparison";
@@ -22,11 +23,12 @@ import { type Live, watchClassSession } from "./classSession";
 import { exposeHook } from "./debugHook";
 import { Connected, Controls } from "./lab/Controls";
 import { groupsOf } from "./lab/groups";
-import { groupFromAddress, visibleState } from "./lab/link";
+import { groupFromAddress, namesNoWorld, visibleState } from "./lab/link";
 import { useReading } from "./lab/reading";
 import { Stage } from "./lab/Stage";
 import { keepAddress, openSession, restore } from "./lab/session";
 import { Starting } from "./Starting";
+import { hasPicture, shownStore } from "./shownStore";
 import { useClass } from "./useClass";
 import { replay } from "./worldSession";
 
@@ -36,8 +38,11 @@ const trouble = signal<string | null>(null);
 const RETRY_MS = 3000;
 /** Read before the address follows the session. */
 const FIRST_GROUP = groupFromAddress();
-/** The map's version before its first tiles arrive. */
-const EMPTY_MAP = 1;
+/** What the pictures show: where the address names no session and no link, a recorded picture until there is a map. */
+const shown = shownStore(
+  computed(() => live.value?.store ?? null),
+  namesNoWorld() && followedCode === null ? firstPicture() : null,
+);
 
 async function connectLab(): Promise<void> {
   try {
@@ -117,7 +122,8 @@ function Lab() {
   // Curve and groups take longer to render, and wait until the pictures show a map.
   const isSeen = useSignal(false);
   useSignalEffect(() => {
-    if (isSeen.peek() || (live.value?.store.mapVersion.value ?? 0) <= EMPTY_MAP) return;
+    const store = live.value?.store;
+    if (isSeen.peek() || !store || !hasPicture(store)) return;
     requestAnimationFrame(() =>
       setTimeout(() => {
         isSeen.value = true;
@@ -152,6 +158,7 @@ function Lab() {
       <Starting />
       <Stage
         session={session}
+        shown={shown.value}
         comparison={comparison}
         isInert={isFollowing && !classroom.value?.drives.value}
         onPicture={(picture) => onPicture(picture)}

@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import { FIRST_SEED } from "../store/firstPicture";
 import { reducedMotion } from "../ui/reducedMotion";
 import type { Work } from "../ui/Working";
 import { followMaking, newName } from "./making";
@@ -39,7 +40,7 @@ export async function createWorld(
   isPaused = false,
 ): Promise<string> {
   const begin = { kind: "simulation", playing: !(isPaused || reducedMotion.peek()) };
-  if (!story) return await timed(() => post(begin));
+  if (!story) return await timed(() => post({ ...begin, seed: FIRST_SEED }));
   const name = newName();
   const ending = new AbortController();
   const stop = followMaking(name, (work) => {
@@ -92,6 +93,9 @@ function storage(): Storage | null {
     return null;
   }
 }
+
+/** Whether this tab has had a live world: it goes on with that one if the server still has it. */
+export const hadWorld = (): boolean => Boolean(storage()?.getItem(KEY));
 
 /** The session id of this tab's live world: the previous one if the server still has it, else a new one. */
 export async function worldSession(): Promise<string> {

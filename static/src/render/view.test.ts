@@ -48,6 +48,14 @@ test("fitting shows the whole box, touching two sides of the margin", () => {
   expect(bottom).toBeLessThanOrEqual(460);
 });
 
+test("a small picture gives less of its height to the margin", () => {
+  const box = [0, 0, 20, 14] as const;
+  const share = (height: number): number => 14 / fitted(box, { width: 2 * height, height }).scale / height;
+  expect(share(160)).toBeGreaterThan(0.9);
+  expect(share(160)).toBeLessThan(1);
+  expect(800 - 800 * share(800)).toBeCloseTo(32, 9);
+});
+
 test("a view that was shared shows all that was seen on a picture of any size, and the same on one of its own", () => {
   const shared = { x: 3, y: -2, scale: 0.02, width: 800, height: 600 };
   expect(framed(shared, { width: 800, height: 600 })).toEqual({ x: 3, y: -2, scale: 0.02 });

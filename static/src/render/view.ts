@@ -45,8 +45,16 @@ export function zoomedAt(view: View, size: Size, px: number, py: number, factor:
   return { x: x - (px - size.width / 2) * scale, y: y + (py - size.height / 2) * scale, scale };
 }
 
-/** The view that shows a whole box with `margin` pixels around it. */
-export function fitted(bounds: Bounds, size: Size, margin = 16): View {
+/** Pixels around a whole box, and the share of a small picture's shorter side. */
+const MARGIN = 16;
+const MARGIN_SHARE = 0.04;
+
+/** The view that shows a whole box with `margin` pixels around it; by default fewer in a small picture. */
+export function fitted(
+  bounds: Bounds,
+  size: Size,
+  margin = Math.min(MARGIN, MARGIN_SHARE * Math.min(size.width, size.height)),
+): View {
   const [x0, y0, x1, y1] = bounds;
   const width = Math.max(1, size.width - 2 * margin);
   const height = Math.max(1, size.height - 2 * margin);

@@ -1,4 +1,5 @@
 import { computed, type Signal, useSignal } from "@preact/signals";
+import { Fragment } from "preact";
 import { useMemo } from "preact/hooks";
 import { probability } from "../../grid/logOdds";
 import { Button } from "../../ui/Button";
@@ -115,6 +116,13 @@ const RADIUS = 235;
 const RIM = 262;
 const SPREAD = 0.66;
 const SIZE = 56;
+/** Columns of the numbers, and the line of their names. */
+const GRID_X = WIDTH - 104;
+const JOINT_X = WIDTH - 40;
+const HEAD_Y = 12;
+
+/** The style of an element at a place of the drawing: text over it keeps its size while the drawing shrinks. */
+const placed = (x: number, y: number) => ({ left: `${(100 * x) / WIDTH}%`, top: `${(100 * y) / HEIGHT}%` });
 
 interface ConeProps {
   readonly beamResults: readonly BeamResult[];
@@ -160,26 +168,26 @@ function Cone({ beamResults, grid, joint: marginals, onTurn }: ConeProps) {
           <circle r={14} />
           <path d="M3 -6L10 0L3 6" />
         </g>
-        <text class="cone-head" x={WIDTH - 104} y={16} text-anchor="middle">
-          grid
-        </text>
-        <text class="cone-head" x={WIDTH - 42} y={16} text-anchor="middle">
-          joint
-        </text>
-        {beamResults.map((result, i) => {
-          const y = at(i, RADIUS)[1];
-          return (
-            <g key={`${i}-${result}`}>
-              <text class="grid-number" x={WIDTH - 104} y={y + 5} text-anchor="middle">
-                {percent(grid[i] ?? 0)}
-              </text>
-              <text class="joint-number" x={WIDTH - 42} y={y + 5} text-anchor="middle">
-                {percent(marginals[i] ?? 0)}
-              </text>
-            </g>
-          );
-        })}
       </svg>
+      <span class="cone-head" style={placed(GRID_X, HEAD_Y)}>
+        grid
+      </span>
+      <span class="cone-head" style={placed(JOINT_X, HEAD_Y)}>
+        joint
+      </span>
+      {beamResults.map((result, i) => {
+        const y = at(i, RADIUS)[1];
+        return (
+          <Fragment key={`${i}-${result}`}>
+            <span class="grid-number" style={placed(GRID_X, y)}>
+              {percent(grid[i] ?? 0)}
+            </span>
+            <span class="joint-number" style={placed(JOINT_X, y)}>
+              {percent(marginals[i] ?? 0)}
+            </span>
+          </Fragment>
+        );
+      })}
       {beamResults.map((result, i) => {
         const [x, y] = at(i, RADIUS);
         return (
@@ -189,8 +197,7 @@ function Cone({ beamResults, grid, joint: marginals, onTurn }: ConeProps) {
             class="cone-cell printed"
             aria-label={`Cell ${i + 1}: ${WORDS[result]}. Grid map ${percent(grid[i] ?? 0)}, joint ${percent(marginals[i] ?? 0)}. Press to change what the beam measured`}
             style={{
-              left: `${(100 * x) / WIDTH}%`,
-              top: `${(100 * y) / HEIGHT}%`,
+              ...placed(x, y),
               "--p": `${100 * (marginals[i] ?? 0)}%`,
             }}
             onClick={() => onTurn(i)}

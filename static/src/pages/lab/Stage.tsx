@@ -1,6 +1,7 @@
 /** The two maps of the lab: the true world, and what the robot believes. */
 
 import type { Picture } from "../../render/picture/Picture";
+import type { Store } from "../../store/store";
 import { CompareOverlay } from "../../tools/compare/CompareOverlay";
 import type { Comparison } from "../../tools/compare/comparison";
 import { secondMapNames } from "../../tools/compare/SecondMap";
@@ -17,6 +18,8 @@ import "./stage.css";
 
 interface StageProps {
   readonly session: Live | null;
+  /** What the pictures show: the session's store, or a picture from before there is one. */
+  readonly shown: Store | null;
   readonly comparison: Comparison | null;
   /** Whether nothing in it can be used. */
   readonly isInert: boolean;
@@ -24,7 +27,7 @@ interface StageProps {
   readonly onPicture: (picture: Picture) => void;
 }
 
-export function Stage({ session, comparison, isInert, onPicture }: StageProps) {
+export function Stage({ session, shown, comparison, isInert, onPicture }: StageProps) {
   const store = session?.store ?? null;
   return (
     <div class="lab-stage" inert={isInert}>
@@ -51,12 +54,14 @@ export function Stage({ session, comparison, isInert, onPicture }: StageProps) {
           )
         }
       >
-        {store && <WorldView store={store} />}
+        {shown && <WorldView store={shown} />}
       </Plate>
       <Plate title="The belief" note="the map of the robot" caption={store ? <Readout store={store} /> : null}>
+        {shown && (shown !== store || comparison) && (
+          <BeliefView store={shown} {...(shown === store && comparison && { comparison })} onPicture={onPicture} />
+        )}
         {store && comparison && (
           <>
-            <BeliefView store={store} comparison={comparison} onPicture={onPicture} />
             {store.compared.value && (
               <CompareOverlay comparison={comparison} names={secondMapNames(store.compared.value)} refused={null} />
             )}

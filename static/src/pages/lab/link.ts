@@ -34,6 +34,10 @@ export interface LinkState extends VisibleState {
   readonly story: Story;
 }
 
+/** Whether the address names neither a session nor a state: a new world is begun. */
+export const namesNoWorld = (): boolean =>
+  !new URLSearchParams(location.search).has("session") && !location.hash.startsWith("#s=");
+
 /** Pack into the letters of an address. */
 export const packLink = (shown: LinkState): Promise<string> => pack(shown);
 

@@ -1,4 +1,4 @@
-import { batch, effect, type ReadonlySignal } from "@preact/signals";
+import { batch, effect, type ReadonlySignal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { cellIndexAt, isCone, type SensorModelParameters } from "../../grid/sensorModel";
@@ -80,7 +80,7 @@ interface ProfileFigureProps {
   readonly view: ProfileView;
   readonly setParameter: ProfileProps["setParameter"];
   readonly beamName: string;
-  /** Whether it fills the height of its place, instead of having the height that it needs. */
+  /** Whether it fills the height of its place, instead of having the height that it needs; it then has a title. */
   readonly fits?: boolean;
   readonly children?: ComponentChildren;
 }
@@ -120,10 +120,16 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
   const hovered = view.hovered.value;
   const cone = isCone(view.values.value);
   const following = view.grabbed.value === null;
+  const isHeld = view.held.value !== null;
+  const wasHeld = useSignal(false);
+  useEffect(() => {
+    if (isHeld) wasHeld.value = true;
+  }, [isHeld]);
 
   return (
     <figure class={`profile${fits ? " fits" : ""}`} aria-label="Inverse sensor model along one beam">
       <div class="profile-bar">
+        {fits && <h2>The sensor model</h2>}
         <span class="profile-source">
           {following ? (
             reading.value === undefined ? (
@@ -152,6 +158,11 @@ export function ProfileFigure({ view, setParameter, beamName, fits = false, chil
         <output class="profile-readout" aria-live="off">
           {hovered === null || cone ? null : cellText(hovered, view)}
         </output>
+        {fits && !wasHeld.value && (hovered === null || cone) && (
+          <span class="profile-hint">
+            Drag the coloured handles<span class="profile-effect">: the map follows</span>.
+          </span>
+        )}
       </div>
       <div class="profile-frame" ref={frame} {...(fits ? {} : { style: { height: `${height}px` } })}>
         {cone && <ConeCells view={view} />}

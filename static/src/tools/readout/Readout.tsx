@@ -17,10 +17,11 @@ interface Reading {
   readonly col: string;
   readonly logOdds: string;
   readonly p: string;
-  readonly state: CellState | "never observed" | "point at a cell";
+  readonly state: CellState | "never observed" | "";
 }
 
-const NOTHING: Reading = { row: "–", col: "–", logOdds: "–", p: "–", state: "point at a cell" };
+/** No cell is inspected. */
+const NOTHING: Reading = { row: "", col: "", logOdds: "", p: "", state: "" };
 
 function readingOf(store: Store): ReadonlySignal<Reading> {
   return computed(() => {
@@ -47,7 +48,7 @@ const REQUEST_MS = 150;
 
 /** A cell in words. */
 function wordsOf({ row, col, state, logOdds, p }: Reading): string {
-  if (row === "–") return "";
+  if (row === "") return "";
   const value = logOdds === "–" ? "" : `, log-odds ${logOdds}, probability ${p}`;
   return `Row ${row}, column ${col}: ${state}${value}`;
 }
@@ -90,8 +91,25 @@ export function Readout({ store }: { readonly store: Store }) {
     [reading],
   );
   const kind = useMemo(() => computed(() => `readout-state ${reading.value.state.replaceAll(" ", "-")}`), [reading]);
+  const isNowhere = useMemo(() => computed(() => reading.value === NOTHING), [reading]);
   return (
     <div class="readout">
+      {isNowhere.value ? <MapLegend /> : <Values texts={texts} kind={kind} store={store} />}
+      <CellAnnouncement reading={reading} />
+    </div>
+  );
+}
+
+interface ValuesProps {
+  readonly texts: Readonly<Record<keyof Reading, ReadonlySignal<string>>>;
+  /** Class of the state's text. */
+  readonly kind: ReadonlySignal<string>;
+  readonly store: Store;
+}
+
+function Values({ texts, kind, store }: ValuesProps) {
+  return (
+    <>
       <dl>
         <div>
           <dt>row</dt>
@@ -115,7 +133,26 @@ export function Readout({ store }: { readonly store: Store }) {
         </div>
       </dl>
       <WhyButton store={store} />
-      <CellAnnouncement reading={reading} />
+    </>
+  );
+}
+
+/** What the colours of the map mean, while no cell is inspected. */
+function MapLegend() {
+  return (
+    <div class="readout-legend">
+      <ul>
+        {["occupied", "free", "unknown", "unobserved"].map((name) => (
+          <li key={name}>
+            <span class={`readout-swatch ${name}`} aria-hidden="true" />
+            {name === "unobserved" ? "never observed" : name}
+          </li>
+        ))}
+      </ul>
+      <p>
+        <span class="for-mouse">Point at</span>
+        <span class="for-finger">Tap</span> a cell for its numbers.
+      </p>
     </div>
   );
 }
