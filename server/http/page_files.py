@@ -66,13 +66,13 @@ def page_file(request: Request, name: str) -> Response:
     return built_file(request, name, "no-cache")
 
 
-def page_of_secret(request: Request, name: str, find: Callable[[], object]) -> Response:
-    """Return the page of an address with a secret, with status 404 where ``find`` raises :class:`MapperError`."""
+def page_of_secret(request: Request, name: str, find: Callable[[], object], gone: type[MapperError]) -> Response:
+    """Return the page of an address with a secret, with status 404 where ``find`` raises ``gone``."""
     response = page_file(request, name)
     response.headers["X-Robots-Tag"] = "noindex"
     try:
         find()
-    except MapperError:
+    except gone:
         if response.status_code == 200:
             response.status_code = 404
     return response

@@ -179,7 +179,7 @@ async def begin(
 @guests_may(GuestRight.ALWAYS)
 async def page(request: Request, library: Logs, token: str) -> Response:
     """Return the page of a link, with status 404 if the link is gone."""
-    return page_of_secret(request, "logs.html", lambda: library.links.get(token))
+    return page_of_secret(request, "logs.html", lambda: library.links.get(token), LinkGoneError)
 
 
 async def _navigation(library: Library, downloads: Downloads, link: Link) -> list[dict[str, Any]]:

@@ -217,7 +217,7 @@ async def begin_shared(
 @guests_may(GuestRight.ALWAYS)
 async def page(request: Request, library: Logs, token: str) -> Response:
     """Return the page of a puzzle that a visitor made, with status 404 if there is none."""
-    return page_of_secret(request, "puzzles.html", lambda: library.puzzles.get(token))
+    return page_of_secret(request, "puzzles.html", lambda: library.puzzles.get(token), PuzzleGoneError)
 
 
 # -- an attempt ----------------------------------------------------------------------------------------------------
