@@ -101,7 +101,7 @@ def test_a_series_is_computed_beside_the_event_loop(
         threads.append(threading.current_thread())
         return min_max(*arguments)
 
-    monkeypatch.setattr("server.http.routes.contents.min_max", noted)
+    monkeypatch.setattr("server.http.series_answer.min_max", noted)
     got(service, session, "/series", topic="/imu")
     assert [thread.name != "uvicorn" for thread in threads] == [True]
     assert any(thread.name == "uvicorn" for thread in threading.enumerate()), "the event loop's"
