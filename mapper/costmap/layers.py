@@ -12,7 +12,8 @@ from mapper.core.errors import ConfigError
 from mapper.costmap.costs import FREE, INSCRIBED, LETHAL, NO_INFORMATION, cells_of, name_of_cost
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.inflation import inflate, radius_in_cells
-from mapper.costmap.kernels.observation import Marking, clear_lines, fill_polygon, lay_over, mark_cells
+from mapper.costmap.kernels.marking import Marking
+from mapper.costmap.kernels.observation import clear_lines, fill_polygon, lay_over, mark_cells
 from mapper.costmap.parameters import (
     COMBINATIONS,
     CostmapConfig,

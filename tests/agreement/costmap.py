@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from mapper.costmap import textbook
 from mapper.costmap.costs import cells_of
 from mapper.costmap.inflation import inflate, radius_in_cells
-from mapper.costmap.kernels.observation import Marking, clear_lines, lay_over, mark_cells
+from mapper.costmap.kernels.marking import Marking
+from mapper.costmap.kernels.observation import clear_lines, lay_over, mark_cells
 from mapper.costmap.kernels.voxels import Heights, clear_columns, mark_columns
 from mapper.costmap.layers import static_costs
 from mapper.costmap.parameters import InflationConfig, StaticConfig

@@ -6,35 +6,22 @@ Numba twins of :func:`mapper.costmap.textbook.mark_and_clear` and :func:`mapper.
 from __future__ import annotations
 
 from math import ceil, floor, hypot
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.jit import jit
+from mapper.costmap.kernels.marking import Marking, include, marks
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
+_include = jit(include)
+_marks = jit(marks)
 
 Values = NDArray[Any]  #: costs uint8, or times of marking float64
-
-
-class Marking(NamedTuple):
-    """Bounds of the points that mark: distance from the sensor and height, metres."""
-
-    obstacle_min_range: float
-    obstacle_max_range: float
-    min_obstacle_height: float
-    max_obstacle_height: float
-
-
-@jit
-def include(box: Int64Array, row: int, col: int) -> None:
-    """Enlarge a box (row0, row1, col0, col1) so that it holds a cell."""
-    box[0], box[1] = min(box[0], row), max(box[1], row + 1)
-    box[2], box[3] = min(box[2], col), max(box[3], col + 1)
 
 
 @jit
@@ -54,7 +41,7 @@ def _clear_line(
     by_col = abs(d_col) >= abs(d_row)
     major, minor = (abs(d_col), abs(d_row)) if by_col else (abs(d_row), abs(d_col))
     error = major // 2
-    include(box, row, col)
+    _include(box, row, col)
     for _ in range(max(min(int(share * major) - least, major), 0)):
         out[row, col] = value
         error += minor
@@ -65,7 +52,7 @@ def _clear_line(
         row += step_row * (over if by_col else 1)
         col += step_col * (1 if by_col else over)
     out[row, col] = value
-    include(box, row, col)
+    _include(box, row, col)
 
 
 @jit
@@ -100,16 +87,6 @@ def clear_lines(
 
 
 @jit
-def marks(point: Float64Array, sensor: Float64Array, marking: Marking) -> bool:
-    """Return whether a point (3,) is within the heights and the distances from the sensor (3,) that mark."""
-    if not marking.min_obstacle_height <= point[2] <= marking.max_obstacle_height:
-        return False
-    d_x, d_y, d_z = point[0] - sensor[0], point[1] - sensor[1], point[2] - sensor[2]
-    squared: float = d_x * d_x + d_y * d_y + d_z * d_z
-    return marking.obstacle_min_range**2 <= squared < marking.obstacle_max_range**2
-
-
-@jit
 def mark_cells(
     points: Float64Array, sensor: Float64Array, frame: Frame, marking: Marking, value: Any, out: Values,  # noqa: ANN401
     box: Int64Array,
@@ -117,13 +94,13 @@ def mark_cells(
     """Write ``value`` into the cells of those of ``points`` (n, 3) that mark; ``box`` is enlarged by them."""
     rows, cols = out.shape
     for i in range(points.shape[0]):
-        if not marks(points[i], sensor, marking):
+        if not _marks(points[i], sensor, marking):
             continue
         u, v = _to_lattice(points[i, 0], points[i, 1], frame)
         if 0.0 <= u < cols and 0.0 <= v < rows:
             row, col = int(_cell_of(v)), int(_cell_of(u))
             out[row, col] = value
-            include(box, row, col)
+            _include(box, row, col)
 
 
 @jit
@@ -148,7 +125,7 @@ def fill_polygon(vertices: Float64Array, value: Any, out: Values, box: Int64Arra
             last = floor(min(max(ordered[k + 1] - 0.5, -1.0), cols - 1.0))
             for col in range(first, last + 1):
                 out[row, col] = value
-                include(box, row, col)
+                _include(box, row, col)
 
 
 @jit

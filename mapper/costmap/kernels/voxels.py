@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.jit import jit
-from mapper.costmap.kernels.observation import Marking, include, marks
+from mapper.costmap.kernels.marking import Marking, include, marks
 from mapper.grid.kernels.lattice import Frame, cell_of, to_lattice
 
 _to_lattice = jit(to_lattice)
 _cell_of = jit(cell_of)
+_include = jit(include)
+_marks = jit(marks)
 
 Columns = NDArray[np.unsignedinteger[Any]]  #: (rows, cols) uint32
 
@@ -52,7 +54,7 @@ def mark_columns(
     """Mark the voxels of those of ``points`` (n, 3) that mark; columns with enough of them become lethal (254)."""
     rows, cols = costs.shape
     for i in range(points.shape[0]):
-        if not marks(points[i], sensor, marking):
+        if not _marks(points[i], sensor, marking):
             continue
         u, v = _to_lattice(points[i, 0], points[i, 1], frame)
         level = int((max(points[i, 2], heights.origin_z) - heights.origin_z) / heights.z_resolution)
@@ -62,7 +64,7 @@ def mark_columns(
             columns[row, col] = np.uint32(bits)
             if _count(bits >> 16) > heights.mark_threshold:
                 costs[row, col] = np.uint8(254)
-                include(box, row, col)
+                _include(box, row, col)
 
 
 @jit
@@ -98,7 +100,7 @@ def _clear_line(
     error_row = error_col = error_level = major // 2
     by_col = n_col == major
     by_row = not by_col and n_row == major
-    include(box, row, col)
+    _include(box, row, col)
     for _ in range(min(int(share * major), major)):
         _clear_voxel(row, col, level, heights, columns, costs)
         error_row += n_row
@@ -114,7 +116,7 @@ def _clear_line(
             level += step_level
             error_level -= major
     _clear_voxel(row, col, level, heights, columns, costs)
-    include(box, row, col)
+    _include(box, row, col)
 
 
 @jit

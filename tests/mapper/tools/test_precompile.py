@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import subprocess
 import sys
@@ -32,6 +33,30 @@ def test_a_kernel_that_it_leaves_out_is_named(monkeypatch, capsys):
     )
     assert precompile.main() == 1
     assert "mapper.grid.kernels.a.forgotten was not compiled" in capsys.readouterr().err
+
+
+def names_used(path: Path) -> set[str]:
+    """Return the full names that a file imports from modules, and those of the modules that it imports by name."""
+    tree = list(ast.walk(ast.parse(path.read_bytes())))
+    imported = {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in tree
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    attributes = {
+        f"{imported[node.value.id]}.{node.attr}"
+        for node in tree
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in imported
+    }
+    return attributes | set(imported.values())
+
+
+def test_every_kernel_with_a_public_name_is_called_from_python():
+    # Those that only kernels call are not compiled of themselves where their code is kept from a run before.
+    sources = [*Path("mapper").rglob("*.py"), *Path("server").rglob("*.py")]
+    called = set().union(*(names_used(path) for path in sources if path.parent.name != "kernels"))
+    assert set(precompile.kernels()) <= called
 
 
 def test_all_modules_of_kernels_are_looked_at():
