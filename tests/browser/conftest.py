@@ -126,8 +126,12 @@ class WatchedPage:
 
 @contextmanager
 def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserContext]:
-    """Yield a fresh visitor's browser; what sessions they begin end with them: many tests must not fill the server."""
-    context = browser.new_context(**({"viewport": {"width": 1440, "height": 900}} | options))
+    """Yield a fresh visitor's browser that asks for less motion.
+
+    What sessions they begin end with them: many tests must not fill the server.
+    """
+    still = {"viewport": {"width": 1440, "height": 900}, "reduced_motion": "reduce"}
+    context = browser.new_context(**(still | options))
     context.set_default_timeout(SECONDS * 1000)
     if script := late_script():
         context.add_init_script(script)
@@ -141,21 +145,35 @@ def visiting(browser: Browser, server: str, **options: Any) -> Iterator[BrowserC
 
 
 @pytest.fixture
-def context(browser: Browser, server: str, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
+def motion(request: pytest.FixtureRequest) -> str:
+    """Return what the visitor's browser asks for: less motion, save in tests that are marked ``moving``.
+
+    What moves by itself takes most of the processor and is of no use to other tests.
+    """
+    return "reduce" if request.node.get_closest_marker("moving") is None else "no-preference"
+
+
+@pytest.fixture
+def context(browser: Browser, server: str, motion: str, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
     """Return a fresh visitor's browser, at the size that an indirect parameter names."""
     size = getattr(request, "param", "desktop")
     width, height = SIZES[size]
     phone = size == "phone"
     with visiting(
-        browser, server, viewport={"width": width, "height": height}, has_touch=phone, is_mobile=phone
+        browser,
+        server,
+        viewport={"width": width, "height": height},
+        has_touch=phone,
+        is_mobile=phone,
+        reduced_motion=motion,
     ) as context:
         yield context
 
 
 @pytest.fixture
-def visitor(browser: Browser, server: str) -> Iterator[BrowserContext]:
+def visitor(browser: Browser, server: str, motion: str) -> Iterator[BrowserContext]:
     """Return the browser of another visitor."""
-    with visiting(browser, server) as context:
+    with visiting(browser, server, reduced_motion=motion) as context:
         yield context
 
 

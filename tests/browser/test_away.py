@@ -10,6 +10,8 @@ from playwright.sync_api import BrowserContext, Page, expect
 from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, end_session, frame, open_group, until
 
+pytestmark = pytest.mark.moving
+
 AWAY = "The server does not answer"
 
 

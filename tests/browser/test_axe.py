@@ -96,7 +96,7 @@ def nothing_wrong(page: Page, within: str = "html") -> None:
 @pytest.fixture
 def dressed(page: Page, request: pytest.FixtureRequest) -> Page:
     """Return the page in the colour scheme that an indirect parameter names, without motion."""
-    page.emulate_media(color_scheme=request.param, reduced_motion="reduce")
+    page.emulate_media(color_scheme=request.param)
     return page
 
 

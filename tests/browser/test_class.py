@@ -161,10 +161,8 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
 
 
 def test_the_map_of_a_log_is_followed_and_copied(page: Page, visitor: BrowserContext, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")  # the log stands
     code = opened(page, server, "/logs.html")
     phone = visitor.new_page()
-    phone.emulate_media(reduced_motion="reduce")
     phone.goto(f"{server}/class/{code}")
     expect(phone.get_by_role("heading", name="You are in the class")).to_be_visible()
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
@@ -273,10 +271,8 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
 ) -> None:
     never_idle(page)
     never_idle(visitor)
-    page.emulate_media(reduced_motion="reduce")
     code = opened(page, server, "/lecture.html")
     phone = visitor.new_page()
-    phone.emulate_media(reduced_motion="reduce")
     phone.goto(f"{server}/class/{code}")
     expect(phone).to_have_url(re.compile("/lecture.html"))
     card = phone.get_by_role("region", name="Question to the class")

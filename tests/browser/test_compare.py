@@ -50,7 +50,6 @@ def viewer(page: Page, server: str) -> Page:
     """The sample log, paused at its end."""
     logs = page.request.get(f"{server}/api/logs").json()["logs"]
     sample = next(log["id"] for log in logs if log["source"] == "sample")
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html?log={sample}")
     await_true(page, "() => window.gridbloom && gridbloom.connection.store.frame.peek()")
     count = frame(page)["count"]

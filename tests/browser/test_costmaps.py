@@ -54,7 +54,6 @@ def seek(page: Page, index: int) -> None:
 def test_a_recording_of_nav2_is_shown_cell_for_cell(page: Page, server: str, data_file: Callable[[str], Path]) -> None:
     path = data_file("bags/cm_moving_obstacle_0.mcap")
     expected = costs_of(path)
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", path)
     await_true(page, OPEN)
@@ -86,7 +85,6 @@ def test_costs_of_each_value_and_windows_that_move(page: Page, server: str, tmp_
     with (tmp_path / "two.mcap").open("wb") as file:
         made = zip(stamps, geometries, (first, second), strict=True)
         write_costmaps(file, [RecordedCostmap(t, t, "odom", "master", where, costs) for t, where, costs in made])
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "two.mcap")
     await_true(page, OPEN)
@@ -100,7 +98,6 @@ def test_a_link_opens_this_costmap_for_a_guest_until_it_is_revoked(
     page: Page, visitor: BrowserContext, server: str, tmp_path: Path
 ) -> None:
     nine_costmaps(tmp_path / "nine.mcap")
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "nine.mcap")
     await_true(page, OPEN)
@@ -144,7 +141,6 @@ def nine_costmaps(path: Path) -> None:
 
 def test_the_address_of_a_view_opens_it_again(page: Page, server: str, tmp_path: Path) -> None:
     nine_costmaps(tmp_path / "nine.mcap")
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "nine.mcap")
     await_true(page, OPEN)

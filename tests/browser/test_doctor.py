@@ -10,7 +10,6 @@ from tests.browser.looking import STILL, await_true, open_group
 
 
 def opened_sample(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")  # the log stands at its end: the processor is the doctor's
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     open_group(page, "Findings")

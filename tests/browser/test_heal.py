@@ -15,7 +15,6 @@ from tests.browser.looking import SECONDS, await_true, frame, open_group, settle
 
 def opened(page: Page, server: str, name: str, data: bytes) -> None:
     """Upload a log and open its map, which does not play: drawing it takes more time than healing it."""
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.locator("input[type=file]").set_input_files({"name": name, "mimeType": "text/plain", "buffer": data})
     expect(page.get_by_role("tab", name="Doctor")).to_be_visible()

@@ -26,7 +26,6 @@ def moves_nothing(page: Page, picture: str) -> None:
 
 
 def test_of_a_log(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.get_by_role("button", name="Open map").first.click()
     expect(page.locator(".viewer .picture").first).to_be_visible()
@@ -34,6 +33,5 @@ def test_of_a_log(page: Page, server: str) -> None:
 
 
 def test_of_the_lab(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/lab.html")
     moves_nothing(page, ".lab .picture")

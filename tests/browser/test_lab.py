@@ -14,6 +14,8 @@ from tests.browser.cutting_proxy import cutting_proxy
 from tests.browser.looking import await_map, drag, frame, map_digest, observed, open_group, settled_digest, still, until
 from tests.marks import also_long_rows
 
+pytestmark = pytest.mark.moving
+
 NUMBERS = [row for row in PARAMETERS if row.kind == "number" and row.name not in LOG_ONLY]
 SLIDERS = {
     "fixed_increments": [row for row in NUMBERS if not row.only_for or "fixed_increments" in row.only_for],

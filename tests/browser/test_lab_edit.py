@@ -128,6 +128,7 @@ def test_a_teleport_and_a_world_are_taken_back(open_lab: Callable[..., Page]) ->
     until("the office", lambda: lab.evaluate("() => gridbloom.connection.store.world.peek().name") == "office")
 
 
+@pytest.mark.moving
 def test_the_moving_table_is_predicted_and_counted(lab: Page) -> None:
     send_robot(lab, [4.3, 5.2])
     open_group(lab, "Table")

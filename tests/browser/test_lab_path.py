@@ -64,7 +64,6 @@ def check_the_sheet_in_front(page: Page) -> None:
 @pytest.mark.long
 def test_the_path_follows_goal_table_and_keepout_zone(open_lab: Callable[..., Page], tmp_path: Path) -> None:
     page = open_lab()
-    page.emulate_media(reduced_motion="reduce")
     open_group(page, "Path")
     # A table in the corridor of the office: the path leads around it, until its lifetime is over.
     page.get_by_role("button", name="Put a table in the way").click()

@@ -55,7 +55,6 @@ def lab(open_lab: Callable[..., Page]) -> Page:
 
 
 def test_each_switch_changes_the_map_and_restores_it(lab: Page) -> None:
-    lab.emulate_media(reduced_motion="reduce")  # a map that changes many times is painted once for each
     lab.evaluate("() => gridbloom.connection.store.setParameter('mount_yaw', 0.02)")
     before = settled_digest(lab)
     before_values = values(lab)

@@ -39,7 +39,7 @@ LOOKS = [
 
 @pytest.mark.parametrize(("context", "scheme"), LOOKS, indirect=["context"])
 def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
-    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")  # most of the time would go to drawing
+    page.emulate_media(color_scheme=scheme)  # most of the time would go to drawing
     never_idle(page)
     page.goto(f"{server}/lecture.html")
     sections = page.locator(".lesson")
@@ -64,6 +64,7 @@ def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
     until("the figures to be as high as their places", lambda: not moved())
 
 
+@pytest.mark.moving
 def test_the_height_of_each_figure_is_reserved_at_every_width(page: Page, server: str) -> None:
     page.goto(f"{server}/lecture.html")
     expect(page.locator(".lesson").last).to_be_attached()
@@ -73,6 +74,7 @@ def test_the_height_of_each_figure_is_reserved_at_every_width(page: Page, server
         until(f"the figures to be as high as reserved at {width}", lambda: page.evaluate(MISPLACED) == [])
 
 
+@pytest.mark.moving
 def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     page.add_init_script(
         "window.moved = 0; new PerformanceObserver(list => {"
@@ -114,7 +116,7 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
 
 
 def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: Page, server: str) -> None:
-    page.emulate_media(color_scheme="dark", reduced_motion="reduce")
+    page.emulate_media(color_scheme="dark")
     # What there is when the printer takes its picture: figures that are set up, and canvases with light paint on them.
     page.add_init_script("""addEventListener("afterprint", () => {
       const light = canvas => {

@@ -157,6 +157,7 @@ def test_a_finger_moves_the_end_of_the_beam(page: Page, server: str) -> None:
 # --- 6: the whole algorithm ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.moving
 def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
     section = open_section(page, server, "algorithm")
     lit, output = section.locator(".program-text .lit"), section.locator("output")

@@ -20,7 +20,6 @@ def first_number(locator: Locator, after: str) -> float:
 
 
 def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     section = open_section(page, server, "particles")
     stage = page.get_by_role("complementary", name="Stage")
     caption = stage.locator(".world-stage-caption p").first

@@ -98,7 +98,6 @@ def to_scene(page: Page, name: str) -> None:
 )
 def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str, every: int) -> None:
     """The reader stops at one scene in ``every``."""
-    page.emulate_media(reduced_motion="reduce")
     never_idle(page)
     page.goto(f"{server}/lecture.html")
     stage = stage_of(page)
@@ -115,6 +114,7 @@ def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str
     assert page.get_by_role("button", name="Back to the lecture’s path").count() == 0
 
 
+@pytest.mark.moving
 def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, server: str) -> None:
     never_idle(page)
     page.goto(f"{server}/lecture.html")
@@ -140,7 +140,6 @@ def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, ser
 
 
 def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     never_idle(page)
     page.goto(f"{server}/lecture.html")
     stage = stage_of(page)
@@ -175,7 +174,6 @@ def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, serv
 
 
 def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     never_idle(page)
     page.goto(f"{server}/lecture.html")
     caption = stage_of(page).locator(".world-stage-caption > p").first
@@ -211,7 +209,6 @@ def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str)
 
 
 def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: str) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/lecture.html?present#window/3")
     expect(page.locator(".on-slide .world-stage canvas")).to_be_in_viewport()
     page.locator(".on-slide").get_by_role("button", name="broken").click()

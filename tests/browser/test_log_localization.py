@@ -29,7 +29,6 @@ def amcl_yaml(tmp_path: Path, *lines: str) -> Path:
 def test_the_sample_is_localized_in_its_own_map(
     page: Page, server: str, tmp_path: Path, parameters: tuple[str, ...]
 ) -> None:
-    page.emulate_media(reduced_motion="reduce")  # the log stands at its end: most of the time would go to its drawing
     page.goto(f"{server}/logs.html")
     page.get_by_role("button", name="Open map").first.click()
     await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")
@@ -80,7 +79,6 @@ def test_the_sample_is_localized_in_its_own_map(
 
 def test_what_cannot_be_used_is_said(visitor: BrowserContext, server: str, tmp_path: Path) -> None:
     page = visitor.new_page()  # a refused request is an error in the console
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.get_by_role("button", name="Open map").first.click()
     await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")

@@ -43,7 +43,6 @@ def terrain_files(folder: Path) -> list[Path]:
 
 
 def test_the_terrain_of_a_map_is_a_sheet_of_the_costmap(page: Page, server: str, tmp_path: Path) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", terrain_files(tmp_path))
     await_true(page, "() => window.gridbloom && gridbloom.connection.store.map.peek()?.geometry.rows === 80")
@@ -64,7 +63,6 @@ def test_the_terrain_of_a_map_is_a_sheet_of_the_costmap(page: Page, server: str,
 
 
 def test_a_path_on_a_log(page: Page, server: str, tmp_path: Path) -> None:
-    page.emulate_media(reduced_motion="reduce")  # the log stands at its end
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     open_group(page, "Path")

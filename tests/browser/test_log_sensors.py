@@ -25,7 +25,6 @@ OPEN = f"() => ({LOG})() && gridbloom.connection.store.frame.peek()"
 
 
 def opened(page: Page, server: str, path: Path, button: str | None = None) -> None:
-    page.emulate_media(reduced_motion="reduce")  # the log stands at its end
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", path)
     await_true(page, OPEN)  # a single log opens by itself once it is read

@@ -30,6 +30,8 @@ from tests.mapper.io.logs.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 
+pytestmark = pytest.mark.moving
+
 
 @pytest.fixture(scope="module")
 def intel_file(logs_dir: Path, data_file: Callable[[str], Path]) -> Path:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -53,9 +52,8 @@ def turns_at(looks: Looks, every: int = 5) -> Turns:
     return Turns(len(looks), every=every if len(looks) > 1 else 1)
 
 
-def prepare(page: Page, motion: Literal["reduce", "no-preference"] = "reduce") -> None:
-    """Have the page stand still, without a canvas in 3D, and stay where it is when its map is to be edited."""
-    page.emulate_media(reduced_motion=motion)
+def prepare(page: Page) -> None:
+    """Have the page be without a canvas in 3D, and stay where it is when its map is to be edited."""
     without_canvas_in_3d(page)  # test_scene.py looks at it
     page.route("**/kept-map", lambda route: route.fulfill(json={"message": "The map is kept by another test."}))
 
@@ -122,7 +120,6 @@ def test_of_a_log(page: Page, server: str, tmp_path: Path, looks: Looks) -> None
 
 @each_look
 def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
-    page.emulate_media(reduced_motion="reduce")
     page.goto(server)
     await_map(page)
     page.get_by_role("button", name="Forward 10 scans").click()
@@ -142,7 +139,7 @@ def test_of_the_front_page(page: Page, server: str, looks: Looks) -> None:
 def test_of_the_maps_of_all_logs(page: Page, server: str) -> None:
     for size, scheme in ONE_AFTER_THE_OTHER:
         page.set_viewport_size({"width": size[0], "height": size[1]})
-        page.emulate_media(color_scheme="dark" if scheme == "dark" else "light", reduced_motion="reduce")
+        page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
         page.goto(f"{server}/fleet.html")
         first = page.locator(".fleet-card").first
         used = page.get_by_role("search").locator("input[type=search], .choice-option, select")
@@ -156,7 +153,6 @@ def test_of_the_maps_of_all_logs(page: Page, server: str) -> None:
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
 def test_on_a_phone_the_pictures_stay_at_the_top(page: Page, open_lab: Callable[..., Page]) -> None:
-    page.emulate_media(reduced_motion="reduce")
     open_lab(scans=15)
     screen = Screen(page, ".lab .picture")
     pictures = page.locator(".lab .picture")

@@ -12,6 +12,8 @@ from server.scenes.pacing import DRAWN, MOST_AHEAD
 from tests.browser.conftest import SIZES
 from tests.browser.looking import await_map, frame, open_group, until
 
+pytestmark = pytest.mark.moving
+
 # On a phone innerWidth grows with a page that is too wide, clientWidth does not.
 FITS = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth + 1"
 

@@ -31,6 +31,8 @@ from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S
 from tests.server.service import until as eventually
 
+pytestmark = pytest.mark.moving
+
 BUCKET = "gridbloom"
 TOKEN = "a-token-of-the-tests-0123456789"
 FOLLOWERS = 4

@@ -40,13 +40,14 @@ def rests(page: Page, devtools: CDPSession) -> bool:
     return work(page, devtools) == before
 
 
+@pytest.mark.moving
 @pytest.mark.parametrize("every", [3, *also_long(1)])
 def test_the_lab_rests_while_it_is_paused_whatever_group_is_open_and_while_it_is_hidden(
     page: Page, open_lab: Callable[..., Page], every: int
 ) -> None:
     """One group in ``every`` is opened."""
     page.add_init_script(f"({_COUNT})()")
-    prepare(page, motion="no-preference")
+    prepare(page)
     open_lab(scans=15)
     devtools = page.context.new_cdp_session(page)
     devtools.send("Performance.enable")

@@ -71,14 +71,12 @@ def test_whoever_has_the_address_of_a_session_shares_it_and_sees_notes_come(
     page: Page, visitor: BrowserContext, server: str, tmp_path: Path
 ) -> None:
     (tmp_path / "ours.log").write_bytes(carmen(30))
-    page.emulate_media(reduced_motion="reduce")  # the log stands
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", tmp_path / "ours.log")
     await_true(page, SHOWN)  # a single log opens by itself once it is read
     session = page.evaluate("() => gridbloom.connection.store.hello.value.session")
     watched = WatchedPage(visitor, server)
     colleague = watched.page
-    colleague.emulate_media(reduced_motion="reduce")
     # As the address that ``gridbloom upload`` prints: the log is in nobody's list of this browser.
     colleague.goto(f"{server}/logs.html?session={session}")
     await_true(colleague, SHOWN)

@@ -309,7 +309,6 @@ def test_every_slide_is_large_enough_complete_and_accessible(
     page: Page, server: str, every: int, axe_every: int, turn: int
 ) -> None:
     """One slide in ``every`` is shown, and axe looks at one in ``axe_every`` of those."""
-    page.emulate_media(reduced_motion="reduce")
     page.set_viewport_size({"width": 1920, "height": 1080})
     names = slide_ids(page, server)[::every]
 

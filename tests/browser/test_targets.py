@@ -46,7 +46,6 @@ def small(page: Page) -> list[object]:
 @pytest.mark.usefixtures("mapped_logs")
 @pytest.mark.parametrize("context", ["phone", *also_long("desktop")], indirect=True)
 def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page]) -> None:
-    page.emulate_media(reduced_motion="reduce")
     found: dict[str, list[object]] = {}
     page.goto(server)
     await_map(page)

@@ -11,7 +11,7 @@ from playwright.sync_api import ElementHandle, Locator, Page, expect
 from tests.browser.looking import await_map, frame, open_group, settled_digest, until
 from tests.marks import also_long
 
-pytestmark = pytest.mark.parametrize("context", ["phone"], indirect=True)
+pytestmark = [pytest.mark.parametrize("context", ["phone"], indirect=True), pytest.mark.moving]
 
 Place = tuple[float, float]
 

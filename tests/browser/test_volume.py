@@ -33,7 +33,6 @@ VOLUME = "() => gridbloom.connection.store.volume.peek()"
 
 def opened(page: Page, server: str, *paths: Path) -> dict[str, Any]:
     """Upload files as one, open it in 3D, and wait until all of its scans are drawn."""
-    page.emulate_media(reduced_motion="reduce")
     page.goto(f"{server}/logs.html")
     page.set_input_files("input[type=file]", [str(path) for path in paths])
     await_true(page, "() => window.gridbloom?.connection.store.volume.peek()")
@@ -125,7 +124,6 @@ def test_the_clouds_of_a_recording_fill_a_map_from_which_a_box_is_taken_away(
             said += [transform(stamp, "odom", "base_link", 0.0, 0.0), cloud(stamp, away * ranges[:, None])]
         (tmp_path / name).mkdir()
         paths.append(written(tmp_path / name, said, "mcap"))
-    page.emulate_media(reduced_motion="reduce")
     ids = []
     for path in paths:
         answer = page.request.put(f"{server}/api/logs?name={path.parent.name}.mcap", data=path.read_bytes())
@@ -169,7 +167,6 @@ def test_a_bag_of_a_lidar_that_moves_becomes_the_map_of_its_points(
     """Messages of four layouts, whose points state their times, as a ROS 1 bag, opened in 3D."""
     points = read_cloud(data_file("pointclouds/room_scan1.pcd")).points
     run = record(tmp_path, points[np.isfinite(points).all(axis=1)][::10], "bag")
-    page.emulate_media(reduced_motion="reduce")
     assert page.request.put(f"{server}/api/logs?name=run.bag", data=run.path.read_bytes()).ok
     page.goto(f"{server}/logs.html")
     page.locator(".log-card", has_text="run.bag").get_by_role("button", name="Open in 3D").click()
