@@ -65,16 +65,6 @@ def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
 
 
 @pytest.mark.moving
-def test_the_height_of_each_figure_is_reserved_at_every_width(page: Page, server: str) -> None:
-    page.goto(f"{server}/lecture.html")
-    expect(page.locator(".lesson").last).to_be_attached()
-    expect(page.locator(".figure-awaited")).to_have_count(0)
-    for width in (1280, 1920, 768, 1366, 1100, 360):  # beside those of the test above
-        page.set_viewport_size({"width": width, "height": 800})
-        until(f"the figures to be as high as reserved at {width}", lambda: page.evaluate(MISPLACED) == [])
-
-
-@pytest.mark.moving
 def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     page.add_init_script(
         "window.moved = 0; new PerformanceObserver(list => {"
@@ -110,6 +100,10 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
     page.keyboard.press("Enter")
     expect(sections.locator("[aria-current]")).to_have_text(re.compile("Rays on a grid"))
     expect(page.locator("#rays h2")).to_be_in_viewport()
+    # The height of each figure is reserved at every width, beside those of the test above.
+    for width in (1280, 1920, 768, 1366, 1100, 360):
+        page.set_viewport_size({"width": width, "height": 800})
+        until(f"the figures to be as high as reserved at {width}", lambda: page.evaluate(MISPLACED) == [])
 
 
 # --- your own log ----------------------------------------------------------------------------------------------------

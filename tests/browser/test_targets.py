@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, open_groups, without_canvas_in_3d
-from tests.marks import also_long
+from tests.marks import also_long_rows
 
 LEAST = 24
 
@@ -44,8 +44,11 @@ def small(page: Page) -> list[object]:
 
 
 @pytest.mark.usefixtures("mapped_logs")
-@pytest.mark.parametrize("context", ["phone", *also_long("desktop")], indirect=True)
-def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page]) -> None:
+@pytest.mark.parametrize(
+    ("context", "every"), [("phone", 3), *also_long_rows(("phone", 1), ("desktop", 1))], indirect=["context"]
+)
+def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callable[..., Page], every: int) -> None:
+    """On every page, and in one group of each dock in ``every``."""
     found: dict[str, list[object]] = {}
     page.goto(server)
     await_map(page)
@@ -75,7 +78,7 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
             found["puzzles"] = small(page)
             page.get_by_role("button", name="Open The thick walls").click()
             await_map(page)
-        for title in open_groups(page):
+        for title in open_groups(page, every):
             page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
             found[f"{place}, {title}"] = small(page)
     assert {where: targets for where, targets in found.items() if targets} == {}
