@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.looking import await_map, await_true
+from tests.browser.looking import await_map, await_true, painted
 from tests.browser.one_screen import SIZES
 
 #: Wide, low and narrow windows, and one like a phone's.
@@ -13,15 +13,17 @@ BOXES = "() => [...document.querySelectorAll('.picture')].map((one) => JSON.stri
 
 
 def moves_nothing(page: Page, picture: str) -> None:
-    """Move the pointer from outside to the middle of the map and click, in each window."""
+    """Move the pointer from outside to the middle of the map, in each window."""
+    await_map(page)
     for width, height in WINDOWS:
         page.mouse.move(0, 0)
+        await_true(page, "() => gridbloom.connection.store.cell.peek() === null")
         page.set_viewport_size({"width": width, "height": height})
-        page.reload()
-        await_map(page)
+        painted(page)
         before = page.evaluate(BOXES)
         page.locator(picture).first.hover()
-        await_true(page, "() => gridbloom.connection.store.inspected.peek() !== null")
+        await_true(page, "() => gridbloom.connection.store.cell.peek() !== null")
+        painted(page)
         assert page.evaluate(BOXES) == before, (width, height)
 
 
