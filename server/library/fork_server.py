@@ -1,4 +1,4 @@
-"""What the process holds of which those of jobs are forks: the readers, so that a job does not wait for their import.
+"""The fork server that processes of jobs are forked from preloads this module: no job waits for the readers' import.
 
 Imported by that process alone (``multiprocessing``'s fork server), which runs no job. It ignores the signals that end
 the service: a service manager may send them to all processes of the service, and with it the jobs that run would end as
