@@ -34,6 +34,50 @@ async def test_one_visitor_has_few_connections_and_a_class_few_numbers(monkeypat
     assert every.join(code, "second")[1].number == member.number
 
 
+async def test_one_address_takes_part_of_the_places_and_those_who_come_back_take_none_of_the_others() -> None:
+    every = Classes(max_followers=8)
+    code = every.open("lecturer").code
+    first = [every.join(code, f"hall {i}", "hall")[1] for i in range(6)]  # three quarters
+    with pytest.raises(ClassBudgetError, match="Another network") as caught:
+        every.join(code, "hall 6", "hall")
+    assert caught.value.code == "class.crowded_address"
+    every.join(code, "hall 5", "hall")  # a second page of one who is there
+    every.get(code).leave(first[0])
+    every.join(code, "hall 6", "hall")
+    every.join(code, "hall 0", "hall")  # who has joined before can come back, as a seventh
+    assert every.get(code).present == 7
+    every.join(code, "at home", "elsewhere")
+    every.join(code, "abroad", "far away")
+    with pytest.raises(ClassBudgetError, match="As many people as may") as caught:
+        every.join(code, "another", "a fourth")
+    assert caught.value.code == "class.crowded"
+
+
+async def test_who_drops_the_cookie_at_one_address_leaves_numbers_for_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(classes, "MAX_NUMBERS", 4)
+    every = Classes(max_followers=8)
+    code = every.open("lecturer").code
+    for i in range(3):
+        room, member = every.join(code, f"cookie {i}", "one")
+        room.leave(member)
+    with pytest.raises(ClassBudgetError) as caught:
+        every.join(code, "cookie 3", "one")
+    assert caught.value.code == "class.crowded_address"
+    assert every.join(code, "somebody", "another")[1].number == 4
+
+
+async def test_one_address_has_so_many_connections_to_the_session_that_is_shown() -> None:
+    every = Classes(max_followers=2)
+    room = every.open("lecturer")
+    with every.watching(room, "one"), every.watching(room, "one"):
+        with pytest.raises(ClassBudgetError, match="Another network"), every.watching(room, "one"):
+            pass
+        with every.watching(room, "another"):
+            pass
+    with every.watching(room, "one"):
+        pass
+
+
 async def test_a_guess_has_an_axis_of_a_usable_width() -> None:
     room = Classroom("BCDFGH", "lecturer")
     teacher, pupil = room.join("lecturer"), room.join("follower")
