@@ -78,6 +78,7 @@ class Classroom:
         self.driver: int | None = None
         self.questions: list[Question] = []
         self.asked: Question | None = None
+        self._asked_on: set[str] = set()  #: pages or slides on which it was asked and revealed
         self.puzzles: list[RoomPuzzle] = []
         self.puzzle: RoomPuzzle | None = None  #: that is solved now
         self.members: set[Member] = set()
@@ -206,6 +207,7 @@ class Classroom:
                     raise ConfigError("class.question", "No question is asked.")
                 self.asked.set_right(right)
                 self.asked.is_revealed = True
+                self._asked_on.add(_page_of(self.view))
             case CloseCommand():
                 self.asked = None
             case LockCommand(value=value):
@@ -222,6 +224,9 @@ class Classroom:
             self.stage_over = asyncio.Event()
             self._hand(None)
         self.view = view
+        if self.asked is not None and self.asked.is_revealed and _page_of(view) not in self._asked_on:
+            self.asked = None  # its result would stand before what is shown next
+            self._changed()
         self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
 
     def _ask(self, asked: AskCommand) -> None:
@@ -229,6 +234,7 @@ class Classroom:
             raise ConfigError("class.questions", f"A class has at most {MAX_QUESTIONS} questions.")
         self.asked = Question.of(len(self.questions) + 1, asked)
         self.questions.append(self.asked)
+        self._asked_on = {_page_of(self.view)}
 
     def give_puzzle(self, key: str, title: str) -> None:
         """Have the class solve a puzzle. Raises :class:`ConfigError` for one too many."""
@@ -311,3 +317,9 @@ class Classroom:
             )
             self._slots["class", lecturer] = _encoder.encode(state).decode()
         self._tell("class", to_lecturer=True)
+
+
+def _page_of(view: ClassView) -> str:
+    """Return the page that a view is of, and of the lecture as slides the slide without its step and deck."""
+    hash_ = view.hash.partition("&")[0].partition("/")[0]
+    return f"{view.page}{hash_}" if hash_.startswith("?present") else view.page

@@ -6,12 +6,15 @@ import asyncio
 import csv
 import io
 import sys
+from typing import Literal
 
 import pytest
 
 from mapper.core.errors import ConfigError
 from server.classes import ClassBudgetError, Classes, ClassNotFoundError, Classroom, classes, classroom, results_csv
-from server.stream.class_messages import AnswerCommand, AskCommand, ClassAxis, RevealCommand
+from server.stream.class_messages import AnswerCommand, AskCommand, ClassAxis, ClassView, RevealCommand, ShowCommand
+
+Page = Literal["lecture", "lab", "logs", "other"]
 
 
 async def test_one_visitor_has_few_connections_and_a_class_few_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,6 +79,45 @@ async def test_one_address_has_so_many_connections_to_the_session_that_is_shown(
             pass
     with every.watching(room, "one"):
         pass
+
+
+@pytest.mark.parametrize(
+    ("asked_on", "same", "another"),
+    [
+        (
+            ("lecture", "?present#cell/2&deck=a-b"),
+            ("lecture", "?present#cell/4&deck=a-b"),
+            ("lecture", "?present#grid"),
+        ),
+        (("lecture", "?present#cell/2"), ("lecture", "?present#cell"), ("lab", "")),
+        (("lecture", "#cell"), ("lecture", "#grid"), ("lecture", "?present#grid")),
+        (("lab", ""), ("lab", ""), ("logs", "")),
+    ],
+)
+async def test_a_revealed_question_is_closed_when_another_slide_or_page_is_shown(
+    asked_on: tuple[Page, str], same: tuple[Page, str], another: tuple[Page, str]
+) -> None:
+    room = Classroom("BCDFGH", "lecturer")
+    teacher = room.join("lecturer")
+
+    def asked_after_showing(*view: tuple[Page, str]) -> bool:
+        for page, fragment in view:
+            room.obey(teacher, ShowCommand(ClassView(page, fragment)))
+        return room.asked is not None
+
+    assert not asked_after_showing(asked_on)
+    room.obey(teacher, AskCommand("Which?", options=["a", "b"]))
+    assert asked_after_showing(another, asked_on)  # it can still be answered
+    room.obey(teacher, RevealCommand())
+    assert asked_after_showing(same)
+    assert not asked_after_showing(another)
+    assert len(room.questions) == 1  # of the results
+    # revealed where another page is shown already, it stays there
+    room.obey(teacher, AskCommand("Which?", options=["a", "b"]))
+    assert asked_after_showing(asked_on)
+    room.obey(teacher, RevealCommand())
+    assert asked_after_showing(same, another, same)
+    assert not asked_after_showing(("other", ""))
 
 
 async def test_a_guess_has_an_axis_of_a_usable_width() -> None:
