@@ -258,6 +258,9 @@ export async function endClass(): Promise<void> {
 /** The text of a question that the page itself shows: the class's line does not show it as well. */
 export const questionOnPage = signal<string | null>(null);
 
+/** The text of a question that is the heading of the page: the class's line does not repeat it. */
+export const questionInHeading = signal<string | null>(null);
+
 /** Say that the page shows a question and, once they may be seen, its answers, until the returned function is called. */
 export function showsAnswers(text: string): () => void {
   questionOnPage.value = text;

@@ -3,11 +3,12 @@ import { computed, signal } from "@preact/signals";
 import { h, render } from "preact";
 import { act } from "preact/test-utils";
 import { afterEach, expect, test, vi } from "vitest";
-import type { Classroom } from "../../store/classroom";
+import { type Classroom, questionInHeading } from "../../store/classroom";
 import { LecturerBar } from "./LecturerBar";
 
 afterEach(() => {
   render(null, document.body);
+  questionInHeading.value = null;
 });
 
 const QUESTION = { id: 1, text: "Is it free?", options: ["Yes", "No"], axis: null, is_revealed: false, answered: 3 };
@@ -49,4 +50,13 @@ test("before the reveal the options and how many have answered are shown, the an
   expect(send).not.toHaveBeenCalled();
   press("Reveal");
   expect(send).toHaveBeenCalledWith({ type: "reveal" });
+});
+
+test("below a slide that has the question as its heading it is not repeated", () => {
+  questionInHeading.value = QUESTION.text;
+  shown();
+  expect(document.querySelector("h2")?.className).toBe("visually-hidden");
+  expect(document.querySelector(".class-bars")).toBeNull();
+  press("Show answers");
+  expect(listed()).toBe("A Yes1B No2");
 });

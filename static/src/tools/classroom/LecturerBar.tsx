@@ -1,5 +1,5 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { type Classroom, endClass, openClass, questionOnPage } from "../../store/classroom";
+import { type Classroom, endClass, openClass, questionInHeading, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
 import type { ClassQuestion } from "../../wire/protocol";
@@ -152,13 +152,14 @@ function Robot({ room }: { readonly room: Classroom }) {
 /** The question that is asked, and how many have answered; the answers once they are revealed or looked at. */
 function Result({ room, question }: { readonly room: Classroom; readonly question: ClassQuestion }) {
   const present = room.state.value?.present ?? 0;
+  const isHeading = questionInHeading.value === question.text;
   const isLookedAt = room.lookedAt.value === question.id;
   return (
     <section class="class-card" aria-label="Question to the class">
       {questionOnPage.value !== question.text && (
         <>
-          <h2>{question.text}</h2>
-          <Histogram question={question} own={null} />
+          <h2 class={isHeading ? "visually-hidden" : ""}>{question.text}</h2>
+          {(!isHeading || question.counts) && <Histogram question={question} own={null} />}
         </>
       )}
       <div class="class-line">
