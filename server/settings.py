@@ -81,7 +81,10 @@ class Settings(BaseSettings):
         default=64, ge=1, description="Maximum number of browsers connected to one session."
     )
     max_class_followers: int = Field(
-        default=400, ge=1, description="Maximum number of followers of one class that are connected at one time."
+        default=400,
+        ge=1,
+        description="Maximum number of followers of one class that are connected at one time; from one address, such "
+        "as a lecture hall's router, three quarters of it.",
     )
     class_code: str | None = Field(
         default=None,

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from mapper.core.errors import MapperError
-from server.classes.classroom import Classroom, Member
+from server.classes.classroom import MAX_NUMBERS, Classroom, Member
 from server.classes.codes import new_code, normalised
 
 MAX_CLASSES = 32
 MAX_CONNECTIONS = 16  #: of one visitor to one class: pages in several tabs, and those that are lost
+#: Part of a class's places, and of its numbers, that one network address can take. A lecture hall behind one router is
+#: one address, so this is a whole hall: 300 of 400 places. The rest stays for others, so that who has learned the code
+#: and opens pages without end from one address keeps nobody out who comes by another, such as mobile data.
+ADDRESS_SHARE = 0.75
 LOOK_EVERY_S = 60.0  #: time between two looks for classes that their lecturers have left
 LONGEST_ABSENCE_S = 2 * 3600.0  #: without its lecturer, after which a class ends
 
@@ -40,6 +46,11 @@ class Classes:
         self._classes: dict[str, Classroom] = {}
         if prepared is not None:
             self._classes[prepared] = Classroom(prepared, None, clock)
+
+    @property
+    def most_of_address(self) -> int:
+        """Followers of one address that a class has room for."""
+        return math.ceil(ADDRESS_SHARE * self._max_followers)
 
     def open(self, owner: str) -> Classroom:
         """Return the class of a visitor, a new one if there is none. Raises :class:`ClassBudgetError`."""
@@ -80,25 +91,42 @@ class Classes:
         """Return the class of a visitor."""
         return next((one for one in self._classes.values() if one.owner == owner), None)
 
-    def check(self, found: Classroom, visitor: str) -> None:
-        """Raise :class:`ClassRightError` or :class:`ClassBudgetError` if a visitor cannot join a class."""
+    def check(self, found: Classroom, visitor: str, address: str = "") -> None:
+        """Raise :class:`ClassRightError` or :class:`ClassBudgetError` if a visitor cannot join a class.
+
+        ``address`` is that of the visitor's network; empty if unknown. Who has joined before can come back.
+        """
         if found.knows(visitor):
             return
         if found.is_locked:
             raise ClassRightError("class.locked", "The lecturer has locked this class: nobody else can join.")
-        if found.present >= self._max_followers or found.is_full:
+        if found.places_taken(self.most_of_address) >= self._max_followers or found.is_full:
             raise ClassBudgetError("class.crowded", "As many people as may follow this class already do.")
+        given = found.given_to(address) >= ADDRESS_SHARE * MAX_NUMBERS
+        if found.present_of(address) >= self.most_of_address or given:
+            raise _crowded_address()
 
-    def join(self, code: str, visitor: str, *, follows: bool = False) -> tuple[Classroom, Member]:
+    @contextmanager
+    def watching(self, found: Classroom, address: str) -> Iterator[None]:
+        """Count a connection to the session that a class shows.
+
+        Raises :class:`ClassBudgetError` for an address that has as many as it may have followers.
+        """
+        if found.watching_from(address) >= self.most_of_address:
+            raise _crowded_address()
+        with found.watching(address):
+            yield
+
+    def join(self, code: str, visitor: str, address: str = "", *, follows: bool = False) -> tuple[Classroom, Member]:
         """Join a class, ``follows`` as in :meth:`Classroom.join`.
 
         Raises as :meth:`get` and :meth:`check`, and for too many connections of a visitor.
         """
         found = self.get(code)
-        self.check(found, visitor)
+        self.check(found, visitor, address)
         if found.connections_of(visitor) >= MAX_CONNECTIONS:
             raise ClassBudgetError("class.connections", "This browser shows the class on as many pages as it may.")
-        return found, found.join(visitor, follows=follows)
+        return found, found.join(visitor, address, follows=follows)
 
     def close(self, found: Classroom) -> None:
         """End a class; everything about it is forgotten."""
@@ -117,3 +145,11 @@ class Classes:
         for one in [*self._classes.values()]:
             if one.owner is not None and not one.has_lecturer and one.lecturer_seen < oldest:
                 self.close(one)
+
+
+def _crowded_address() -> ClassBudgetError:
+    return ClassBudgetError(
+        "class.crowded_address",
+        "As many people of your network as may follow this class already do. "
+        "Another network, such as mobile data, may have room.",
+    )

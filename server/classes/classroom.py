@@ -2,14 +2,17 @@
 
 As in the hub of a session there is no queue: each member has a set of the messages that it has not been sent in their
 newest form. A message is encoded once for all. Followers are known by the visitor's cookie while the class lasts, so
-that a phone that reconnects keeps its number and its answer; they get a number, and nothing else of them is kept.
+that a phone that reconnects keeps its number and its answer; they get a number. Nothing else of them is kept, except
+how many numbers each network address was given.
 """
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import msgspec
 
@@ -47,8 +50,9 @@ _encoder = msgspec.json.Encoder()
 class Member:
     """One connection of the lecturer or of a follower."""
 
-    def __init__(self, number: int) -> None:
+    def __init__(self, number: int, address: str = "") -> None:
         self.number = number  #: 0: the lecturer
+        self.address = address  #: of its network
         self.wake = asyncio.Event()
         self.unsent: set[str] = set()
         self.answers: list[str] = []
@@ -74,12 +78,15 @@ class Classroom:
         self.driver: int | None = None
         self.questions: list[Question] = []
         self.asked: Question | None = None
+        self._asked_on: set[str] = set()  #: pages or slides on which it was asked and revealed
         self.puzzles: list[RoomPuzzle] = []
         self.puzzle: RoomPuzzle | None = None  #: that is solved now
         self.members: set[Member] = set()
         self.lecturer_seen = clock()
         self._clock = clock
         self._numbers: dict[str, int] = {}  #: by visitor
+        self._given: Counter[str] = Counter()  #: numbers, by address
+        self._watching: Counter[str] = Counter()  #: connections to the session that is shown, by address
         self._hands: set[int] = set()
         self._slots: dict[tuple[str, bool], str] = {}
         self._state_at = -STATE_EVERY_S
@@ -95,6 +102,32 @@ class Classroom:
         """Followers that are connected."""
         return len({member.number for member in self.members if member.number})
 
+    def present_of(self, address: str) -> int:
+        """Return how many followers are connected from an address."""
+        return len({member.number for member in self.members if member.number and member.address == address})
+
+    def given_to(self, address: str) -> int:
+        """Return how many followers of an address have got a number."""
+        return self._given[address]
+
+    def places_taken(self, most_of_address: int) -> int:
+        """Return :attr:`present`, where an address counts as at most so many: those who came back are not refused."""
+        count = Counter(address for _, address in {(one.number, one.address) for one in self.members if one.number})
+        return self.present - sum(max(0, number - most_of_address) for number in count.values())
+
+    def watching_from(self, address: str) -> int:
+        """Return how many connections an address has to the session that is shown."""
+        return self._watching[address]
+
+    @contextmanager
+    def watching(self, address: str) -> Iterator[None]:
+        """Count a connection to the session that is shown."""
+        self._watching[address] += 1
+        try:
+            yield
+        finally:
+            self._watching[address] -= 1
+
     @property
     def is_full(self) -> bool:
         """Whether no further visitor gets a number."""
@@ -109,13 +142,13 @@ class Classroom:
         """Whether a visitor has joined before."""
         return visitor == self.owner or visitor in self._numbers
 
-    def join(self, visitor: str, *, follows: bool = False) -> Member:
+    def join(self, visitor: str, address: str = "", *, follows: bool = False) -> Member:
         """Return a new connection of the lecturer or a follower, to which the complete state will be sent.
 
         A page of the lecturer's own browser that ``follows`` the class is a follower as any other.
         """
-        number = self._follower(visitor) if follows else self.number_of(visitor)
-        member = Member(number)
+        number = self._follower(visitor, address) if follows else self.number_of(visitor, address)
+        member = Member(number, address)
         answer = None if self.asked is None else self.asked.answers.get(number)
         member.send(ClassWelcome("follower" if number else "lecturer", number, answer))
         member.unsent = {"class", "view", "explained"} if number else {"class"}
@@ -174,6 +207,7 @@ class Classroom:
                     raise ConfigError("class.question", "No question is asked.")
                 self.asked.set_right(right)
                 self.asked.is_revealed = True
+                self._asked_on.add(_page_of(self.view))
             case CloseCommand():
                 self.asked = None
             case LockCommand(value=value):
@@ -190,6 +224,9 @@ class Classroom:
             self.stage_over = asyncio.Event()
             self._hand(None)
         self.view = view
+        if self.asked is not None and self.asked.is_revealed and _page_of(view) not in self._asked_on:
+            self.asked = None  # its result would stand before what is shown next
+            self._changed()
         self._set("view", ClassViewMessage(view, self.stage if session is not None else 0))
 
     def _ask(self, asked: AskCommand) -> None:
@@ -197,6 +234,7 @@ class Classroom:
             raise ConfigError("class.questions", f"A class has at most {MAX_QUESTIONS} questions.")
         self.asked = Question.of(len(self.questions) + 1, asked)
         self.questions.append(self.asked)
+        self._asked_on = {_page_of(self.view)}
 
     def give_puzzle(self, key: str, title: str) -> None:
         """Have the class solve a puzzle. Raises :class:`ConfigError` for one too many."""
@@ -216,12 +254,15 @@ class Classroom:
         puzzle.solvers[solver.number] = solver
         self._changed()
 
-    def number_of(self, visitor: str) -> int:
+    def number_of(self, visitor: str, address: str = "") -> int:
         """Return the number of a follower, a new one for who has none; 0 of the lecturer."""
-        return 0 if visitor == self.owner else self._follower(visitor)
+        return 0 if visitor == self.owner else self._follower(visitor, address)
 
-    def _follower(self, visitor: str) -> int:
-        return self._numbers.setdefault(visitor, len(self._numbers) + 1)
+    def _follower(self, visitor: str, address: str) -> int:
+        if visitor not in self._numbers:
+            self._given[address] += 1
+            self._numbers[visitor] = len(self._numbers) + 1
+        return self._numbers[visitor]
 
     def _hand(self, number: int | None) -> None:
         if number is not None and not any(member.number == number > 0 for member in self.members):
@@ -276,3 +317,9 @@ class Classroom:
             )
             self._slots["class", lecturer] = _encoder.encode(state).decode()
         self._tell("class", to_lecturer=True)
+
+
+def _page_of(view: ClassView) -> str:
+    """Return the page that a view is of, and of the lecture as slides the slide without its step and deck."""
+    hash_ = view.hash.partition("&")[0].partition("/")[0]
+    return f"{view.page}{hash_}" if hash_.startswith("?present") else view.page

@@ -89,6 +89,8 @@ def test_ten_followers_answer_and_two_of_them_follow_into_the_lab(
     for one in (page, phones[0]):  # with the question on both
         nothing_wrong(one)
         assert small(one) == []
+    expect(lecturers.get_by_role("list", name=result)).to_have_count(0)  # the lecturer's screen is projected
+    page.get_by_role("button", name="Show answers").click()
     expect(lecturers.get_by_role("list", name=result)).to_be_visible()
     expect(phones[0].get_by_role("list", name=f"{FOLLOWERS} answered")).to_have_count(0)  # not before the reveal
     page.get_by_role("button", name="Reveal").click()
@@ -141,14 +143,18 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
         phone.get_by_role("button", name="As many misses as hits").wait_for()
         page.get_by_role("button", name="Ask the class").click()
         choice = phone.get_by_role("button", name="Misses that sum to what the hits added")
-        counted = page.get_by_role("button", name="Misses that sum")
+        counted = page.get_by_role("complementary", name="Class")
+        option = page.get_by_role("button", name="Misses that sum")
 
         def answered() -> bool:
             if choice.get_attribute("aria-pressed") == "false":  # it is a guess of one's own until the question comes
                 choice.click()
-            return "1 answers" in (counted.text_content() or "")
+            return "1 of 1 answered" in (counted.text_content() or "")
 
         until("the answer to be counted", answered)
+        expect(option).not_to_contain_text("1 answers")  # before the reveal only when it is wanted
+        page.get_by_role("button", name="Show answers").click()
+        expect(option).to_contain_text("1 answers")
         proxy.cut()
         expect(phone.get_by_role("complementary", name="Class")).to_contain_text("Connecting to the class")
         page.keyboard.press("ArrowRight")
@@ -282,8 +288,8 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
         predict = page.locator(f"#{section}").get_by_role("region", name=re.compile("^Predict: "))
         predict.get_by_role("button", name="Ask the class").click()
         card.get_by_role("button", name="Answer", exact=True).click()
-        expect(predict.locator("title")).not_to_have_count(0)  # the columns of the answers, on the lecturer's page only
-        until("the answer", partial(one_answer, predict))
+        expect(page.get_by_text("1 of 1 answered")).to_be_visible()
+        expect(predict.locator("title")).to_have_count(0)  # no columns of the answers before the reveal
         expect(card.get_by_role("img", name="1 answered")).to_have_count(0)
         figure = page.locator(f"#{section} figure").first
         before = scans_of(figure) if section == "kidnapping" else 0
@@ -295,6 +301,7 @@ def test_the_predictions_of_the_lecture_are_asked_of_the_class(
         elif section == "kidnapping":
             expected = f"{scans_of(figure) - before:.0f} scans"
         expect(predict.get_by_role("status")).to_contain_text(f"It is {expected}.")
+        until("the answer", partial(one_answer, predict))
         expect(card.get_by_role("img", name="1 answered.")).to_be_visible()
         expect(card.get_by_role("status")).to_contain_text("1 answered. ")
         nothing_wrong(page, f"#{section} .prediction")

@@ -101,6 +101,10 @@ def test_a_dragged_handle_follows_the_pointer_on_an_enlarged_slide(page: Page, s
     page.set_viewport_size({"width": 1920, "height": 1080})
     present(page, server, "#rays/4")
     settle(page)
+    room = page.locator("#rays .lesson-room").evaluate("e => e.clientHeight")
+    figure = page.locator("#rays .lesson-figure").bounding_box()
+    assert figure
+    assert figure["height"] > 0.9 * room  # it is as large as the slide allows
     handle = page.get_by_role("slider", name="Last cell of the line")
     dot = handle.locator("circle").last
     box = dot.bounding_box()

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.classes import joined_class, places_of, puzzle_link_of
+from server.http.routes.clients import client_address
 from server.http.routes.puzzles import Name, begin_puzzle, created
 from server.http.services import AllPuzzles, CodeBrake, Logs, OpenClasses, ServiceSettings, Sessions, Visitor
 from server.stream.class_messages import ClassSolver
@@ -64,7 +65,7 @@ async def begin(
     puzzle = room.puzzle
     if puzzle is None:
         raise MapperError("class.no_puzzle", "The class solves no puzzle now.")
-    number = room.number_of(visitor)
+    number = room.number_of(visitor, client_address(request))
     link = puzzle_link_of(room, len(room.puzzles))
     for one in sessions.all():
         if one.link == link and one.owner == visitor:

@@ -59,7 +59,7 @@ def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSo
 def joined_class(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
     """Return a class to a visitor who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
     room = _guessed(brake, classes, code, request, visitor)
-    classes.check(room, visitor)
+    classes.check(room, visitor, client_address(request))
     return room
 
 
@@ -142,7 +142,7 @@ async def stream(
 ) -> None:
     """Exchange messages with a class; ``follows``: a page that follows it, also in its lecturer's browser."""
     _guessed(brake, classes, code, websocket, visitor)
-    room, member = classes.join(code, visitor, follows=follows)
+    room, member = classes.join(code, visitor, client_address(websocket), follows=follows)
     from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
 
     await attend(websocket, room, member)
@@ -163,9 +163,11 @@ def puzzle_link_of(room: Classroom, number: int) -> str:
     return f"{link_of(room)} puzzle {number}"
 
 
-def _shown(classes: Classes, room: Classroom, sessions: SessionRegistry, visitor: str) -> SessionHost:
+def _shown(
+    classes: Classes, room: Classroom, sessions: SessionRegistry, connection: Request | WebSocket, visitor: str
+) -> SessionHost:
     """Return the session that a class shows, to a visitor who has joined or may join."""
-    classes.check(room, visitor)
+    classes.check(room, visitor, client_address(connection))
     if room.session is None:
         raise MapperError("class.no_session", "The lecturer shows no map now.")
     return sessions.get(room.session)
@@ -184,11 +186,12 @@ async def shown(
 ) -> None:
     """Watch the session that the lecturer shows. Commands are refused, except from whom the robot was handed to."""
     room = _guessed(brake, classes, code, websocket, visitor)
-    session = _shown(classes, room, sessions, visitor)
+    session = _shown(classes, room, sessions, websocket, visitor)
     from server.http.stream_connection import Following, exchange  # noqa: PLC0415 - comes with the first session
 
     following = Following(lambda command: room.may_drive(visitor, command), room.stage_over)
-    await exchange(websocket, session, settings.max_class_followers, following)
+    with classes.watching(room, client_address(websocket)):
+        await exchange(websocket, session, settings.max_class_followers, following)
 
 
 @router.post("/api/classes/{code}/sessions", status_code=201)
@@ -205,7 +208,7 @@ async def fork(
 ) -> Response:
     """Begin a session of one's own with the present state of the one that the lecturer shows."""
     room = _guessed(brake, classes, code, request, visitor)
-    session = _shown(classes, room, sessions, visitor)
+    session = _shown(classes, room, sessions, request, visitor)
 
     if copies.wait_s(visitor) > 0.0:
         raise SessionBudgetError("class.copies", "You copied this world many times just now: wait a few seconds.")
@@ -277,7 +280,7 @@ async def page(
 ) -> Response:
     """Return a page that follows a class."""
     try:
-        room = _guessed(brake, classes, code, request, visitor)
+        room = joined_class(brake, classes, code, request, visitor)
     except MapperError as error:
         return RedirectResponse(f"/join?refused={error.code}", status_code=303)
     if code != normalised(code):

@@ -13,6 +13,8 @@ const REFUSALS: Readonly<Record<string, string>> = {
   "class.unknown": "There is no class with this code. It may have ended.",
   "class.locked": "The lecturer has locked this class: no one else can join.",
   "class.crowded": "As many people as may follow this class already do.",
+  "class.crowded_address":
+    "As many people of your network as may follow this class already do. Another network, such as mobile data, may have room.",
   "class.guesses": "Too many wrong codes came from this network. Wait a minute, then try again.",
 };
 const LENGTH = 6;

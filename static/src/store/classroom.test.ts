@@ -129,3 +129,15 @@ test("a page that a newer server asks to reload says so, and connects no more", 
   dispatchEvent(new Event("online"));
   expect(FakeSocket.all).toHaveLength(1);
 });
+
+test("the lecturer's page has the answers before the reveal only if they are looked at, and not the right one", () => {
+  const asked = { ...QUESTION, answered: 3, counts: [1, 2], right: 1 };
+  socket().join(null, asked);
+  expect(room.question.value).toEqual({ ...asked, counts: null, right: null });
+  room.lookedAt.value = asked.id;
+  expect(room.question.value).toEqual({ ...asked, right: null });
+  socket().state({ ...asked, id: 2 });
+  expect(room.question.value?.counts).toBeNull();
+  socket().state({ ...asked, id: 2, is_revealed: true });
+  expect(room.question.value).toEqual({ ...asked, id: 2, is_revealed: true });
+});

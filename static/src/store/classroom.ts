@@ -31,6 +31,17 @@ export class Classroom {
   readonly code: string;
   readonly isFollowed: boolean;
   readonly state = signal<ClassState | null>(null);
+  /** The question of which this page of the lecturer's shows the answers before the reveal; null for none. */
+  readonly lookedAt = signal<number | null>(null);
+  /**
+   * The question that is asked, as this page shows it. The lecturer's screen is projected: before the reveal it shows
+   * how often each answer was given only if the lecturer wants to see it, and never the right one.
+   */
+  readonly question = computed(() => {
+    const asked = this.state.value?.question ?? null;
+    if (!asked || asked.is_revealed) return asked;
+    return { ...asked, counts: this.lookedAt.value === asked.id ? asked.counts : null, right: null };
+  });
   readonly welcome = signal<ClassWelcome | null>(null);
   readonly shown = signal<ClassViewMessage | null>(null);
   readonly explained = signal<WhyMessage | null>(null);
@@ -244,10 +255,13 @@ export async function endClass(): Promise<void> {
 
 // --- questions of figures --------------------------------------------------------------------------------------------
 
-/** The text of a question that the page itself shows with its answers: the class's line does not show it as well. */
+/** The text of a question that the page itself shows: the class's line does not show it as well. */
 export const questionOnPage = signal<string | null>(null);
 
-/** Say that the page shows the answers to a question, until the returned function is called. */
+/** The text of a question that is the heading of the page: the class's line does not repeat it. */
+export const questionInHeading = signal<string | null>(null);
+
+/** Say that the page shows a question and, once they may be seen, its answers, until the returned function is called. */
 export function showsAnswers(text: string): () => void {
   questionOnPage.value = text;
   return () => {
@@ -255,9 +269,9 @@ export function showsAnswers(text: string): () => void {
   };
 }
 
-/** The question with this text, if it is the one that is asked. */
+/** The question with this text as this page shows it, if it is the one that is asked. */
 export function askedAs(text: string): ClassQuestion | null {
-  const asked = classroom.value?.state.value?.question ?? null;
+  const asked = classroom.value?.question.value ?? null;
   return asked?.text === text ? asked : null;
 }
 

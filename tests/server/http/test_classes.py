@@ -15,6 +15,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
+from server.classes import classes
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at, until_closed
 
 TOKEN = "long enough"
@@ -356,6 +357,28 @@ def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
     asyncio.run(shows())
     assert codes == [201] * 6 + [429]
     assert len(copies) == 1
+
+
+def test_a_further_follower_of_a_crowded_network_is_told_to_use_another(
+    lecturer: Person, guest: Person, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(classes, "ADDRESS_SHARE", 1 / 400)  # of 400 places
+    code = lecturer.http.post("/api/classes").json()["code"]
+    newcomer = Person(guest.service, knows_token=False)
+
+    async def joins() -> None:
+        async with guest.stream(f"/api/classes/{code}/stream") as socket:
+            await Seat(socket).until("welcome")
+            refused = newcomer.http.get(f"/api/classes/{code}")
+            assert refused.status_code == 429
+            assert refused.json()["code"] == "class.crowded_address"
+            assert "mobile data" in refused.json()["message"]
+            for path in (f"/class/{code}", f"/class/{code}/lecture.html"):  # scanned, and reloaded
+                assert newcomer.http.get(path).headers["location"] == "/join?refused=class.crowded_address"
+            assert guest.http.get(f"/class/{code}/lecture.html").status_code == 200
+
+    asyncio.run(joins())
+    newcomer.http.close()
 
 
 def test_who_asks_for_a_puzzle_that_is_not_there_takes_no_number(lecturer: Person, guest: Person) -> None:

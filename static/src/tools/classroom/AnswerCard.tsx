@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import type { Classroom } from "../../store/classroom";
+import { type Classroom, questionInHeading } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import type { ClassAxis, ClassQuestion } from "../../wire/protocol";
 import { Histogram } from "./Histogram";
@@ -12,7 +12,7 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
   const given = room.answer.value?.question === question.id ? room.answer.value.value : null;
   return (
     <section class="class-card" aria-label="Question to the class">
-      <h2>{question.text}</h2>
+      <h2 class={questionInHeading.value === question.text ? "visually-hidden" : ""}>{question.text}</h2>
       {question.is_revealed ? (
         <>
           <Histogram question={question} own={given} />

@@ -3,6 +3,9 @@ import { useEffect, useRef } from "preact/hooks";
 import { openClass } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 
+/** Whether an address is reached only by the machine that it is opened on. */
+const isLoopback = (address: string): boolean => /^(localhost|127\.[\d.]+|\[::1\])$/.test(new URL(address).hostname);
+
 /** The code of the class, large enough for a hall: as a QR code, as letters, and as an address. */
 export function CodeDialog({ isOpen }: { readonly isOpen: Signal<boolean> }) {
   const dialog = useRef<HTMLDialogElement>(null);
@@ -28,6 +31,12 @@ export function CodeDialog({ isOpen }: { readonly isOpen: Signal<boolean> }) {
             <p class="class-code" role="img" aria-label={`Code ${[...found.code].join(" ")}`}>
               {found.code.slice(0, 3)} {found.code.slice(3)}
             </p>
+            {isLoopback(found.address) && (
+              <p class="class-unreachable" role="alert">
+                Only this computer reaches this address. For other devices, start the service with{" "}
+                <code>gridbloom serve --class</code>.
+              </p>
+            )}
             <p class="quiet">No account and no name. You see what the lecturer shows and can answer questions.</p>
             <Button kind="primary" onClick={close}>
               Close

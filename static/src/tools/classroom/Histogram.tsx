@@ -1,10 +1,25 @@
 import type { ClassQuestion } from "../../wire/protocol";
 import { barsOf, letterOf, spoken } from "./histogram";
 
-/** The answers to a question: a bar for each option, or columns on the axis of the guess. */
+/**
+ * The answers to a question: a bar for each option, or columns on the axis of the guess; while they are not known, the
+ * options alone, or the axis.
+ */
 export function Histogram({ question, own }: { readonly question: ClassQuestion; readonly own: number | null }) {
   const bars = barsOf(question);
   if (question.axis) return <Columns question={question} own={own} />;
+  if (!question.counts)
+    return (
+      <ul class="class-bars is-withheld" aria-label={spoken(question)}>
+        {question.options?.map((option, i) => (
+          <li key={option}>
+            <span>
+              <b>{letterOf(i)}</b> {option}
+            </span>
+          </li>
+        ))}
+      </ul>
+    );
   return (
     <ul class="class-bars" aria-label={spoken(question)}>
       {bars.map((bar, i) => (

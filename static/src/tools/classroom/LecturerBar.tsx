@@ -1,5 +1,5 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { type Classroom, endClass, openClass, questionOnPage } from "../../store/classroom";
+import { type Classroom, endClass, openClass, questionInHeading, questionOnPage } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import { toast } from "../../ui/Toast";
 import type { ClassQuestion } from "../../wire/protocol";
@@ -21,7 +21,7 @@ export function LecturerBar({ room }: { readonly room: Classroom }) {
     room.refused.value = null;
   });
   const state = room.state.value;
-  const question = state?.question ?? null;
+  const question = room.question.value;
   const end = async (): Promise<void> => {
     isEnding.value = false;
     try {
@@ -149,15 +149,17 @@ function Robot({ room }: { readonly room: Classroom }) {
   );
 }
 
-/** The question that is asked, with the answers as they come. */
+/** The question that is asked, and how many have answered; the answers once they are revealed or looked at. */
 function Result({ room, question }: { readonly room: Classroom; readonly question: ClassQuestion }) {
   const present = room.state.value?.present ?? 0;
+  const isHeading = questionInHeading.value === question.text;
+  const isLookedAt = room.lookedAt.value === question.id;
   return (
     <section class="class-card" aria-label="Question to the class">
       {questionOnPage.value !== question.text && (
         <>
-          <h2>{question.text}</h2>
-          <Histogram question={question.is_revealed ? question : { ...question, right: null }} own={null} />
+          <h2 class={isHeading ? "visually-hidden" : ""}>{question.text}</h2>
+          {(!isHeading || question.counts) && <Histogram question={question} own={null} />}
         </>
       )}
       <div class="class-line">
@@ -166,9 +168,19 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
         </p>
         <div class="actions">
           {!question.is_revealed && (
-            <Button kind="primary" disabled={!room.isConnected.value} onClick={() => room.send({ type: "reveal" })}>
-              Reveal
-            </Button>
+            <>
+              <Button
+                label={isLookedAt ? "Hide answers" : "Show answers on this screen only"}
+                onClick={() => {
+                  room.lookedAt.value = isLookedAt ? null : question.id;
+                }}
+              >
+                {isLookedAt ? "Hide answers" : "Show answers"}
+              </Button>
+              <Button kind="primary" disabled={!room.isConnected.value} onClick={() => room.send({ type: "reveal" })}>
+                Reveal
+              </Button>
+            </>
           )}
           <Button disabled={!room.isConnected.value} onClick={() => room.send({ type: "close" })}>
             Close the question

@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { followedCode } from "../../../store/classroom";
+import { followedCode, questionInHeading } from "../../../store/classroom";
 import { ClassButton } from "../../../tools/classroom/ClassHost";
 import { Button } from "../../../ui/Button";
 import { toast } from "../../../ui/Toast";
@@ -31,13 +31,20 @@ function fullScreen(): void {
 function Heading() {
   const now = slide.value;
   const question = questionOf(now);
-  if (!now) return null;
   const begun = question && (stage.value === "figure" || stage.value === "answer");
+  const heading = begun ? question.question : null;
+  useEffect(() => {
+    questionInHeading.value = heading;
+    return () => {
+      questionInHeading.value = null;
+    };
+  }, [heading]);
+  if (!now) return null;
   const chosen = now.kind === "section" ? predicted.value[now.section] : undefined;
   const isRight = chosen !== undefined && chosen === question?.right;
   return (
     <div class="presenter-heading">
-      <h1>{begun ? question.question : titleOf(now)}</h1>
+      <h1>{heading ?? titleOf(now)}</h1>
       {question && (
         <p class="presenter-answer" role="status">
           {begun && stage.value === "answer" && (
