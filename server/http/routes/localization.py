@@ -107,11 +107,15 @@ async def as_yaml(
 
 
 @router.put("/sessions/{session_id}/localization/map")
-async def map_of_log(library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog) -> dict[str, Any]:
+async def map_of_log(
+    request: Request, library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog
+) -> dict[str, Any]:
     """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
     _check_idle(library.localization.state(of_log.owner, of_log.log_id))
-    made = await library.maps.of_log(of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory)
+    made = await library.maps.of_log(
+        of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory, address=client_address(request)
+    )
     return _show(of_log.session, made)
 
 
