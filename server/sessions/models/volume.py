@@ -171,9 +171,9 @@ class VolumeModel(SessionModel):
         return NO_READINGS
 
     def drawings(self) -> list[Drawing]:
-        """Return the voxels, the points, the chosen voxel, and what differs from another map."""
+        """Return the voxels, the points, what is chosen, and what differs from another map."""
         surface = [self._surface.drawing(self._look, float(self._low[2]))] if self._is_surface else []
-        return [*self._drawn.current(self._map.volume, self._look), *surface]
+        return [*self._drawn.current(self._map.volume, self._look), *surface, *self._terrain.drawings()]
 
     def controls(self) -> SceneControls:
         """Return what the camera shows at first."""
