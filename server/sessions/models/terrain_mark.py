@@ -8,12 +8,12 @@ import numpy as np
 
 from mapper.core.errors import MapperError
 from server.sessions.drawings import Segments
+from server.sessions.models.chosen_voxel import CHOSEN
 from server.sessions.models.terrain_patch import place_of
 
 if TYPE_CHECKING:
     from server.sessions.models.lab_terrain import Assessed
 
-MARK = (232, 60, 140)  #: as a chosen voxel
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
@@ -39,5 +39,5 @@ def patch_mark(found: Assessed, x: float, y: float) -> Segments | None:
     rings = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in (lower, upper)]
     lines = np.concatenate([*rings, np.stack([lower, upper], axis=1)])
     return Segments(
-        name="asked-patch", label="Patch that is explained", points=lines.astype(np.float32), colors=MARK, width=3.0
+        name="asked-patch", label="Patch that is explained", points=lines.astype(np.float32), colors=CHOSEN, width=3.0
     )

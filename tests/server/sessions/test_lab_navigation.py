@@ -316,9 +316,12 @@ async def test_a_loaded_yaml_is_parsed_once(lab: Lab, monkeypatch: pytest.Monkey
     lab.do(type="costmap")
     lab.do(type="nav2")
     written, parsed = lab.answers[0]["text"], []
-    monkeypatch.setattr(
-        ros_parameters, "load_untrusted", lambda text: (parsed.append(text), untrusted_yaml.load_untrusted(text))[1]
-    )
+
+    def counted(text: str) -> object:
+        parsed.append(text)
+        return untrusted_yaml.load_untrusted(text)
+
+    monkeypatch.setattr(ros_parameters, "load_untrusted", counted)
     lab.do(type="nav2", text=written)
     assert parsed == [written]
 
