@@ -64,6 +64,8 @@ class VolumeModel(SessionModel):
         self._host, self._source = host, source
         self._log_id, self._title, self._topic = log_id, title, topic
         self._up = up
+        if isinstance(source, OctreeFile):
+            source.tree.check_size(self._limits())  # it has one scan: if that did not fit, nothing would be shown
         self._low, self._high = bounds_of(source)
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
         self._map = ReplayedVolume(source, self._config, self._limits)
