@@ -110,7 +110,14 @@ def parse_nav2_costmap(data: bytes, node: str | None = None) -> Nav2Costmap:
     and :class:`ConfigError`, which names the parameter with its path, for an unknown name or plugin or an impossible
     value.
     """
-    root = parse_ros_parameters(data)
+    return costmap_of(parse_ros_parameters(data), node)
+
+
+def costmap_of(root: dict[str, Any], node: str | None = None) -> Nav2Costmap:
+    """Return the costmap in what :func:`mapper.io.ros_parameters.parse_ros_parameters` returned for a file.
+
+    As :func:`parse_nav2_costmap`, for who reads more than the costmap from the file.
+    """
     found = find_node(root, (node,) if node else NODES)
     if found is None:
         wanted = node or " or ".join(NODES)

@@ -12,10 +12,11 @@ from typing import Any
 import yaml
 
 from mapper.core.errors import LimitError, ReadError
-from mapper.io.untrusted_yaml import AliasError, DepthError, UntrustedLoader, load_untrusted
+from mapper.io.untrusted_yaml import AliasError, CountError, DepthError, UntrustedLoader, load_untrusted
 
 MAX_BYTES = 1 << 20  #: a whole Nav2 stack's file has some 20 kB
 MAX_DEPTH = UntrustedLoader.most_levels
+MAX_VALUES = UntrustedLoader.most_values
 
 
 def read_parameter_file(path: str | os.PathLike[str]) -> bytes:
@@ -33,7 +34,7 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
     """Return the mapping that a parameter file's bytes hold.
 
     Raises :class:`ReadError` for text that is not such a mapping and names the line where there is one, and
-    :class:`LimitError` for more than 1 MiB.
+    :class:`LimitError` for more than 1 MiB or 10 000 values.
     """
     if len(data) > MAX_BYTES:
         raise LimitError("parameters.too_large", f"A parameter file may have {MAX_BYTES} bytes, not {len(data)}.")
@@ -48,6 +49,9 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
         raise ReadError("parameters.alias", "The parameter file has an alias, which is not read.") from error
     except DepthError as error:
         raise ReadError("parameters.depth", f"The parameter file is nested deeper than {MAX_DEPTH} levels.") from error
+    except CountError as error:
+        message = f"A parameter file may have {MAX_VALUES} keys, values and lists; this one has more."
+        raise LimitError("parameters.too_many", message) from error
     except yaml.MarkedYAMLError as error:
         line = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
         raise ReadError("parameters.yaml", f"The parameter file is malformed{line}: {error.problem}.") from error

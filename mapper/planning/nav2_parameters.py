@@ -63,7 +63,14 @@ def parse_nav2_path(data: bytes) -> Nav2Path:
     Nav2's defaults where the file has none. Raises :class:`ConfigError`, which names the parameter with its path, for
     an unknown name and an impossible value, and what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
-    root = parse_ros_parameters(data)
+    return path_of(parse_ros_parameters(data))
+
+
+def path_of(root: dict[str, Any]) -> Nav2Path:
+    """Return the planner and the follower in what :func:`mapper.io.ros_parameters.parse_ros_parameters` returned.
+
+    As :func:`parse_nav2_path`, for who reads more from the file.
+    """
     others: dict[tuple[str, ...], Any] = {}
     planner_name, planner = _plugin(root, NODE, "NavfnPlanner", _TABLES[0], _WITHOUT_EFFECT, others)
     follower_name, follower = _plugin(

@@ -117,6 +117,16 @@ class Octree:
         leaf = self.masks == 0
         return codes[leaf], depths[leaf], self.values[leaf]
 
+    def check_size(self, limits: Limits = DEFAULT_LIMITS) -> None:
+        """Raise :class:`LimitError` for a tree whose leaves are more voxels than the limits allow."""
+        blocks = _blocks_of(self._leaf_codes()[1]).astype(np.float64)
+        if blocks.sum() > limits.max_blocks + len(blocks):
+            raise LimitError(
+                "volume.tree_too_large",
+                f"The leaves of the tree are {blocks.sum() * _VOXELS:.3g} voxels of {self.resolution:g} m, "
+                f"more than {limits.max_blocks * _VOXELS:,}.",
+            )
+
     def volume(self, config: VolumeConfig, limits: Limits = DEFAULT_LIMITS) -> OccupancyVolume:
         """Return the map whose voxels have the values of the leaves. ``config`` has the resolution of the tree.
 
@@ -126,13 +136,8 @@ class Octree:
         if not self.n_nodes:
             return volume
         codes, depths, values = self._leaf_codes()
-        counts = np.int64(1) << 3 * np.maximum(_BLOCK_DEPTH - depths.astype(np.int64), 0)
-        if counts.astype(np.float64).sum() > limits.max_blocks + len(counts):
-            raise LimitError(
-                "volume.tree_too_large",
-                f"The leaves of the tree are {counts.astype(np.float64).sum() * _VOXELS:.3g} voxels of "
-                f"{self.resolution:g} m, more than {limits.max_blocks * _VOXELS:,}.",
-            )
+        self.check_size(limits)
+        counts = _blocks_of(depths)
         first = np.repeat(codes >> 9, counts)
         blocks = np.unique(first + np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts))
         if len(blocks) > limits.max_blocks:
@@ -149,3 +154,8 @@ class Octree:
         names = corners // BLOCK @ np.array([1, 1 << 13, 1 << 26])
         volume.set_blocks(names, ordered.reshape(-1, BLOCK, BLOCK, BLOCK))
         return volume
+
+
+def _blocks_of(depths: UInt8Array) -> Int64Array:
+    """Return how many blocks leaves of these depths (n,) are, at least one each."""
+    return np.asarray(np.int64(1) << 3 * np.maximum(_BLOCK_DEPTH - depths.astype(np.int64), 0))

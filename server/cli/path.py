@@ -53,11 +53,11 @@ def path(
     """Plan the cheapest path between two places of a map, on the costmap of Nav2's layers."""
     from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
     from mapper.costmap.build import DEFAULT, build_costmap  # noqa: PLC0415 - start-up
-    from mapper.costmap.nav2_parameters import parse_nav2_costmap  # noqa: PLC0415 - start-up
+    from mapper.costmap.nav2_parameters import costmap_of  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
-    from mapper.io.ros_parameters import read_parameter_file  # noqa: PLC0415 - start-up
+    from mapper.io.ros_parameters import parse_ros_parameters, read_parameter_file  # noqa: PLC0415 - start-up
     from mapper.planning import plan_path  # noqa: PLC0415 - start-up
-    from mapper.planning.nav2_parameters import Nav2Path, parse_nav2_path  # noqa: PLC0415 - start-up
+    from mapper.planning.nav2_parameters import Nav2Path, path_of  # noqa: PLC0415 - start-up
     from mapper.planning.travel_time import travel_time  # noqa: PLC0415 - start-up
 
     start_xy = numbers("--from", "two numbers, X,Y in metres", 2, start)
@@ -65,8 +65,8 @@ def path(
     parameters, nav2 = DEFAULT, Nav2Path()
     if params is not None:
         with refusing(params):
-            data = read_parameter_file(params)
-            parameters, nav2 = parse_nav2_costmap(data), parse_nav2_path(data)
+            root = parse_ros_parameters(read_parameter_file(params))
+            parameters, nav2 = costmap_of(root), path_of(root)
     given: dict[str, Any] = {"use_astar": astar, "allow_unknown": unknown, "tolerance": tolerance}
     try:
         config = replace(nav2.planner, **{name: value for name, value in given.items() if value is not None})

@@ -10,12 +10,12 @@ import structlog
 from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
+from server.downloads.client_pace import ClientPace
 from server.downloads.download_slots import Requester
 from server.downloads.downloads import Content, Downloads, Make
 from server.downloads.names import disposition
 
 PIECE_BYTES = 1 << 18  #: size of a piece that is sent
-STALLED_S = 30.0  #: within which a client must accept a piece
 
 _log = structlog.get_logger(__name__)
 
@@ -50,15 +50,17 @@ class Download(Response):
         # If the first piece fails, an error can still be answered.
         piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        pace, clock = ClientPace(), asyncio.get_running_loop().time
         while piece:
             try:
                 # A file that is made at once, as a mesh, would have to be accepted in the time of one piece.
                 for start in range(0, len(piece), PIECE_BYTES):
-                    async with asyncio.timeout(STALLED_S):
-                        part = piece[start : start + PIECE_BYTES]
+                    part, began = piece[start : start + PIECE_BYTES], clock()
+                    async with asyncio.timeout(pace.seconds_left):
                         await send({"type": "http.response.body", "body": part, "more_body": True})
+                    pace.accept(len(part), clock() - began)
             except TimeoutError:
-                _log.info("a download stalled and was ended")
+                _log.info("a download was ended: its client stalled or is too slow", **pace.told)
                 return  # uvicorn then closes the connection, so that the client sees that the file is incomplete
             piece = await self._downloads.run(lambda _: _next(content.pieces))
         await send({"type": "http.response.body", "body": b"", "more_body": False})

@@ -75,7 +75,9 @@ class GivenMaps:
         self._bytes += _bytes_of(path) - before
         return path
 
-    async def of_log(self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None) -> GivenMap:
+    async def of_log(
+        self, owner: str, log_id: str, other: str, topic: str | None, trajectory: str | None, *, address: str = ""
+    ) -> GivenMap:
         """Choose the map of the log ``other`` along one of its trajectories, None: its first; or ``other``, a map.
 
         Raises :class:`LimitError`, and as the library for logs that the owner may not open.
@@ -91,11 +93,13 @@ class GivenMaps:
         source = self._folder / f"{secrets.token_hex(10)}.pack"
         try:
             await asyncio.to_thread(packed, log, source)
-            return await self._made(owner, log_id, source, title, name)
+            return await self._made(owner, address, log_id, source, title, name)
         finally:
             await asyncio.to_thread(source.unlink, missing_ok=True)
 
-    async def of_files(self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes]) -> GivenMap:
+    async def of_files(
+        self, owner: str, log_id: str, title: str, chunks: AsyncIterator[bytes], *, address: str = ""
+    ) -> GivenMap:
         """Choose the map in uploaded files, as :class:`GivenMapJob` has them.
 
         Raises :class:`LimitError` and :class:`mapper.core.errors.ReadError`.
@@ -110,17 +114,19 @@ class GivenMaps:
                     if size > min(MOST_BYTES, self._room()):
                         raise LimitError("map.too_large", f"Map files have at most {MOST_BYTES >> 20} MiB here.")
                     await asyncio.to_thread(file.write, chunk)
-            return await self._made(owner, log_id, source, title, None)
+            return await self._made(owner, address, log_id, source, title, None)
         finally:
             await asyncio.to_thread(source.unlink, missing_ok=True)
 
-    async def _made(self, owner: str, log_id: str, source: Path, title: str, trajectory: str | None) -> GivenMap:
+    async def _made(
+        self, owner: str, address: str, log_id: str, source: Path, title: str, trajectory: str | None
+    ) -> GivenMap:
         fresh = self._folder / f"{secrets.token_hex(10)}.new"
         job = GivenMapJob(
             str(source), str(fresh), title, trajectory, LIMITS.timeout_s, LIMITS.cpu_s, LIMITS.memory_bytes
         )
         try:
-            async with self._turns.of(owner):
+            async with self._turns.of(owner, address):
                 worker = self._worker = self._worker or self._make_worker()
                 made = await outcome_of(worker, worker.submit(job), job.timeout_s)
             await self._put(owner, log_id, fresh)

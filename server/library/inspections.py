@@ -69,7 +69,7 @@ class Inspections:
         self._inspected = ""  #: the log whose turn it is
         self._kept: dict[str, Contents] = {}
 
-    async def contents(self, record: Record, visitor: str) -> Contents | float:
+    async def contents(self, record: Record, visitor: str, *, address: str = "") -> Contents | float:
         """Return what a log's recording holds; where that is not known yet begin to find out, and return how far it is.
 
         The inspection ends when no request waits for it. Raises what it raised, once.
@@ -81,7 +81,7 @@ class Inspections:
                 try:
                     kept = await asyncio.to_thread(read_contents, self._catalogue.contents(record.id))
                 except StaleContentsError:
-                    return self._begin(record, visitor)
+                    return self._begin(record, visitor, address)
                 self._keep(record.id, kept)
             return kept
         if running.task.done():
@@ -89,7 +89,7 @@ class Inspections:
             running.timer.cancel()
             if not running.task.cancelled():
                 running.task.result()
-            return await self.contents(record, visitor)
+            return await self.contents(record, visitor, address=address)
         running.timer.cancel()
         running.timer = self._timer(running.task)
         return self._worker.progress if self._inspected == record.id else 0.0
@@ -105,9 +105,9 @@ class Inspections:
             running.timer.cancel()
             running.task.cancel()
 
-    def _begin(self, record: Record, visitor: str) -> float:
+    def _begin(self, record: Record, visitor: str, address: str) -> float:
         if record.id not in self._running:
-            task = asyncio.create_task(self._inspect(record, visitor))
+            task = asyncio.create_task(self._inspect(record, visitor, address))
             task.add_done_callback(lambda done: done.cancelled() or done.exception())
             self._running[record.id] = _Running(task, self._timer(task), visitor)
         return 0.0
@@ -120,8 +120,8 @@ class Inspections:
             del self._kept[next(iter(self._kept))]
         self._kept[log_id] = contents
 
-    async def _inspect(self, record: Record, visitor: str) -> None:
-        async with self._turns.of(visitor), self._catalogue.source(record) as source:
+    async def _inspect(self, record: Record, visitor: str, address: str) -> None:
+        async with self._turns.of(visitor, address), self._catalogue.source(record) as source:
             self._inspected = record.id
             job = InspectJob(str(source), str(self._catalogue.contents(record.id)), self._timeout_s, self._cpu_s)
             try:

@@ -350,14 +350,16 @@ class Library:
         """Return what :meth:`load` of a log waits for now, in words, and how much of it is done, None if unknown."""
         return self._loading.opening(log_id)
 
-    async def contents(self, owner: str, log_id: str, visitor: str) -> Contents | float:
+    async def contents(self, owner: str, log_id: str, visitor: str, *, address: str = "") -> Contents | float:
         """Return what the recording of a log of ``owner`` holds, or how far finding that out is, from 0 to 1.
 
         Each call keeps it going, and counts as ``visitor``'s. The sample is no recording and holds nothing. Raises
         :class:`LogNotFoundError`, and what the reader raised.
         """
         record = self.get(owner, log_id)
-        return Contents(()) if record.source == "sample" else await self._inspections.contents(record, visitor)
+        if record.source == "sample":
+            return Contents(())
+        return await self._inspections.contents(record, visitor, address=address)
 
     def stop_inspecting(self, owner: str, log_id: str, visitor: str) -> None:
         """End what :meth:`contents` has begun for ``visitor`` of a log of ``owner``.
@@ -385,7 +387,7 @@ class Library:
     ) -> GivenMap:
         """Choose the map in uploaded files to localize a log in. Raises as :meth:`GivenMaps.of_files`."""
         async with self._slots.take(owner, address) as slot:
-            return await self.maps.of_files(owner, log_id, title, slot.read(chunks))
+            return await self.maps.of_files(owner, log_id, title, slot.read(chunks), address=address)
 
     async def picture(
         self, owner: str, log_id: str, visitor: str, topic: str, at_ns: int, *, address: str = ""

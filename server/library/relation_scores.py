@@ -81,7 +81,10 @@ def _means(translation: ErrorSeries, rotation: ErrorSeries) -> dict[str, Any]:
 
 
 class RelationScores:
-    """Scores poses of the catalogue's logs, one visitor after another. Used from the event loop only."""
+    """Scores poses of the catalogue's logs, of waiting addresses and visitors in rotation.
+
+    Used from the event loop only.
+    """
 
     def __init__(
         self, catalogue: Catalogue, folder: Path, *, timeout_s: float, cpu_s: float, memory_bytes: int
@@ -92,7 +95,16 @@ class RelationScores:
         self._turns = FairLock()
 
     async def score(
-        self, record: Record, visitor: str, log: ScanLog, trajectory: str, text: bytes, name: str, topic: str | None
+        self,
+        record: Record,
+        visitor: str,
+        log: ScanLog,
+        trajectory: str,
+        text: bytes,
+        name: str,
+        topic: str | None,
+        *,
+        address: str = "",
     ) -> dict[str, Any]:
         """Return the mean errors of a trajectory over the relations in ``text``, a file called ``name``.
 
@@ -103,10 +115,10 @@ class RelationScores:
 
         poses = log.trajectory(trajectory).poses
         relations = self._folder / f"relations-{secrets.token_hex(8)}"
-        await asyncio.to_thread(relations.write_bytes, text)
         limits = self._timeout_s, self._cpu_s
         try:
-            async with self._turns.of(visitor):
+            async with self._turns.of(visitor, address):
+                await asyncio.to_thread(relations.write_bytes, text)
                 if record.source == "sample":
                     found = await self._done(
                         ScoreJob(None, str(relations), topic, log.stamps_ns, poses, *limits), relations, name

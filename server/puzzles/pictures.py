@@ -1,11 +1,13 @@
-"""Small pictures of the maps of the puzzles that come with the program, as they are when an attempt begins."""
+"""Small pictures of the maps of the puzzles that come with the program, as they are when an attempt begins.
+
+They are files of the program, which ``python -m server.puzzles.draw_pictures`` makes: to drive and to map for all of
+them takes several seconds of a processor that has nothing else to do.
+"""
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Awaitable, Callable
-from functools import partial
-from typing import Protocol
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -15,42 +17,26 @@ from mapper.grid.occupancy_grid import FREE, OCCUPIED, OccupancyGrid
 from mapper.puzzles import RECIPES
 from mapper.puzzles.puzzle import mapped
 from mapper.replay.overview import SIDE, cells_overview
-from server.library.log_picture import png_of
+from server.library.log_picture import read_picture
 from server.sessions.models.log_recording import first_config
 
-Check = Callable[[], None]
+FOLDER = Path(__file__).parent / "map_pictures"  #: of the files, in the colours of a light page
 
 
-class Run(Protocol):
-    """Computes ``work(check)`` on a worker thread; see :meth:`server.downloads.Downloads.run`."""
+@lru_cache(maxsize=2 * len(RECIPES))
+def picture_of(name: str, *, dark: bool) -> bytes:
+    """Return the picture of a puzzle as PNG, in the colours of a light or a dark page.
 
-    def __call__(self, work: Callable[[Check], UInt8Array]) -> Awaitable[UInt8Array]:
-        """Return what ``work`` returns."""
-
-
-class PuzzlePictures:
-    """Pictures by puzzle, each drawn once, one at a time. Used on the event loop only."""
-
-    def __init__(self) -> None:
-        self._codes: dict[str, UInt8Array] = {}
-        self._turn = asyncio.Lock()
-
-    async def png(self, name: str, run: Run, *, dark: bool) -> bytes:
-        """Return the picture of a puzzle as PNG, in the colours of a light or a dark page.
-
-        Raises :class:`ConfigError` for an unknown puzzle.
-        """
-        if name not in RECIPES:
-            raise ConfigError("puzzle.unknown", f"There is no puzzle {name!r:.80}.")
-        async with self._turn:
-            if name not in self._codes:
-                self._codes[name] = await run(partial(_codes, name))
-        return png_of(self._codes[name], dark=dark)
+    Raises :class:`ConfigError` for an unknown puzzle.
+    """
+    if name not in RECIPES:
+        raise ConfigError("puzzle.unknown", f"There is no puzzle {name!r:.80}.")
+    return read_picture(FOLDER / f"{name}.png", dark=dark)
 
 
-def _codes(name: str, check: Check) -> UInt8Array:
-    """Return the codes of the picture of a puzzle's map."""
-    spoiled = RECIPES[name].make(lambda _: check())
+def codes_of(name: str) -> UInt8Array:
+    """Return the codes of the picture of a puzzle (rows, cols): its drive is simulated and mapped."""
+    spoiled = RECIPES[name].make(lambda _: None)
     config = first_config(spoiled.reference).with_values(spoiled.start)
     return picture_codes(mapped(spoiled.log, config, spoiled.trajectory), config.log_odds_min)
 

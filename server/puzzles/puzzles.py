@@ -13,7 +13,6 @@ from mapper.core.limits import Limits
 from mapper.puzzles import CAUSES, RECIPES, Puzzle
 from server.puzzles.game import Game
 from server.puzzles.making import MAPPING, PuzzleSource, RecipeSource, Tell
-from server.puzzles.pictures import PuzzlePictures
 from server.sessions import Plan
 from server.sessions.view import LogView
 
@@ -35,7 +34,6 @@ class Puzzles:
         self._lock = threading.Lock()  #: of the puzzles that are ready
         self._making = threading.Lock()  #: held while one is made
         self._games: dict[str, Game] = {}  #: by session
-        self.pictures = PuzzlePictures()
 
     @staticmethod
     def described() -> dict[str, Any]:

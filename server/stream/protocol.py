@@ -127,6 +127,8 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
         raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
     try:
         msgspec.convert(command, Command)
+        if "\\u" in text:  # elsewhere there can be none: a frame is UTF-8
+            json.dumps(command, ensure_ascii=False).encode()
     except msgspec.ValidationError as error:
         # Errors in one of the values are left to the table of parameters, which names the parameter.
         if " - at `$.values[" not in str(error):

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 MAGIC, MAGIC_AT = b"ustar", 257
 BLOCK = 512
 MAX_NAME_BYTES = 1 << 14  #: of a name that has a record of its own
+HEAD_BYTES = 1 << 18  #: of a file in a packed archive, which are kept
 REGULAR, WITHOUT_DATA, LONG_NAME, EXTENDED = b"0\x007", b"123456", b"L", b"x"
 
 
@@ -33,6 +34,7 @@ class Member:
     """A file in an archive: ``size`` bytes of the file ``archive``, from ``at`` on. Opened as a path is.
 
     ``unpacked`` opens what a packed archive expands to, where ``at`` is a place in that; None: it is not packed.
+    ``head`` are then its first bytes: to read them again, the archive would be decompressed up to them once more.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Member:
     at: int
     size: int
     unpacked: Callable[[Path], BinaryIO] | None = field(default=None, compare=False)
+    head: bytes | None = field(default=None, compare=False, repr=False)
 
     def open(self, mode: Literal["rb"] = "rb") -> BinaryIO:
         """Return its bytes as a file. Raises :class:`OSError`."""
@@ -125,7 +128,8 @@ def members(
                 name = ""
                 if kind in REGULAR and last and not last.startswith("."):
                     there = max(0, min(size, end - start))
-                    found.append(Member(printable(last[:200]), folder, archive, start, there, unpacked))
+                    head = None if unpacked is None else file.read(min(there, HEAD_BYTES))
+                    found.append(Member(printable(last[:200]), folder, archive, start, there, unpacked, head))
         except _NoHeaderError:
             return found, [f"The archive is damaged at byte {at}: only what precedes is read."]
         except OSError as error:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from typing import BinaryIO
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
@@ -272,13 +274,21 @@ def _kind_of(file: Source) -> Container | Reader:
 
 def _head(file: Source) -> tuple[bytes, str | None]:
     """Return the log's first bytes, and what is wrong with its packed data where they are all that come out."""
-    head = b""
+    if isinstance(file, Member) and file.head is not None:
+        found = _head_of(io.BytesIO(file.head))
+        if len(found[0]) >= HEAD or len(file.head) == file.size:
+            return found
     with opened(file) as stream:
-        unpacked = Unpacked(stream, lambda: "at the beginning", DEFAULT_LIMITS)
-        for piece in unpacked:
-            head += piece
-            if len(head) >= HEAD:
-                break
+        return _head_of(stream)
+
+
+def _head_of(stream: BinaryIO) -> tuple[bytes, str | None]:
+    head = b""
+    unpacked = Unpacked(stream, lambda: "at the beginning", DEFAULT_LIMITS)
+    for piece in unpacked:
+        head += piece
+        if len(head) >= HEAD:
+            break
     return head[:HEAD].removeprefix(BOM), unpacked.broken
 
 

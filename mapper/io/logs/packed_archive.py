@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from _typeshed import WriteableBuffer as Buffer
 
-MOST_PACKED_FILES = 64  #: for each file in it, a packed archive is decompressed up to that file
+MOST_PACKED_FILES = 64  #: whose first bytes are kept; for each that is read, the archive is decompressed up to it
 
 
 def archive_members(path: Path, limits: Limits) -> tuple[list[Member], list[str]] | None:

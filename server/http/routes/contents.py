@@ -67,15 +67,15 @@ def _recording(sessions: SessionRegistry, session_id: str) -> Recording:
 
 
 async def _looked_into(
-    sessions: SessionRegistry, library: Library, visitor: str, session_id: str
+    request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str
 ) -> tuple[Recording, Contents | float]:
     recording = _recording(sessions, session_id)
     owner = _owner(sessions, library, session_id)
-    return recording, await library.contents(owner, recording.log_id, visitor)
+    return recording, await library.contents(owner, recording.log_id, visitor, address=client_address(request))
 
 
-async def _held(sessions: SessionRegistry, library: Library, visitor: str, session_id: str) -> _Held:
-    recording, contents = await _looked_into(sessions, library, visitor, session_id)
+async def _held(request: Request, sessions: SessionRegistry, library: Library, visitor: str, session_id: str) -> _Held:
+    recording, contents = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(contents, float):
         message = "What the recording holds is still being found out; /contents says how far that is."
         raise NotInspectedError("contents.not_yet", message)
@@ -84,14 +84,14 @@ async def _held(sessions: SessionRegistry, library: Library, visitor: str, sessi
 
 @router.get("/{session_id}/contents")
 @guests_may(GuestRight.LINKED_SESSION)
-async def contents(sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> Response:
+async def contents(request: Request, sessions: Sessions, library: Logs, visitor: Visitor, session_id: str) -> Response:
     """Return every topic of the recording, and which of them can be plotted.
 
     The first request has it found out, which may take as long as reading the log did: until then the answer is 202
     with ``progress`` from 0 to 1, and each request keeps it going. Times are seconds: of topics since the recording
     began, of other series since the log's first scan.
     """
-    recording, found = await _looked_into(sessions, library, visitor, session_id)
+    recording, found = await _looked_into(request, sessions, library, visitor, session_id)
     if isinstance(found, float):
         return JSONResponse({"state": "reading", "progress": round(found, 3)}, status_code=202)
     began_ns = min((topic.first_ns for topic in found.topics if topic.first_ns), default=0)
@@ -162,7 +162,7 @@ async def series(
     buckets: Buckets = BUCKETS,
 ) -> JSONResponse:
     """Return the numbers of one topic's messages over time, at most two rows per bucket: its extreme values."""
-    held = await _held(sessions, library, visitor, session_id)
+    held = await _held(request, sessions, library, visitor, session_id)
     one = next((one for one in held.contents.series if one.topic == topic), None)
     if one is None:
         raise MapperError("contents.no_series", f"The recording has no topic {topic!r:.200} that can be plotted.")
@@ -188,7 +188,7 @@ async def picture(
 
     The header ``X-Picture-Seconds`` says when it was recorded, on the same clock as ``at``.
     """
-    held = await _held(sessions, library, visitor, session_id)
+    held = await _held(request, sessions, library, visitor, session_id)
     if not any(one.name == topic and one.type in PICTURED for one in held.contents.topics):
         raise MapperError("contents.no_picture", f"The recording has no images or clouds on {topic!r:.200}.")
     # Messages are found by when they were recorded, which is later than their scans' own stamps.
@@ -207,6 +207,7 @@ async def picture(
 @router.get("/{session_id}/contents/frames")
 @guests_may(GuestRight.LINKED_SESSION)
 async def frames(
+    request: Request,
     sessions: Sessions,
     library: Logs,
     visitor: Visitor,
@@ -219,7 +220,7 @@ async def frames(
     The fixed frame is that of the session's trajectory unless ``fixed`` names another one; where the recording's
     transforms do not have that frame, it is the root above the sensor's.
     """
-    held = await _held(sessions, library, visitor, session_id)
+    held = await _held(request, sessions, library, visitor, session_id)
     log, edges = held.recording.log, held.contents.edges
     at_ns = held.origin_ns + round(at * 1e9)
     names = sorted({name for edge in edges for name in (edge.parent, edge.child)})

@@ -14,8 +14,9 @@ from starlette.requests import ClientDisconnect
 from mapper.core.errors import LimitError, MapperError
 from server.http.following import follow_localization, tell_at_end
 from server.http.guests import GuestRight, guests_may
+from server.http.request_work import in_turn
 from server.http.routes.clients import client_address
-from server.http.services import Logs, Sessions
+from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
 from server.library.localize_jobs import parameter_table
 
@@ -60,7 +61,7 @@ async def parameters() -> dict[str, Any]:
 
 
 @router.put("/localization/parameters")
-async def of_yaml(request: Request) -> dict[str, Any]:
+async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> dict[str, Any]:
     """Return the parameters in the yaml of an AMCL, the body, that differ from the first values.
 
     ``others`` are what does not change where the robot is found, and ``layout`` is nav2 or ros1: a yaml that is saved
@@ -80,7 +81,7 @@ async def of_yaml(request: Request) -> dict[str, Any]:
         values = changed_values(found.config.as_dict())
         return {"values": values, "layout": found.layout, "others": jsonable_encoder(found.others)}
 
-    return await asyncio.to_thread(read)
+    return await in_turn(request, work, visitor, read)
 
 
 @router.post("/localization/amcl.yaml")
@@ -106,11 +107,15 @@ async def as_yaml(
 
 
 @router.put("/sessions/{session_id}/localization/map")
-async def map_of_log(library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog) -> dict[str, Any]:
+async def map_of_log(
+    request: Request, library: Logs, sessions: Sessions, session_id: str, wanted: MapOfLog
+) -> dict[str, Any]:
     """Choose the map to localize the session's log in: that of a log along one of its trajectories."""
     of_log = writable_session(sessions, session_id)
     _check_idle(library.localization.state(of_log.owner, of_log.log_id))
-    made = await library.maps.of_log(of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory)
+    made = await library.maps.of_log(
+        of_log.owner, of_log.log_id, wanted.log, wanted.topic, wanted.trajectory, address=client_address(request)
+    )
     return _show(of_log.session, made)
 
 

@@ -18,7 +18,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_of_secret
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import public
-from server.http.services import AllPuzzles, FileDownloads, Logs, RequestWork, Sessions, Visitor
+from server.http.services import AllPuzzles, Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import writable_session
 from server.library import Library
 from server.library.puzzles import MadePuzzle, PuzzleGoneError
@@ -71,10 +71,12 @@ async def all_puzzles(puzzles: AllPuzzles, library: Logs, visitor: Visitor) -> d
 
 
 @router.get("/api/puzzles/{puzzle}/map.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
-async def picture(downloads: FileDownloads, puzzles: AllPuzzles, puzzle: str, *, dark: bool = False) -> Response:
+async def picture(puzzle: str, *, dark: bool = False) -> Response:
     """Return a small picture of the map that an attempt at a puzzle that comes with the program begins with."""
+    from server.puzzles.pictures import picture_of  # noqa: PLC0415 - imported with the first puzzle
+
     return Response(
-        await puzzles.pictures.png(puzzle, downloads.run, dark=dark),
+        await asyncio.to_thread(picture_of, puzzle, dark=dark),
         media_type="image/png",
         headers={"Cache-Control": "private, max-age=300"},
     )

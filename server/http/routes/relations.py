@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 
+from server.http.routes.clients import client_address, while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
 from server.library.relation_scores import relations_text
@@ -31,4 +32,5 @@ async def score(
     log, trajectory, topic = recording.log, recording.trajectory, recording.view().topic
     text = await relations_text(request.stream())
     record = library.get(of_log.owner, of_log.log_id)
-    return await library.scores.score(record, visitor, log, trajectory, text, name, topic)
+    score = library.scores.score(record, visitor, log, trajectory, text, name, topic, address=client_address(request))
+    return await while_connected(request, score)

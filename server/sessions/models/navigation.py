@@ -8,9 +8,10 @@ from dataclasses import replace
 from typing import Any
 
 from mapper.core.array_types import Int8Array
-from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
+from mapper.costmap.nav2_parameters import costmap_of, nav2_yaml
 from mapper.grid import OccupancyGrid
-from mapper.planning.nav2_parameters import nav2_path_yaml, parse_nav2_path
+from mapper.io.ros_parameters import parse_ros_parameters
+from mapper.planning.nav2_parameters import nav2_path_yaml, path_of
 from server.sessions.models.lab_costmap import LabCostmap, StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, footprint_of, from_nav2
 from server.sessions.models.lab_path import LabPath
@@ -145,8 +146,8 @@ class Navigation(ABC):
             path = nav2_path_yaml(costmap.parameters.path)
             result.answer({"type": "nav2", "text": parts + path})
             return
-        data = text(command, "text").encode()
-        read, read_path = parse_nav2_costmap(data), parse_nav2_path(data)
+        root = parse_ros_parameters(text(command, "text").encode())
+        read, read_path = costmap_of(root), path_of(root)
         found = from_nav2(costmap.parameters, read, read_path)
         costmap.change(found, self._map(found), self._plan)
         unused = *read.unused, *read_path.unused

@@ -172,11 +172,12 @@ class SimulationModel(SessionModel):
         return [ExplainedMap(self._map, self.grid, self.config, self.sources, self.progress[0])]
 
     def drawings(self) -> list[Drawing]:
-        """Return the map, which the 3D map takes the place of, the robot and the true world."""
+        """Return the map, which the 3D map takes the place of, the robot, a marked patch and the true world."""
         world, robot = self.world, self.robot_state()
         flat = map_drawings(self.grid, robot, self.config)
         return [
             *(self._volume.drawings(flat) if self._volume.is_on else flat),
+            *self._terrain.drawings(),
             Walls(name="world", label="True world", solids=world.solids, bounds=world.bounds),
         ]
 

@@ -29,18 +29,27 @@ def first_asked(found: Assessed) -> tuple[float, float] | None:
     return float(x), float(y)
 
 
+def place_of(found: Assessed, x: float, y: float) -> tuple[int, int, Float64Array, float]:
+    """Return row and column of the patch at (x, y), its centre (2,), and half the side of what its plane is fitted to.
+
+    Raises :class:`ConfigError` for a place outside.
+    """
+    patches = found.terrain.patches
+    row, col = (int(k) for k in patches.geometry.world_to_cell((x, y)))
+    rows, cols = found.terrain.classes.shape
+    if not (0 <= row < rows and 0 <= col < cols):
+        raise ConfigError("terrain.outside", f"The place ({x:g}, {y:g}) lies outside of the patches.")
+    centre = np.asarray(patches.geometry.cell_to_world((row, col)), dtype=np.float64)
+    return row, col, centre, (found.reach + 0.5) * patches.size
+
+
 def patch_at(found: Assessed, x: float, y: float) -> dict[str, Any]:
     """Return the fields of a message on the patch at (x, y), or on the window around it that its plane is fitted to.
 
     Raises :class:`ConfigError` for a place outside.
     """
     patches, terrain = found.terrain.patches, found.terrain
-    row, col = (int(k) for k in patches.geometry.world_to_cell((x, y)))
-    rows, cols = terrain.classes.shape
-    if not (0 <= row < rows and 0 <= col < cols):
-        raise ConfigError("terrain.outside", f"The place ({x:g}, {y:g}) lies outside of the patches.")
-    cx, cy = patches.geometry.cell_to_world((row, col))
-    half = (found.reach + 0.5) * patches.size
+    row, col, (cx, cy), half = place_of(found, x, y)
     inside = found.index.window(row, col, found.reach)
     local = found.ground_points[inside] - patches.corner
     # Heights are above the whole metre nearest to the lowest point, so that changes of P are not lost in large sums.

@@ -14,12 +14,14 @@ from mapper.grid import OccupancyGrid
 from mapper.terrain import Terrain
 from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed
 from server.sessions.models.simulation_commands import flag
+from server.sessions.models.terrain_mark import patch_mark
 from server.sessions.models.terrain_patch import first_asked, patch_at
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer, Layer
 from server.stream.protocol import ProtocolError, number, values
 
 if TYPE_CHECKING:
+    from server.sessions.drawings import Drawing
     from server.sessions.hosting import ModelHost
 
 SCANS_BETWEEN = 8  #: scans of the 3D sensor between two assessments
@@ -64,6 +66,7 @@ class TerrainView:
         self._found: Assessed | None = None
         self._taken = -1  #: scans when it was assessed last; −1: it has to be assessed
         self._asked: tuple[float, float] | None = None
+        self._mark: tuple[object, list[Drawing]] = (None, [])  #: what was marked last, and its drawings
         self._problem: str | None = None
         self._before: dict[str, Any] | None = None  #: what the newest change of a value was, and the classes before it
         self.grid: OccupancyGrid | None = None  #: its classes as a map, replaced when they change; None: no terrain
@@ -88,6 +91,16 @@ class TerrainView:
         """Cells that it holds: ten moments of each patch among them, and the ground points."""
         found = self._found
         return 0 if found is None else 24 * found.terrain.classes.size + 6 * len(found.ground_points)
+
+    def drawings(self) -> list[Drawing]:
+        """Return a mark around the patch that is asked about; none without one."""
+        if self._found is None or self._asked is None:
+            return []
+        marked = self._found, *self._asked
+        if self._mark[0] != marked:
+            drawn = patch_mark(*marked)
+            self._mark = marked, [] if drawn is None else [drawn]
+        return self._mark[1]
 
     def obey(self, command: dict[str, Any], result: TickResult) -> None:
         """Begin the terrain, change it, ask about a patch, or end it. Raises :class:`ConfigError`."""

@@ -64,6 +64,8 @@ class VolumeModel(SessionModel):
         self._host, self._source = host, source
         self._log_id, self._title, self._topic = log_id, title, topic
         self._up = up
+        if isinstance(source, OctreeFile):
+            source.tree.check_size(self._limits())  # it has one scan: if that did not fit, nothing would be shown
         self._low, self._high = bounds_of(source)
         self._config = VolumeConfig(resolution=first_resolution(source, self._low, self._high))
         self._map = ReplayedVolume(source, self._config, self._limits)
@@ -171,9 +173,9 @@ class VolumeModel(SessionModel):
         return NO_READINGS
 
     def drawings(self) -> list[Drawing]:
-        """Return the voxels, the points, the chosen voxel, and what differs from another map."""
+        """Return the voxels, the points, what is chosen, and what differs from another map."""
         surface = [self._surface.drawing(self._look, float(self._low[2]))] if self._is_surface else []
-        return [*self._drawn.current(self._map.volume, self._look), *surface]
+        return [*self._drawn.current(self._map.volume, self._look), *surface, *self._terrain.drawings()]
 
     def controls(self) -> SceneControls:
         """Return what the camera shows at first."""

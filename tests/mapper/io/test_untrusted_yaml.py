@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
+from typing import Any
 
 import pytest
 import yaml
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from mapper.core.errors import MapperError
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
@@ -22,6 +26,7 @@ HOSTILE = {
     "a float to the base of 60": (":".join(["59"] * 200) + ".5", "is no float"),
     "an alias": ("[&a 1, *a]", "alias"),
     "deep lists": ("[" * 9000, "nested"),
+    "a list of very many values": ("[" + "1," * 30_000 + "1]", "may have 10000 keys, values and lists"),
 }
 
 
@@ -39,6 +44,45 @@ def test_each_parameter_file_with_it_is_refused(node, parse, case):
     with pytest.raises(MapperError, match=re.escape(said)) as refused:
         parse(f"{node}: {value}\n".encode())
     assert len(refused.value.message) < 300
+
+
+def test_as_many_values_as_are_allowed_are_loaded():
+    # The list is a value too.
+    assert load_untrusted("[" + "1," * 9_999 + "]") == [1] * 9_999
+    with pytest.raises(yaml.YAMLError, match="more than 10000 values"):
+        load_untrusted("[" + "1," * 10_000 + "]")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["\ud800", '"\ud800"', '"\\ud800"', "\0", "\x01", "%TAG ! tag:a:\n", "--- 1\n--- 2", "<<: 3", "? [1]\n: 2", "{"],
+)
+def test_text_that_is_no_yaml_is_refused_as_such(text):
+    with pytest.raises(yaml.YAMLError):
+        load_untrusted(text)
+
+
+SCALARS = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats(allow_nan=False) | st.text()
+VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=20)
+
+
+@given(VALUES, st.sampled_from([None, False, True]))
+@settings(max_examples=50)
+def test_what_pyyaml_writes_is_read_back(value, style):
+    assume(depth(value) < 20)
+    assert load_untrusted(yaml.safe_dump(value, default_flow_style=style)) == value
+
+
+def depth(value: Any) -> int:
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return 1 + max(map(depth, inner), default=0)
+
+
+@given(st.text(alphabet=" \n-:?,[]{}#\"'|>!%@`&*~<=.0123456789abetrunlxoy\\é\ud800", max_size=60))
+@settings(max_examples=200)
+def test_no_text_raises_but_as_told(text):
+    with suppress(yaml.YAMLError):
+        load_untrusted(text)
 
 
 @pytest.mark.parametrize("case", HOSTILE)

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.puzzles import CAUSES
+from mapper.puzzles import CAUSES, RECIPES
 from mapper.replay.overview import FREE, OCCUPIED, UNOBSERVED
 from server.library.log_picture import DARK, LIGHT
-from server.puzzles.pictures import picture_codes
+from server.puzzles.pictures import FOLDER, codes_of, picture_codes
+from tests.marks import also_long
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for
 
 TOKEN = "long enough"
@@ -201,6 +202,23 @@ def test_the_picture_of_a_puzzle_is_the_map_that_an_attempt_begins_with(owner: h
         assert (drawn == value).sum() == (state == value).sum() * pixels_per_cell**2
     dark = pixels(owner, "/api/puzzles/doorway/map.png?dark=true")
     assert ((dark == DARK[2]).all(axis=2) == (drawn == 0)).all()
+
+
+def test_each_puzzle_has_a_picture_and_nothing_else_does() -> None:
+    assert {file.name for file in FOLDER.iterdir()} == {f"{name}.png" for name in RECIPES}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["bumped", "offset", "torn", "cones", *also_long(*sorted(RECIPES.keys() - {"bumped", "offset", "torn", "cones"}))],
+)
+def test_the_picture_of_a_puzzle_is_what_is_drawn_now(name: str) -> None:
+    """If not: ``python -m server.puzzles.draw_pictures``."""
+    codes = np.asarray(Image.open(FOLDER / f"{name}.png"))
+    now = codes_of(name)
+    assert codes.shape == now.shape
+    # Processors differ in the last bit of a range, and so in a cell here and there.
+    assert (codes == now).mean() > 0.98
 
 
 def test_a_cell_at_the_lower_clamp_is_free_in_the_picture() -> None:

@@ -14,6 +14,7 @@ from mapper.core.errors import ConfigError, MapperError
 from mapper.costmap import Footprint, LayeredCostmap, Mask, SpeedFilter
 from mapper.costmap.build import build_costmap
 from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.io import ros_parameters, untrusted_yaml
 from mapper.planning.nav2_parameters import parse_nav2_path
 from server.sessions import SessionRegistry
 from server.sessions.models.lab_navigation_parameters import LabParameters
@@ -309,6 +310,20 @@ async def test_parameters_go_out_as_nav2_yaml_and_come_back(lab: Lab) -> None:
             lab.do(type="nav2", text=wrong)
         assert lab.costmap["values"] == values
     assert Footprint(tuple(map(tuple, outline))).inscribed_radius > 0.19
+
+
+async def test_a_loaded_yaml_is_parsed_once(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    lab.do(type="costmap")
+    lab.do(type="nav2")
+    written, parsed = lab.answers[0]["text"], []
+
+    def counted(text: str) -> object:
+        parsed.append(text)
+        return untrusted_yaml.load_untrusted(text)
+
+    monkeypatch.setattr(ros_parameters, "load_untrusted", counted)
+    lab.do(type="nav2", text=written)
+    assert parsed == [written]
 
 
 async def test_what_a_loaded_yaml_has_besides_is_said_and_downloaded_again(lab: Lab) -> None:

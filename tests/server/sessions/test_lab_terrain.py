@@ -14,6 +14,7 @@ from mapper.terrain import Patches, assess, find_ground
 from mapper.terrain.textbook import moments_of, plane_of
 from mapper.volume.scan_sequence import ScanSequence
 from server.sessions import SessionRegistry
+from server.sessions.drawings import Segments
 from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assessed, first_patch, true_ground
 from server.sessions.models.terrain_patch import first_asked, patch_at
@@ -314,3 +315,36 @@ def test_points_in_a_vertical_plane_have_a_row_of_patches() -> None:
     found = assessed(wall, (0.0, 0.0, 0.0, 5.0), TerrainParameters())
     assert found is not None
     assert found.terrain.classes.shape == (20, 1)
+
+
+def test_the_patch_that_is_asked_about_is_marked_in_3d() -> None:
+    points = surface()
+    low, high = points.min(axis=0), points.max(axis=0)
+    none = np.full((1, 3), np.nan)
+    scans = ScanSequence(
+        "pcd", points.astype(np.float32), np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3)
+    )
+    view, result = TerrainView(CloudPoints(scans, low, high)), TickResult()
+    view.obey({"type": "terrain", "values": {"filter": False}}, result)
+    view.draw(result)
+    assert view.drawings() == []
+    view.obey({"type": "terrain", "x": 11.0, "y": 2.5}, result)
+    (mark,) = view.drawings()
+    patch = result.slots["terrain"]["patch"]
+    assert isinstance(mark, Segments)
+    corners = {(round(float(x), 3), round(float(y), 3)) for x, y, _ in mark.points.reshape(-1, 3)}
+    (cx, cy), half = patch["centre"], float(patch["half"])
+    assert corners == {(round(cx + a * half, 3), round(cy + b * half, 3)) for a in (-1, 1) for b in (-1, 1)}
+    # The lower lines lie on the ramp, whose plane the world has, and the upper ones above all of its points.
+    a, b, c = next(one.top for one in LEVELS.blocks if np.hypot(*one.top[1:]) > 0.05)
+    lower, upper = mark.points[:4].reshape(-1, 3), mark.points[4:8].reshape(-1, 3)
+    np.testing.assert_allclose(lower[:, 2], a + lower[:, :2] @ (b, c), atol=0.03)
+    mine = points[(np.abs(points[:, :2] - (cx, cy)) < half).all(axis=1)]
+    assert upper[:, 2].min() > mine[:, 2].max()
+    assert view.drawings()[0] is mark  # it is not sent again
+    view.obey({"type": "terrain", "x": 2.0, "y": 5.0}, result)
+    assert view.drawings()[0].points[:, :, 0].max() < 3.0  # type: ignore[attr-defined]
+    view.obey({"type": "terrain", "x": 900.0, "y": 5.0}, result)
+    assert view.drawings() == []
+    view.obey({"type": "terrain", "value": False}, result)
+    assert view.drawings() == []

@@ -34,6 +34,7 @@ from server.stream.protocol import (
         ("{}", "command.type"),
         ('{"type": 3}', "command.type"),
         ('{"type": "play", "x": "' + "x" * 70_000 + '"}', "command.too_long"),
+        ('{"type": "nav2", "text": "\\ud800"}', "command.json"),
         ('{"type": "seek", "index": ' + "9" * 5000 + "}", "command.json"),
     ],
 )

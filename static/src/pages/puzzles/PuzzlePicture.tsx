@@ -3,7 +3,7 @@ import { Icon } from "../../ui/Icon";
 import { isDark } from "../../ui/theme";
 import type { Offered } from "./attempt";
 
-/** The map that an attempt at a puzzle begins with. The server draws it when it is first asked for. */
+/** The map that an attempt at a puzzle begins with. */
 export function PuzzlePicture({ puzzle }: { readonly puzzle: Offered }) {
   const state = useSignal<"awaited" | "shown" | "failed">("awaited");
   return (

@@ -16,7 +16,8 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.contents.seeking import message_at
 from mapper.io.logs import is_log, open_log
-from mapper.io.logs.packed_archive import MOST_PACKED_FILES, unpacked_file
+from mapper.io.logs.archive import HEAD_BYTES
+from mapper.io.logs.packed_archive import MOST_PACKED_FILES, _UnpackedFile, unpacked_file
 from mapper.sensors.scan import ScanLog
 from tests.hostile.archives import tarred
 from tests.mapper.io.contents.recorded_robot import T0, robot
@@ -60,6 +61,24 @@ def test_what_holds_no_log_or_several_or_too_many_files_is_refused_in_words(tmp_
     path.write_bytes(gzip.compress(tarred({f"{i}.txt": b"" for i in range(MOST_PACKED_FILES + 1)})))
     with pytest.raises(LimitError, match=f"more than {MOST_PACKED_FILES} files.*: unpack it"):
         open_log(path)
+
+
+def test_an_archive_of_many_files_is_not_unpacked_once_for_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, begun = tmp_path / "a.tgz", []
+    notes = {f"{i}.txt": b"hello\n" * 100 for i in range(MOST_PACKED_FILES - 2)}
+    long = gzip.compress(random.Random(4).randbytes(HEAD_BYTES) + b"no log\n")  # of which a part is kept
+    path.write_bytes(gzip.compress(tarred({**notes, "long.gz": long, "a.log": carmen(5)})))
+    begin = _UnpackedFile._begin
+
+    def counted(file: _UnpackedFile) -> None:
+        begun.append(file)
+        begin(file)
+
+    monkeypatch.setattr(_UnpackedFile, "_begin", counted)
+    assert open_log(path).n_scans == 5
+    assert len(begun) < 8
 
 
 def test_of_an_archive_that_ends_early_what_came_out_is_read_with_a_note(tmp_path: Path) -> None:

@@ -1,0 +1,24 @@
+"""Draw the pictures of the puzzles of the program into their files: ``python -m server.puzzles.draw_pictures``.
+
+To be run where a puzzle, the simulation or the mapping has changed; the test of ``codes_of`` says when.
+"""
+
+from __future__ import annotations
+
+from mapper.puzzles import RECIPES
+from server.library.log_picture import write_codes
+from server.puzzles.pictures import FOLDER, codes_of
+
+
+def main() -> None:
+    """Write a file for each puzzle, and remove those of puzzles that there are no more."""
+    FOLDER.mkdir(exist_ok=True)
+    for file in FOLDER.glob("*.png"):
+        if file.stem not in RECIPES:
+            file.unlink()
+    for name in RECIPES:
+        write_codes(codes_of(name), FOLDER / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()
