@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.time_units import EPOCH_S
 from mapper.sensors.gaps import are_gaps
 from mapper.sensors.scan import ScanLog, Topic
-
-EPOCH_S = (6e8, 5e9)  #: a stamp between these is seconds since 1970: the years 1989 to 2128
 
 
 @dataclass(frozen=True, slots=True)
