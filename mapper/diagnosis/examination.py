@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from mapper.core.errors import ConfigError
-from mapper.diagnosis import clock, mounting, readings, timing, walls
+from mapper.diagnosis import clock, mounting, readings, time_unit, timing, walls
 from mapper.diagnosis.between import check_between
 from mapper.diagnosis.consistency import Examined, examined
 from mapper.diagnosis.contradiction import Contradiction
@@ -34,6 +34,7 @@ _TURNED = _FEW | {"mount.turned"}
 #: In the order in which a person should look: what spoils the others comes first.
 CHECKS: tuple[Check, ...] = (
     Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
+    Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
     Check(mounting.check_turned, ("mount.turned",), _FEW),
     Check(timing.check, ("timing.delay",), _TURNED),

@@ -9,8 +9,10 @@ import numpy as np
 from fastapi import Query
 from pydantic import FiniteFloat
 
+from mapper.core.array_types import Int64Array
 from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.model import Series
+from mapper.sensors.gaps import are_gaps
 
 Seconds = Annotated[FiniteFloat, Query(ge=-1e10, le=1e10)]
 Buckets = Annotated[int, Query(ge=1, le=4000, description="Intervals of time, each with at most two rows.")]
@@ -21,7 +23,8 @@ BUCKETS = 800
 def series_answer(one: Series, origin_ns: int, start: float | None, end: float | None, buckets: int) -> dict[str, Any]:
     """Return the rows of a series from ``start`` to ``end``, seconds since ``origin_ns``; None: its beginning, its end.
 
-    At most ``2 · buckets`` rows, with the least and the greatest value of each bucket; NaN is null.
+    At most ``2 · buckets`` rows, with the least and the greatest value of each bucket; NaN is null. ``gaps`` are the
+    pauses of the recording within them, from a sample to the next one, in seconds: the ``buckets`` longest.
     """
     all_stamps, all_values = _between(one, origin_ns, start, end)
     stamps, values = min_max(all_stamps, all_values, buckets)
@@ -29,6 +32,7 @@ def series_answer(one: Series, origin_ns: int, start: float | None, end: float |
         "topic": one.topic,
         "type": one.type,
         "samples": len(all_stamps),
+        "gaps": _gaps(one.stamps_ns, all_stamps, origin_ns, buckets),
         "times": ((stamps - origin_ns) * 1e-9).round(6).tolist(),
         "columns": [
             {
@@ -50,3 +54,15 @@ def _between(one: Series, origin_ns: int, start: float | None, end: float | None
     if end is not None:
         high = int(np.searchsorted(one.stamps_ns, origin_ns + round(end * 1e9), side="right")) + 1
     return one.stamps_ns[low:high], one.values[low:high]
+
+
+def _gaps(of_all: Int64Array, stamps_ns: Int64Array, origin_ns: int, most: int) -> list[list[float]]:
+    """Return the gaps between ``stamps_ns``, ascending, in seconds; what is usual is that of the whole series."""
+    is_gap = are_gaps(np.diff(of_all).astype(np.float64) * 1e-9)
+    first = int(np.searchsorted(of_all, stamps_ns[0])) if len(stamps_ns) else 0
+    starts = np.flatnonzero(is_gap[first : first + max(0, len(stamps_ns) - 1)])
+    pauses = stamps_ns[starts + 1] - stamps_ns[starts]
+    longest = np.sort(starts[np.argsort(-pauses, kind="stable")[:most]])
+    ends = np.stack([stamps_ns[longest], stamps_ns[longest + 1]], axis=-1)
+    found: list[list[float]] = ((ends - origin_ns) * 1e-9).round(6).tolist()
+    return found

@@ -15,9 +15,10 @@ import numpy as np
 
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import MapperError
+from mapper.core.time_units import EPOCH_S
 from mapper.costmap.costs import INSCRIBED, LETHAL
 from mapper.grid import GridGeometry
-from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
+from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
 from mapper.sensors.scan import Topic
 from server.library.log_pack import StalePackError
 

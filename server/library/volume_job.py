@@ -12,12 +12,13 @@ import numpy as np
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
+from mapper.core.time_units import EPOCH_S
 from mapper.io.clouds.content import content
 from mapper.io.clouds.depth_archive import is_depth_archive, is_zip, unpack_depth_archive
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import TEXT, cloud_format
 from mapper.io.logs.opening import is_log
-from mapper.io.logs.summary import EPOCH_S, LogSummary, ReadingCounts, TimeSummary
+from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
 from mapper.io.logs.unpacking import Progress
 from mapper.volume.octree_files import is_octree, octree_of_bytes
 from mapper.volume.scan_sequence import ScanSequence, gather

@@ -1,4 +1,4 @@
-"""axe-core finds no violation on any page in any state, and every slider has a name and a value text.
+"""axe-core finds no violation on any page in any state, no text is hidden; sliders have names and value texts.
 
 ``make test`` looks at a wide window in light colours and at a phone in dark ones, at whole pages and the lab in one of
 the two, and ``make test-long`` at all pairs.
@@ -28,6 +28,7 @@ from tests.browser.looking import (
     until,
     without_canvas_in_3d,
 )
+from tests.browser.text_boxes import hidden_texts
 from tests.marks import also_long_rows
 
 AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.min.js"
@@ -91,6 +92,7 @@ def nothing_wrong(page: Page, within: str = "html") -> None:
     """Look at the page as it stands."""
     page.evaluate(_FADED)
     assert violations(page, within) == []
+    assert hidden_texts(page, within) == []
 
 
 @pytest.fixture
@@ -252,6 +254,11 @@ def test_the_logs_page_in_every_state(dressed: Page, server: str, every: int) ->
         page.evaluate("() => { for (const one of document.querySelectorAll('details')) one.open = true; }")
         told_sliders(page)
         nothing_wrong(page, ".dock")
+    localize = open_group(page, "Localize")
+    localize.get_by_role("button", name="Use this map").click()
+    localize.get_by_text("At a pose").click()
+    expect(localize.get_by_label("heading, °")).to_be_visible()
+    nothing_wrong(page, ".dock")
     open_group(page, "Settings")
     assert told_sliders(page) > 10
 
@@ -260,6 +267,22 @@ def test_axe_would_find_something(page: Page, server: str) -> None:
     page.goto(f"{server}/logs.html")
     page.evaluate("() => { document.body.innerHTML = '<main><button></button></main>'; }")
     assert any("button-name" in one for one in violations(page))
+
+
+def test_hidden_text_would_be_found(page: Page) -> None:
+    field = "<input style='position: absolute; left: 0; top: 0; width: 80px; height: 30px'>"
+    page.set_content(f"""<style>div {{ margin: 20px; position: relative; font: 16px/1.5 monospace }}</style>
+      <div style="height: 30px"><label>covered</label>{field}</div>
+      <div style="height: 30px; overflow: auto"><p style="margin: 60px 0 0">scrolled away</p></div>
+      <div style="width: 40px; overflow: hidden; white-space: nowrap">cut in width</div>
+      <div style="width: 40px; overflow: hidden; white-space: nowrap; text-overflow: ellipsis">with an ellipsis</div>
+      <div style="height: 34px; overflow: hidden">first line<br>second line</div>
+      <div style="width: 1px; height: 1px; overflow: hidden; white-space: nowrap">for screen readers</div>
+      <div><label style="display: block; width: 40px; white-space: nowrap">too wide a label</label></div>
+      <div style="visibility: hidden; width: 10px; overflow: hidden">not shown</div>
+      <div><label>beside <input style="width: 80px"></label></div>""")
+    found = [one.split('"')[1:] for one in hidden_texts(page, "body")]
+    assert [text for text, *_ in found] == ["cut in width", "second line", "too wide a label", "covered"]
 
 
 def test_a_cell_under_the_cursor_is_spoken_in_its_turn(open_lab: Callable[..., Page]) -> None:

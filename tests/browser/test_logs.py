@@ -116,6 +116,33 @@ def test_the_canvas_at_the_end_of_the_log_shows_the_map_file(intel: Page, server
     assert np.mean(occupied[:, 0] > occupied[:, 2]) >= 0.9
     assert np.mean(free[:, 2] >= free[:, 0]) >= 0.9
     assert np.median(occupied.sum(axis=1)) < np.median(free.sum(axis=1)) - 200
+    the_overview_moves_the_view(intel)
+
+
+def the_overview_moves_the_view(intel: Page) -> None:
+    """Of a zoomed map: a click shows that place, a drag of the frame moves it, and with the whole map it is gone."""
+    overview = intel.locator(".overview")
+    box = overview.bounding_box()
+    assert box is not None
+
+    def share() -> list[float]:
+        """Where the middle of the view is in the whole map, from its left and its lower edge."""
+        middle: list[float] = intel.evaluate("""() => {
+          const { view, bounds } = gridbloom.connection.store;
+          const [{ x, y }, [x0, y0, x1, y1]] = [view.peek(), bounds.peek()];
+          return [(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)];
+        }""")
+        return middle
+
+    intel.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 0.25 * box["height"])
+    assert share() == pytest.approx([0.25, 0.75], abs=0.03)
+    intel.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + 0.25 * box["height"])
+    intel.mouse.down()
+    intel.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.75 * box["height"], steps=4)
+    intel.mouse.up()
+    assert share() == pytest.approx([0.5, 0.25], abs=0.03)
+    intel.locator(".picture").first.press("0")
+    expect(overview).to_have_count(0)
 
 
 @pytest.mark.long

@@ -3,7 +3,7 @@
 Of the lab, the log page, the front page and the maps of all logs, at four sizes. ``make test`` uses every 18th
 control of the lab, every fifth one of the log page and every second one of the front page at one of the two sizes with
 the least room, in turn, and ``make test-long`` all of them at each size in both colour schemes; that the pictures stay
-in place and are not covered is looked at in every group at each of these sizes.
+in place and are not covered, and no text of the dock is hidden, is looked at in every group at each of these sizes.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.looking import await_map, open_group, open_groups, settled_digest, without_canvas_in_3d
 from tests.browser.one_screen import FULL_SCREEN, SIZES, Screen, Turns
+from tests.browser.text_boxes import hidden_texts
 from tests.mapper.io.contents.recorded_robot import T0, robot
 from tests.mapper.io.contents.test_pictures import image
 from tests.mapper.io.logs import recorded
@@ -68,6 +69,7 @@ def use_groups(page: Page, screen: Screen, turns: Turns) -> None:
         if title in {"3D", "Scene"}:
             expect(page.get_by_role("button", name=FULL_SCREEN)).to_be_visible()  # its controls come with the scene
         screen.stands(title)
+        assert hidden_texts(page, ".dock") == [], title
         turns.use_all(screen, page.locator(".dock-group:visible"))
 
 

@@ -9,6 +9,7 @@ import msgspec
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
+from mapper.core.time_units import EPOCH_S, UNITS
 
 MAX_STAMP = 9e9  #: seconds: beyond this a time in nanoseconds no longer fits 64 bits
 _INFINITE = ("inf", "infinity")
@@ -73,8 +74,18 @@ def stamp(token: str, line: int, word: str) -> float:
     """Return a time in seconds. Raises :class:`ReadError` for one that is not finite or no time at all."""
     (value,) = numbers((token,), line, word)
     if not abs(value) < MAX_STAMP:
-        raise ReadError("log.stamp", f"Line {line}: the time {token!r:.40} of this {word} line is impossible.")
+        raise ReadError(
+            "log.stamp", f"Line {line}: the time {token!r:.40} of this {word} line is impossible.{_unit_of(value)}"
+        )
     return value
+
+
+def _unit_of(value: float) -> str:
+    """Return a sentence on the unit in which a number is a time since 1970; empty where it is in none."""
+    for factor, unit in UNITS:
+        if EPOCH_S[0] < value / factor < EPOCH_S[1]:
+            return f" It would be one in {unit}: divide the log's times by {factor:,.0f} to have seconds."
+    return ""
 
 
 def count(token: str, line: int, word: str, what: str, largest: int, *, least: int = 1) -> int:

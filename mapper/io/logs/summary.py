@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.time_units import EPOCH_S
+from mapper.sensors.gaps import are_gaps
 from mapper.sensors.scan import ScanLog, Topic
-
-EPOCH_S = (6e8, 5e9)  #: a stamp between these is seconds since 1970: the years 1989 to 2128
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ def recorded_seconds(log: ScanLog) -> NDArray[np.float64]:
 def _time(stamps_ns: NDArray[np.int64], seconds: NDArray[np.float64]) -> TimeSummary:
     pauses = np.diff(seconds)
     usual = float(np.median(pauses[pauses > 0.0])) if (pauses > 0.0).any() else 0.0
-    gaps = pauses > max(1.0, 5.0 * usual)
+    gaps = are_gaps(pauses)
     longest = int(np.argmax(pauses)) if gaps.any() else -1
     start = float(stamps_ns.min()) * 1e-9 if len(stamps_ns) else 0.0
     return TimeSummary(

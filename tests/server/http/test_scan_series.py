@@ -43,6 +43,23 @@ def test_the_whole_log_an_interval_of_it_and_no_more_rows_than_asked_for(service
     assert (coarse["samples"], len(coarse["times"])) == (100, 10)
 
 
+def test_gaps_of_the_recording_wherever_the_interval_and_the_rows_end(service: Service) -> None:
+    """Of 100 scans a second apart, 30 s are missing after 20 of them, and 10 s after 60."""
+    lines = carmen(100).decode().splitlines(keepends=True)
+    numbers = [n for n, line in enumerate(lines) if line.startswith("FLASER")]
+    cut = {numbers[n] for n in (*range(20, 50), *range(60, 70))}
+    content = "".join(line for n, line in enumerate(lines) if n not in cut).encode()
+    session = opened(service, content)
+    whole = got(service, session)
+    assert whole["gaps"] == [[19.0, 50.0], [59.0, 70.0]]
+    assert all(end in whole["times"] for gap in whole["gaps"] for end in gap)
+    assert got(service, session, start=52.0, end=99.0)["gaps"] == [[59.0, 70.0]]
+    assert got(service, session, start=30.0, end=40.0)["gaps"] == [[19.0, 50.0]]  # all of the plot is within it
+    assert got(service, session, start=75.0)["gaps"] == []
+    assert got(service, session, buckets=1)["gaps"] == [[19.0, 50.0]]  # the longest
+    assert got(service, opened(service, carmen(2, start=7)))["gaps"] == []
+
+
 def test_refusals_in_words(service: Service) -> None:
     live = service.begin(kind="simulation")
     answer = service.http.get(f"/api/sessions/{live}/scan-series")

@@ -5,6 +5,7 @@ import { CompareReadout } from "../../tools/compare/Readout";
 import { useTool } from "../../tools/navigation/mapTool";
 import { BeliefView } from "../../tools/picture/BeliefView";
 import { ComputingMap } from "../../tools/picture/ComputingMap";
+import { Overview } from "../../tools/picture/Overview";
 import { Readout } from "../../tools/readout/Readout";
 import { useOpenGroup } from "../../tools/why/useOpenGroup";
 import { Dock } from "../../ui/Dock";
@@ -117,6 +118,7 @@ export function Viewer({ session, onClose, onGone, reopens = false, onSensor = (
           <BothMaps store={store} comparison={comparison} />
           <ErrorPaths store={store} errors={trajectoryErrors} />
           <NotePins store={store} state={notes} onOpen={openNotes} />
+          <Overview store={store} />
           {!hello && !trouble.value && (
             <p class="viewer-over" role="status">
               Opening the log …

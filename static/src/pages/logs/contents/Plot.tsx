@@ -8,6 +8,7 @@ import type { Store } from "../../../store/store";
 import { clock, written } from "../../../ui/numbers";
 import { isDark } from "../../../ui/theme";
 import { useWidth } from "../../../ui/useWidth";
+import { brokenAtGaps } from "./gaps";
 import { axisStyle, colourOf, DRAG_PX, drawLineAt, onClickAt, zoomInto } from "./plotParts";
 import { type SeriesOfTopic, type Span, scanAtTime } from "./series";
 
@@ -42,7 +43,7 @@ export function Plot({ store, series, plot, zoom }: PlotProps) {
     const element = frame.current;
     if (!element) return;
     const chart = new UPlot(
-      { ...optionsOf(store, element, columns, width), ...(zoom ? { cursor: zoomInto(zoom) } : {}) },
+      { ...optionsOf(store, element, series, columns, width), ...(zoom ? { cursor: zoomInto(zoom) } : {}) },
       [series.times as number[], ...columns.map((column) => column.values as (number | null)[])],
       element,
     );
@@ -106,6 +107,7 @@ function inWords(series: SeriesOfTopic, plot: string): string {
 function optionsOf(
   store: Store,
   element: HTMLElement,
+  series: SeriesOfTopic,
   columns: SeriesOfTopic["columns"],
   width: number,
 ): UPlot.Options {
@@ -130,7 +132,7 @@ function optionsOf(
           stroke: colourOf(element, line?.tone ?? "--foreground"),
           width: 1.5,
           dash: line?.dash ?? [],
-          points: { show: false },
+          ...brokenAtGaps(series, false),
           value: (_: UPlot, value: number | null) => (value === null ? "–" : written(value, 3)),
         };
       }),

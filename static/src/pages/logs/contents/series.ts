@@ -19,6 +19,8 @@ export interface SeriesOfTopic {
   readonly samples: number;
   /** Seconds since the log's first scan. */
   readonly times: readonly number[];
+  /** Pauses of the recording, from a sample to the next one, in seconds as `times`; ascending. */
+  readonly gaps: readonly Span[];
   readonly columns: readonly SeriesColumn[];
 }
 

@@ -58,6 +58,7 @@ function seriesOf(course: Course): SeriesOfTopic {
     topic: "localization",
     type: "",
     samples: course.seconds.length,
+    gaps: [],
     times: course.seconds,
     columns: [
       { label: "deviation", unit: "m", plot: PLOTS[0], values: course.deviation_m },

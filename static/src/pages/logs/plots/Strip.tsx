@@ -7,6 +7,7 @@ import "uplot/dist/uPlot.min.css";
 import { clock, written } from "../../../ui/numbers";
 import { isDark } from "../../../ui/theme";
 import { useWidth } from "../../../ui/useWidth";
+import { brokenAtGaps } from "../contents/gaps";
 import { axisStyle, colourOf, drawLineAt, onClickAt, zoomInto } from "../contents/plotParts";
 import type { SeriesColumn, Span } from "../contents/series";
 import type { ScanSeries, Shown } from "./strips";
@@ -73,8 +74,7 @@ export function Strip({ series, column, shown, tone, span, zoom, pointed, now, h
           label: column.label,
           stroke: colourOf(element, tone),
           width: 1.5,
-          spanGaps: true,
-          points: { show: false },
+          ...brokenAtGaps(series, true),
         },
       ],
       hooks: {

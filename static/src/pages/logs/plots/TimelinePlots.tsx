@@ -7,6 +7,7 @@ import { Button } from "../../../ui/Button";
 import { clock } from "../../../ui/numbers";
 import { SwitchChip } from "../../../ui/SwitchChip";
 import { fetchJson } from "../contents/contents";
+import { isInGap } from "../contents/gaps";
 import type { Span } from "../contents/series";
 import { Strip } from "./LazyStrip";
 import "./plots.css";
@@ -118,7 +119,8 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
   const visible = columns.filter(({ column }) => shown.value.includes(column.label));
   const interval = span ?? whole.value;
   const at = pointed.value ?? now.value;
-  const row = at === null ? -1 : nearest(found.times, at);
+  const isBetween = at !== null && isInGap(found.gaps, at);
+  const row = at === null || isBetween ? -1 : nearest(found.times, at);
   const toggle = (label: string, isOn: boolean): void => {
     shown.value = isOn ? [...shown.peek(), label] : shown.peek().filter((one) => one !== label);
   };
@@ -140,7 +142,10 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
     } else return;
     event.preventDefault();
   };
-  const place = at === null ? "" : `${axis === "time" ? `${clock(at)}, ` : ""}scan ${scanAt(at)}`;
+  const place =
+    at === null
+      ? ""
+      : `${axis === "time" ? `${clock(at)}, ` : ""}scan ${scanAt(at)}${isBetween ? ", in a gap of the recording" : ""}`;
   const inWords = visible.map(({ column }) => `${column.label} ${valueText(column, column.values[row])}`).join("; ");
   return (
     <section class="timeline-plots" aria-label="Plots over the log">

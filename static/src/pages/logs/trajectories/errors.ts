@@ -60,6 +60,7 @@ export function courseOf(errors: TrajectoryErrors, which: "absolute" | "relative
     topic: `${which} error`,
     type: "",
     samples: times.length,
+    gaps: [],
     times,
     columns: [
       { label: "translation", unit: "m", plot: `${which} error of the place`, values: translation_m },

@@ -1,0 +1,58 @@
+/** Lines of a plot that end where the recording has a gap. */
+
+import type UPlot from "uplot";
+import type { SeriesOfTopic, Span } from "./series";
+
+type Gapped = Pick<SeriesOfTopic, "times" | "gaps">;
+
+/** Whether a place on the axis is within a gap, and not at one of its ends. */
+export function isInGap(gaps: readonly Span[], at: number): boolean {
+  return gaps.some(([from, to]) => at > from && at < to);
+}
+
+/** Spans in ascending order, those that overlap as one. */
+export function united(spans: readonly Span[]): [number, number][] {
+  const found: [number, number][] = [];
+  for (const [from, to] of [...spans].sort((a, b) => a[0] - b[0])) {
+    const last = found[found.length - 1];
+    if (last && from <= last[1]) last[1] = Math.max(last[1], to);
+    else found.push([from, to]);
+  }
+  return found;
+}
+
+/** The rows with a value that no line leads to: one alone between two gaps, or between a gap and the end. */
+export function isolatedRows({ times, gaps }: Gapped, values: readonly (number | null | undefined)[]): number[] {
+  const rows: number[] = [];
+  let gap = 0;
+  let of = -1; // the gap that the present piece of the line follows
+  let count = 0;
+  times.forEach((time, row) => {
+    if (values[row] == null) return;
+    while (gap < gaps.length && (gaps[gap]?.[1] ?? 0) <= time) gap++;
+    if (of === gap && count === 1) rows.pop();
+    count = of === gap ? count + 1 : 1;
+    of = gap;
+    if (count === 1) rows.push(row);
+  });
+  return rows;
+}
+
+const valuesOf = (chart: UPlot, line: number) => (chart.data[line] ?? []) as readonly (number | null)[];
+
+/** How uPlot draws a line of a series: not over its gaps; over missing values only if it is told to. */
+export function brokenAtGaps(series: Gapped, spansMissing: boolean): Partial<UPlot.Series> {
+  return {
+    gaps: (chart, _line, _first, _last, missing) => {
+      const gaps = series.gaps.map(
+        ([from, to]): Span => [chart.valToPos(from, "x", true), chart.valToPos(to, "x", true)],
+      );
+      return united(spansMissing ? gaps : [...gaps, ...(missing as Span[])]);
+    },
+    points: {
+      show: false,
+      size: 4,
+      filter: (chart, line) => (series.gaps.length > 0 ? isolatedRows(series, valuesOf(chart, line)) : null),
+    },
+  };
+}
