@@ -8,9 +8,18 @@ import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
 import type { Making } from "../making";
-import { confidenceLabel, type Examination, examine, type Finding, findingsLabel, isLongEnough } from "./doctor";
+import {
+  confidenceLabel,
+  type Examination,
+  examine,
+  type Finding,
+  findingsLabel,
+  isLongEnough,
+  wellLabel,
+} from "./doctor";
 import "./doctor.css";
 import { trajectoryLabel } from "./describeLog";
+import { standsStill } from "./heal/standsStill";
 
 type State =
   | { readonly kind: "idle" }
@@ -112,6 +121,8 @@ interface DoctorProps {
 export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal }: DoctorProps) {
   const now = state.value;
   const isWell = now.kind === "done" && now.examination.findings.length === 0;
+  const stands = standsStill(store.trajectory.value?.poses ?? []);
+  const [result, about] = isWell ? wellLabel(trajectoryLabel(now.examination.trajectory), stands) : ["", ""];
   const showsFindings = now.kind === "done" && now.isShown && !isWell;
   return (
     <Panel title="Log doctor">
@@ -122,7 +133,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
           <p class="doctor-well">
             <Icon name="check" />
             <span>
-              <b>No problems found.</b> Poses: {trajectoryLabel(now.examination.trajectory)}.
+              <b>{result}</b> {about}
             </span>
           </p>
         )}

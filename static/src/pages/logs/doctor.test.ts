@@ -1,5 +1,5 @@
 import { afterEach, expect, test, vi } from "vitest";
-import { confidenceLabel, examine, isLongEnough } from "./doctor";
+import { confidenceLabel, examine, isLongEnough, wellLabel } from "./doctor";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -31,4 +31,11 @@ test("surety in words", () => {
   const words = [1, 0.8, 0.7].map((sure) => confidenceLabel({ sure, possible: false }));
   expect(words).toEqual(["certain", "very likely", "likely"]);
   expect(confidenceLabel({ sure: 0.69, possible: true })).toBe("possible");
+});
+
+test("poses that do not move are not said to be without problems", () => {
+  expect(wellLabel("ground truth", false).join(" ")).toBe("No problems found. Poses: ground truth.");
+  const [result, about] = wellLabel("standing still", true);
+  expect(result).toBe("No problems found in the readings.");
+  expect(about).toContain("drift, delay and mount cannot be checked");
 });

@@ -54,6 +54,15 @@ export async function examine(
   return body as Examination;
 }
 
+/**
+ * What an examination without findings says: of poses in which the robot does not move only that, as drift, delay and
+ * mount are judged by readings from different places.
+ */
+export function wellLabel(poses: string, stands: boolean): readonly [result: string, about: string] {
+  if (!stands) return ["No problems found.", `Poses: ${poses}.`];
+  return ["No problems found in the readings.", "The poses do not move, so drift, delay and mount cannot be checked."];
+}
+
 /** The certainty of a finding in words. */
 export function confidenceLabel({ sure, possible }: Pick<Finding, "sure" | "possible">): string {
   if (possible) return "possible";
