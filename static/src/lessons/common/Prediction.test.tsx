@@ -1,7 +1,9 @@
 // @vitest-environment happy-dom
+import { signal } from "@preact/signals";
 import { h, render } from "preact";
 import { act } from "preact/test-utils";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { type Classroom, classroom } from "../../store/classroom";
 import { Prediction } from "./Prediction";
 
 beforeEach(() => {
@@ -15,6 +17,7 @@ beforeEach(() => {
 
 afterEach(() => {
   render(null, document.body);
+  classroom.value = null;
   vi.unstubAllGlobals();
 });
 
@@ -48,4 +51,17 @@ test("a result that cannot be loaded is said so, and can be asked for again", as
   await vi.waitFor(() => expect(status()).toContain("It is 3."));
   expect(status()).not.toContain("could not");
   expect(reveal).toHaveBeenCalledTimes(2);
+});
+
+test("the class is told the result, also after its answers were revealed without it, and once", async () => {
+  const asked = { id: 1, text: "How many?", options: null, axis: { low: 0, high: 10, unit: "" }, answered: 1 };
+  const question = signal({ ...asked, is_revealed: true, counts: [1], right: null as number | null });
+  const send = vi.fn();
+  classroom.value = { isFollowed: false, question, send } as unknown as Classroom;
+  await pressed(() => 7);
+  await vi.waitFor(() => expect(send).toHaveBeenCalledWith({ type: "reveal", right: 7 }));
+  await act(() => {
+    question.value = { ...question.value, right: 7 };
+  });
+  expect(send).toHaveBeenCalledTimes(1);
 });

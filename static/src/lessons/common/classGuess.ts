@@ -18,14 +18,15 @@ export interface ClassGuess {
 }
 
 /**
- * The state of a question in the class. The result is revealed to the class once `right` is known to the figure; while
+ * The state of a question in the class. The result is revealed to the class once `right` is known to the figure, also where
+ * the answers were revealed before; while
  * `isInSight`, the figure shows the answers on the lecturer's page and the class's line does not.
  */
 export function useClassGuess({ text, axis }: GuessQuestion, right: number | null, isInSight: boolean): ClassGuess {
   const asked = askedAs(text);
   const room = lecturersClass.value;
   useEffect(() => {
-    if (room && asked && !asked.is_revealed && right !== null) room.send({ type: "reveal", right });
+    if (room && asked && asked.right === null && right !== null) room.send({ type: "reveal", right });
   }, [room, asked?.id, right]);
   const shows = room !== null && asked !== null && isInSight;
   useEffect(() => {
