@@ -11,7 +11,7 @@ LOCK   := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork
 
 # Each worker of the tests has a service, a Chromium and a PostgreSQL of its own. With one for each core the cores are
 # idle for half of the time, because browsers and processes are waited for.
-WORKERS ?= 4
+WORKERS ?= 3
 RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 # Bytecode is kept, whatever the environment says: compiling the tests with pytest's assertions takes each worker 5 s,
