@@ -1,4 +1,4 @@
-"""The unit of the stamps: a log whose times are seconds only by name."""
+"""The unit of the stamps: times in a smaller unit that were read as seconds."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from mapper.core.time_units import UNITS
 from mapper.diagnosis.finding import Finding
 from mapper.sensors.scan import ScanLog
 
-RARE_S = 10.0  #: between two scans; a robot that maps makes them more often
-DRIVEN_M = 1.0  #: the place has to be longer than that: the poses of a robot that stands differ by their noise
-MOVED_M = 1e-3  #: between two scans; less is standing
-SPEEDS = (0.01, 3.0)  #: m/s, of robots; less than a factor of 1000 apart, so that one unit at most fits
+RARE_S = 10.0  #: a robot that maps takes scans more often
+DRIVEN_M = 1.0  #: least extent of the path; poses of a standing robot differ by noise
+MOVED_M = 1e-3  #: least motion between two scans
+SPEEDS = (0.01, 3.0)  #: m/s, of robots; less than a factor of 1000 apart, so that at most one unit fits
 
 
 def check(log: ScanLog, trajectory: str) -> list[Finding]:
-    """Compare the times with the way that the robot drives in them.
+    """Compare the interval of the scans and the speed of the robot with what is usual.
 
-    The finding needs both: usually more than 10 s from one scan to the next, and a median speed while the robot moves
-    that is none by the stamps, but one of a robot where they count in thousandths, millionths or billionths.
+    A finding needs a median interval of more than 10 s, and a median speed of the moving robot that is below 0.01 m/s
+    if the stamps are in seconds, and plausible if they are in milli-, micro- or nanoseconds.
     """
     along = log.trajectory(trajectory)
     passed = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST_S = 1.0  #: a shorter pause is none, however fast the others follow each other
-USUAL_PAUSES = 5.0  #: and it is at least so many times as long as the usual one
+LEAST_S = 1.0  #: shorter pauses are no gaps
+USUAL_PAUSES = 5.0  #: least length of a gap, in usual pauses
 
 
 def are_gaps(pauses_s: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -1,6 +1,6 @@
 """Draw the pictures of the puzzles of the program into their files: ``python -m server.puzzles.draw_pictures``.
 
-To be run where a puzzle, the simulation or the mapping has changed; the test of ``codes_of`` says when.
+Run it after a change of a puzzle, of the simulation or of the mapping; the test of ``codes_of`` fails until then.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from server.puzzles.pictures import FOLDER, codes_of
 
 
 def main() -> None:
-    """Write a file for each puzzle, and remove those of puzzles that there are no more."""
+    """Write a file for each puzzle, and remove the files of other puzzles."""
     FOLDER.mkdir(exist_ok=True)
     for file in FOLDER.glob("*.png"):
         if file.stem not in RECIPES:
