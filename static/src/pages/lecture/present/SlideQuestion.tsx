@@ -70,7 +70,7 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
               {bars[i] && (
                 <>
                   <b class="number">{bars[i].count}</b>
-                  <span class="visually-hidden"> answers</span>
+                  <span class="visually-hidden">{bars[i].count === 1 ? " answer" : " answers"}</span>
                 </>
               )}
             </span>
