@@ -304,13 +304,21 @@ async def _pieces(source: Path) -> AsyncIterator[tuple[str, bytes]]:
     """
     try:
         for name, path in await asyncio.to_thread(_files, source):
-            with await asyncio.to_thread(path.open, "rb") as file:
-                piece = await asyncio.to_thread(file.read, PIECE_BYTES)
-                yield name, piece  # of an empty file too
-                while piece := await asyncio.to_thread(file.read, PIECE_BYTES):
-                    yield name, piece
+            piece = await asyncio.to_thread(_piece, path, 0)
+            yield name, piece  # of an empty file too
+            at = len(piece)
+            while piece := await asyncio.to_thread(_piece, path, at):
+                yield name, piece
+                at += len(piece)
     except OSError as error:
         raise ReadError("log.unreadable", f"The log cannot be read: {error.strerror}.") from None
+
+
+def _piece(path: Path, at: int) -> bytes:
+    """Return the bytes of a file from ``at`` on. Opened for each piece: a cancelled job leaves no open file."""
+    with path.open("rb") as file:
+        file.seek(at)
+        return file.read(PIECE_BYTES)
 
 
 def _files(source: Path) -> list[tuple[str, Path]]:

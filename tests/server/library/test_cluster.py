@@ -9,12 +9,12 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
 from server.library import Library, cluster_tasks
-from server.library.cluster import Cluster
+from server.library.cluster import Cluster, _pieces
 from server.settings import Settings
 from tests.server.dask_cluster import DaskCluster, dask_cluster, kill
 from tests.server.library.conftest import Make
@@ -102,6 +102,29 @@ async def test_stopping_ends_the_job_on_the_worker_and_a_restart_goes_on(
     after = make_library()
     await after.start()
     await eventually(lambda: counts(after, logs) == {"done": 2})
+
+
+async def test_a_job_that_is_cancelled_while_its_log_is_opened_leaves_no_open_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / "a.log"
+    source.write_bytes(bytes(10))
+    opened: list[IO[bytes]] = []
+    goes_on = threading.Event()
+    open_file = Path.open
+
+    def slow(path: Path, mode: str) -> IO[Any]:
+        opened.append(open_file(path, mode))
+        goes_on.wait()
+        return opened[-1]
+
+    monkeypatch.setattr(Path, "open", slow)
+    pieces = asyncio.ensure_future(anext(_pieces(source)))
+    await eventually(lambda: len(opened) == 1)
+    pieces.cancel()
+    await asyncio.gather(pieces, return_exceptions=True)
+    goes_on.set()
+    await eventually(lambda: opened[0].closed)
 
 
 async def test_a_worker_with_another_version_gets_no_logs(
