@@ -152,9 +152,9 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
             return "1 of 1 answered" in (counted.text_content() or "")
 
         until("the answer to be counted", answered)
-        expect(option).not_to_contain_text("1 answers")  # before the reveal only when it is wanted
+        expect(option).not_to_contain_text("1 answer")  # before the reveal only when it is wanted
         page.get_by_role("button", name="Show answers").click()
-        expect(option).to_contain_text("1 answers")
+        expect(option).to_contain_text("1 answer")
         proxy.cut()
         expect(phone.get_by_role("complementary", name="Class")).to_contain_text("Connecting to the class")
         page.keyboard.press("ArrowRight")

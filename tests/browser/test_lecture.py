@@ -30,6 +30,12 @@ MISPLACED = """() => [...document.querySelectorAll(".lesson")].flatMap(section =
 })"""
 
 
+#: Waits until the page has not scrolled for ten frames.
+STANDS = """async () => {
+  for (let y = scrollY, still = 0; still < 10; still = y === scrollY ? still + 1 : 0, y = scrollY)
+    await new Promise(requestAnimationFrame);
+}"""
+
 #: A size and a colour scheme: `make test` opens the lecture in one pair, `make test-long` in all others.
 LOOKS = [
     pytest.param(*look, marks=() if look == ("phone", "light") else pytest.mark.long)
@@ -86,6 +92,7 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
         for _ in range(30):
             page.mouse.wheel(0, way)
             page.evaluate("() => new Promise(requestAnimationFrame)")
+    page.evaluate(STANDS)  # the last turn of the wheel may be carried out later than it is sent
     assert page.evaluate("window.moved") < 0.02
     # Another address is followed at once: a scroll that takes a while ends elsewhere if figures are rendered meanwhile.
     top = page.evaluate("""async () => {
