@@ -19,6 +19,7 @@ from mapper.core.errors import WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog, Trajectory
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast an
 LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
 PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: offsets of the grids over which a mean is taken
 MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
+OF_THE_MOUNT = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")  #: parameters that correct it
 
 
 @dataclass(frozen=True)  # without slots: what is derived once is kept
@@ -71,6 +73,18 @@ def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
     resolution = min(1.0, max(RESOLUTION, span / LARGEST_SIDE))
     config = MappingConfig(model="hit_counting", resolution=resolution, range_max=min(30.0, max(0.5, log.range_max)))
     return Examined(thinned, name, scans, config)
+
+
+def examined_as_mapped(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[ScanLog, Examined]:
+    """Return the log at the middle of its sweeps, and what is looked at of it with the mount and range of ``config``.
+
+    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    """
+    whole = at_middle_of_sweep(log, trajectory, config.time_offset)
+    seen = examined(whole, trajectory)
+    values: dict[str, object] = {name: getattr(config, name) for name in OF_THE_MOUNT}
+    values["range_max"] = min(config.range_max, seen.config.range_max)
+    return whole, replace(seen, config=seen.config.with_values(values))
 
 
 def unthinned(log: ScanLog, seen: Examined) -> Examined:

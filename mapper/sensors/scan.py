@@ -155,7 +155,9 @@ class Trajectory:
     (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
     can be mapped. ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
     where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
-    better than between the poses at the scans.
+    better than between the poses at the scans. ``from_scans`` marks poses that were found from the scans, as by SLAM:
+    they are at the times at which the scans were taken, whatever the clocks of scans and odometry are apart, so that a
+    time offset between the two does not concern them.
     """
 
     poses: NDArray[np.float64]
@@ -164,6 +166,7 @@ class Trajectory:
     child_frame_id: str = "base_link"
     is_placeholder: bool = False
     timed: TimedPoses | None = None
+    from_scans: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))

@@ -83,6 +83,7 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
             "frame_id": one.frame_id,
             "child_frame_id": one.child_frame_id,
             "is_placeholder": one.is_placeholder,
+            "from_scans": one.from_scans,
             "poses": store(one.poses),
             "timed": None if one.timed is None else _timed_described(one.timed, store),
         }
@@ -169,6 +170,7 @@ def _log_of(about: dict[str, Any], topics: list[dict[str, Any]], load: Load) -> 
                     one["child_frame_id"],
                     one["is_placeholder"],
                     None if one["timed"] is None else _timed_of(one["timed"], load),
+                    one.get("from_scans", False),
                 )
                 for one in values["trajectories"]
             },

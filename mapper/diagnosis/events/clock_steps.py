@@ -70,7 +70,9 @@ def near_clock_steps(log: ScanLog, found: list[ClockStep]) -> NDArray[np.bool_]:
     near = np.zeros(max(0, log.n_scans - 1), dtype=np.bool_)
     for one in found:
         low, high = sorted((stamps[one.scan], stamps[one.scan + 1]))
-        twice = (stamps > low - MARGIN_S) & (stamps < high + MARGIN_S) if one.step_s < 0.0 else np.zeros(len(stamps), bool)
+        twice = (
+            (stamps > low - MARGIN_S) & (stamps < high + MARGIN_S) if one.step_s < 0.0 else np.zeros(len(stamps), bool)
+        )
         twice[one.scan : one.scan + 2] = True
         near |= twice[1:] | twice[:-1]
     return near

@@ -80,9 +80,7 @@ def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
     ]  # fmt: skip
 
 
-def _kind(
-    moved: np.ndarray | None, wheels: np.ndarray, n_steps: int, lasted: float, *, lost: bool
-) -> str | None:
+def _kind(moved: np.ndarray | None, wheels: np.ndarray, n_steps: int, lasted: float, *, lost: bool) -> str | None:
     """Return what happened: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for a loss that tells nothing."""
     way, turn = math.hypot(wheels[0], wheels[1]), float(wheels[2])
     stood = way < STOOD_M

@@ -279,7 +279,7 @@ class SolvedGraph:
     def in_log(self, log: ScanLog) -> ScanLog:
         """Return ``log`` with the present poses as the trajectory that the graph belongs to."""
         known = log.trajectory(self.trajectory)
-        changed = Trajectory(self.poses, known.description, known.frame_id, known.child_frame_id)
+        changed = replace(known, poses=self.poses, timed=None)
         return replace(log, trajectories={**log.trajectories, self.trajectory: changed})
 
 
