@@ -58,6 +58,14 @@ class Examined:
         if not self.wanted():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
+    def shifted(self, x: float, y: float) -> Examined:
+        """Return the same scans in a map that is moved by ``x`` and ``y`` metres."""
+        one = self.log.trajectory()
+        by = np.array([x, y, 0.0])
+        timed = None if one.timed is None else replace(one.timed, poses=one.timed.poses + by)
+        moved = replace(one, poses=one.poses + by, timed=timed)
+        return replace(self, log=replace(self.log, trajectories={self.trajectory: moved}))
+
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
         return replace(self, log=replace(self.log, trajectories={self.trajectory: Trajectory(poses)}))
@@ -109,12 +117,11 @@ def consistency(seen: Examined, **parameters: object) -> float:
     so the mean is taken over grids with different offsets.
     """
     config = seen.config.with_values(parameters)
-    poses = seen.log.trajectory().poses
-    values = []
-    for share_x, share_y in PHASES:
-        shift = config.resolution * np.array([share_x, share_y, 0.0])
-        values.append(_agreement(counts(seen.with_poses(poses + shift), config)))
-    return float(np.mean(values))
+    return float(
+        np.mean(
+            [_agreement(counts(seen.shifted(config.resolution * x, config.resolution * y), config)) for x, y in PHASES]
+        )
+    )
 
 
 def _agreement(grid: OccupancyGrid) -> float:

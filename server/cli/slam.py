@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 SLAM = "slam"  #: name of the trajectory
 #: of :class:`mapper.diagnosis.figures.MapFigures`: words, and how a value is printed
 FIGURES: Mapping[str, tuple[str, Callable[[float], str]]] = {
-    "drift_m": ("drift: nine of ten readings are this near to walls seen at another time,", "{:.2f} m".format),
-    "contradicted": ("readings where beams of another time passed freely:", lambda share: f"{100 * share:.1f} %"),
+    "drift_m": ("drift of the walls", "{:.2f} m".format),
+    "contradicted": ("readings contradicted by those of another time", lambda share: f"{100 * share:.1f} %"),
     "sharpness": ("sharpness of the walls", "{:.3f}".format),
 }
 WORTH_SAYING_S = 10.0  #: seconds of processor time that are announced

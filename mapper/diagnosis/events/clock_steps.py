@@ -55,9 +55,9 @@ def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
         if len(after) and (after > 0.0).all():  # else stamps are out of order, and no clock was set
             found.append(ClockStep(k, float(steps[k]) - usual))
     is_regular = float(np.mean(np.abs(steps / usual - 1.0) < 0.25)) > REGULAR
-    for k in np.flatnonzero(steps > max(LEAST_AHEAD_S, AHEAD * usual)).tolist():
-        if way is not None and is_regular and _did_not_pass(steps, way, usual, k):
-            found.append(ClockStep(k, float(steps[k]) - usual))
+    if way is not None and is_regular:
+        jumps = np.flatnonzero(steps > max(LEAST_AHEAD_S, AHEAD * usual)).tolist()
+        found += [ClockStep(k, float(steps[k]) - usual) for k in jumps if _did_not_pass(steps, way, usual, k)]
     return sorted(found, key=lambda one: one.scan)[:MOST]
 
 

@@ -104,7 +104,7 @@ def aligned_motions(
 
 
 def _runs(lost: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the scans before and after each run of steps that are lost; single steps between two runs count to both."""
+    """Return the scans before and after each run of steps that are lost, with single steps between two of them."""
     steps = np.flatnonzero(lost)
     if not len(steps):
         return []

@@ -16,7 +16,7 @@ from mapper.matching.match import match_scan
 from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import scan_target
 from mapper.sensors.pose_graph import LOOP, PoseGraph
-from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.scan import ScanLog
 from mapper.slam import LoopCandidates, optimise
 from mapper.slam.scan_store import scans_of
 from server.sessions.view import GraphChange
