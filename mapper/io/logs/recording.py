@@ -146,9 +146,9 @@ class Recording:
         except NotDepthError:
             self._pictures.add(stream.topic)
         except BadMessageError as error:
-            stream.refuse(f"message {stream.count}: {error}" if error.args else "")
-        except ReadError:
-            stream.refuse()
+            stream.refuse(str(error))
+        except ReadError as error:
+            stream.refuse(error.message)
 
     def _take_scan(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
         self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr))
