@@ -11,7 +11,8 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
+from websockets.sync.connection import Connection
 
 from tests.browser.engines.driver import Actions, DriverError, environment_of
 from tests.browser.engines.processes import process_group
@@ -40,7 +41,7 @@ class Firefox:
 
     name = "firefox"
 
-    def __init__(self, socket: ClientConnection) -> None:
+    def __init__(self, socket: Connection) -> None:
         self._socket = socket
         self._ids = count(1)
         self._call("session.new", capabilities={})
@@ -95,7 +96,15 @@ def running_firefox(folder: Path, *, dark: bool) -> Iterator[Firefox]:
     program, log, profile = FIREFOX.found()["Firefox"], folder / "firefox.log", folder / "profile"
     profile.mkdir()
     (profile / "user.js").write_text(_preferences(dark=dark))
-    command = [program, "--headless", "--no-remote", "--remote-debugging-port", "0", "--profile", profile]
+    command: list[str | Path] = [
+        program,
+        "--headless",
+        "--no-remote",
+        "--remote-debugging-port",
+        "0",
+        "--profile",
+        profile,
+    ]
     with process_group(command, log, environment_of(folder)) as process:
 
         def address() -> str | None:

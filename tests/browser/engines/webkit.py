@@ -87,7 +87,7 @@ def _screen(xvfb: Path, folder: Path) -> Iterator[str]:
     """Run an X server without a screen until the block ends; yield the name of its display, which it chooses."""
     reading, writing = os.pipe()
     # One pixel more than the largest window: at the edge of the screen a window is moved.
-    command = [xvfb, "-displayfd", str(writing), "-screen", "0", "2000x1400x24", "-nolisten", "tcp"]
+    command: list[str | Path] = [xvfb, "-displayfd", str(writing), "-screen", "0", "2000x1400x24", "-nolisten", "tcp"]
     try:
         with process_group(command, folder / "xvfb.log", dict(os.environ), [writing]):
             os.close(writing)
@@ -125,7 +125,7 @@ def running_webkit(folder: Path, *, dark: bool) -> Iterator[WebKit]:
     with _screen(programs["Xvfb"], folder) as display:
         environment = environment_of(folder) | {"DISPLAY": display, "GDK_BACKEND": "x11"}
         log, port = folder / "webkit.log", free_port()
-        command = [programs["WebKitWebDriver"], f"--port={port}"]
+        command: list[str | Path] = [programs["WebKitWebDriver"], f"--port={port}"]
         with process_group(command, log, environment) as process:
 
             def ready() -> bool:
