@@ -32,6 +32,12 @@ class ClockStep:
     step_s: float
 
 
+def usual_interval(log: ScanLog) -> float:
+    """Return the median time from scan to scan, seconds; 0 for a log without times."""
+    steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
+    return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+
+
 def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
     """Return when the clock was set, in the order of the scans.
 
@@ -43,7 +49,7 @@ def clock_steps(log: ScanLog, trajectory: str | None) -> list[ClockStep]:
     forward = steps[steps > 0.0]
     if len(forward) < 2 * AROUND:
         return []
-    usual = float(np.median(forward))
+    usual = usual_interval(log)
     way = None
     if trajectory is not None:
         poses = log.trajectory(trajectory).poses

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps
+from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
 from mapper.diagnosis.events.event import CLOCK, LIFTED, PUSHED, SLIPPED, Event
 from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import sensors_of
@@ -70,11 +70,11 @@ def find_events(
 
 
 def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
-    seconds = recorded_seconds(log)
+    seconds, usual = recorded_seconds(log), usual_interval(log)
     return [
         Event(
-            CLOCK, float(seconds[one.scan]), float(seconds[one.scan]), int(log.stamps_ns[one.scan]), one.scan,
-            one.scan + 1, step_s=one.step_s,
+            CLOCK, float(seconds[one.scan]) + usual, float(seconds[one.scan]) + usual,
+            int(log.stamps_ns[one.scan]) + round(1e9 * usual), one.scan, one.scan + 1, step_s=one.step_s,
         )
         for one in steps
     ]  # fmt: skip
