@@ -1,7 +1,7 @@
 """The log doctor: what is wrong with a log, where, how surely, and what to do about it."""
 
 from mapper.diagnosis.diagnosis import Diagnosis, diagnose
-from mapper.diagnosis.drifting import drift_finding
+from mapper.diagnosis.drifting import drift_finding, first_cause
 from mapper.diagnosis.events import Event, find_events
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import Finding
@@ -19,6 +19,7 @@ __all__ = [
     "drift_finding",
     "examine",
     "find_events",
+    "first_cause",
     "judge",
     "named_findings",
 ]

@@ -71,10 +71,10 @@ class Examined:
         return replace(self, log=replace(self.log, trajectories={self.trajectory: Trajectory(poses)}))
 
 
-def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
-    """Return what is looked at of a log: at most :data:`MOST_READINGS` readings, whole scans, evenly spread."""
+def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READINGS) -> Examined:
+    """Return what is looked at of a log: at most ``most`` readings, whole scans, evenly spread."""
     name = trajectory or log.default_trajectory
-    used = max(1, min(log.n_scans, MOST_READINGS // max(1, log.n_beams)))
+    used = max(1, min(log.n_scans, most // max(1, log.n_beams)))
     scans = np.unique(np.linspace(0, log.n_scans - 1, used).astype(np.int64))
     thinned = replace(log, trajectories={name: Trajectory(log.trajectory(name).poses)}, odometry=None).take(scans)
     span = float(np.ptp(thinned.trajectory().poses[:, :2], axis=0).max()) + 2.0 * min(log.range_max, 30.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from mapper.core.errors import ConfigError
 from mapper.diagnosis import clock, mounting, readings, sweep, time_unit, timing, walls
 from mapper.diagnosis.between import check_between
-from mapper.diagnosis.consistency import Examined, examined
+from mapper.diagnosis.consistency import MOST_READINGS, Examined, examined
 from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.several import of_sensors, share_of
@@ -16,6 +16,9 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
+FEWER_READINGS = 20_000  #: that are looked at for :func:`causes_of_drift`
+#: Findings that draw walls double, and drift itself.
+DOUBLING = frozenset({sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift"})
 LEAST_SCANS = 10  #: below this there is nothing to compare
 
 
@@ -90,6 +93,15 @@ def examine(
     return [*of_sensors(log, found), *check_between(log, trajectory, found, wanted, time_offset)]
 
 
+def causes_of_drift(log: ScanLog, trajectory: str | None) -> list[Finding]:
+    """Return what a log of one sensor has that draws walls double, and drift, if that remains with the remedies.
+
+    Only some of the readings are looked at, so that it costs little.
+    """
+    checks = [check for check in CHECKS if set(check.names) & DOUBLING]
+    return _examine_one(log, trajectory, None, lambda: True, 0.0, lambda _: None, checks, FEWER_READINGS)
+
+
 def _too_short(log: ScanLog) -> ConfigError:
     return ConfigError("doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough.")
 
@@ -102,12 +114,13 @@ def _examine_one(
     time_offset: float,
     compared: Callable[[Contradiction], None],
     checks: Sequence[Check] = CHECKS,
+    most: int = MOST_READINGS,
 ) -> list[Finding]:
-    """Return :func:`examine` of a log of one sensor by some of the checks."""
+    """Return :func:`examine` of a log of one sensor by some of the checks, which look at ``most`` readings."""
     if log.n_scans < LEAST_SCANS:
         raise _too_short(log)
     stated, log = log, at_middle_of_sweep(log, trajectory, time_offset)
-    seen = replace(examined(log, trajectory), time_offset=time_offset, wanted=wanted, compared=compared)
+    seen = replace(examined(log, trajectory, most), time_offset=time_offset, wanted=wanted, compared=compared)
     found: list[Finding] = []
     for done, check in enumerate(checks):
         if progress is not None:
@@ -121,7 +134,7 @@ def _examine_one(
                 continue
             if finding.check == sweep.CHECK:
                 log = at_middle_of_sweep(replace(stated, time_increment=0.0), trajectory, time_offset)
-                seen = replace(seen, log=examined(log, trajectory).log)
+                seen = replace(seen, log=examined(log, trajectory, most).log)
             else:
                 seen = replace(seen, config=seen.config.with_values(remedy_of(finding, seen)))
     return found

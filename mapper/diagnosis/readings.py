@@ -22,7 +22,7 @@ MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wa
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
     """Look at what was measured."""
-    return [*_few(log), *_at_max_range(log), *_of_itself(log, seen)]
+    return [*_few(log), *max_range_finding(log), *_of_itself(log, seen)]
 
 
 def _few(log: ScanLog) -> list[Finding]:
@@ -45,7 +45,8 @@ def few_scans(n_scans: int) -> Finding:
     return Finding(FEW, f"Only {n_scans} scans: too few to judge.", "Record for longer.", 1.0)
 
 
-def _at_max_range(log: ScanLog) -> list[Finding]:
+def max_range_finding(log: ScanLog) -> list[Finding]:
+    """Look for readings that say "no return" but are written as the greatest range; one finding, or none."""
     measured = (log.ranges >= log.range_min) & (log.ranges <= log.range_max)
     if not measured.any():
         return []

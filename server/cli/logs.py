@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from mapper.io.contents.inspection import Held
     from mapper.io.contents.model import TopicContents
     from mapper.sensors.robot_log import RobotLog
+    from mapper.sensors.scan import ScanLog
 
 
 TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
@@ -71,6 +72,7 @@ def info(
         return
     robot, topics = read
     facts = asdict(summarise(robot.first))
+    facts["notes"] = [*facts["notes"], *_causes(robot.first)]
     facts["contents"] = contents_facts(topics)
     facts["clouds"], facts["imus"] = clouds_facts(robot.clouds), imus_facts(robot.imus)
     if as_json:
@@ -101,6 +103,14 @@ def info(
         typer.echo(f"  {stream_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _causes(log: ScanLog) -> list[str]:
+    """Return a note on what makes the log's map bad, as far as the readings alone tell it."""
+    from mapper.diagnosis.readings import max_range_finding  # noqa: PLC0415 - start-up
+    from server.cli.drift import cause_line  # noqa: PLC0415 - start-up
+
+    return [cause_line(one) for one in max_range_finding(log)]
 
 
 def _print_cloud(path: Path, *, as_json: bool) -> bool:

@@ -1,13 +1,13 @@
 import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
-import type { EventKind, LogEvent } from "../../wire/messages";
 import { Button } from "../../ui/Button";
 import { Icon } from "../../ui/Icon";
 import { Panel } from "../../ui/Panel";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
+import type { EventKind, LogEvent } from "../../wire/messages";
 import type { Making } from "../making";
 import {
   confidenceLabel,
@@ -199,7 +199,11 @@ function Events({ events, store }: { readonly events: readonly LogEvent[]; reado
             </Button>
             <p>
               <span class="finding-sure">{EVENTS[event.kind]}</span> {event.sentence}
-              {event.utc !== null && <time class="quiet number" dateTime={event.utc}>{utcLabel(event.utc)}</time>}
+              {event.utc !== null && (
+                <time class="quiet number" dateTime={event.utc}>
+                  {utcLabel(event.utc)}
+                </time>
+              )}
             </p>
           </li>
         ))}
