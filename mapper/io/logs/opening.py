@@ -22,6 +22,7 @@ from mapper.io.logs.packed_archive import archive_members, is_archive
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
+from mapper.sensors.joint_log import with_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import OdometryRecords
@@ -230,7 +231,7 @@ def _noting(notes: Sequence[str], reading: Reading) -> Reading:
 
     def noted(limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
         robot = reading(limits, progress, selection)
-        logs = {name: replace(log, notes=(*notes, *log.notes)) for name, log in robot.sensors.items()}
+        logs = {name: with_notes(log, notes, first=True) for name, log in robot.sensors.items()}
         return replace(robot, sensors=logs)
 
     return noted if notes else reading
