@@ -24,7 +24,7 @@ from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
-VERSION = 4
+VERSION = 5
 
 _ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON

@@ -21,6 +21,7 @@ from mapper.io.logs.lines import BOM
 from mapper.io.logs.packed_archive import archive_members, is_archive
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
+from mapper.io.logs.understanding import understood
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.joint_log import with_notes
 from mapper.sensors.robot_log import RobotLog
@@ -93,7 +94,7 @@ def open_log(
     which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
-    return _reading(Path(path), limits)(limits, progress, Selection.of(topic)).first
+    return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic))).first
 
 
 def open_robot_log(
@@ -108,7 +109,7 @@ def open_robot_log(
 
     ``also`` takes the messages of a recording in the same pass; of a text format it gets none.
     """
-    return _reading(Path(path), limits, also)(limits, progress, selection)
+    return understood(_reading(Path(path), limits, also)(limits, progress, selection))
 
 
 def odometry_records(
