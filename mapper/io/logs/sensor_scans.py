@@ -45,7 +45,8 @@ class SensorScans:
         """Take one scan."""
         stated = (beams.angle_min, beams.angle_increment, beams.range_min, beams.range_max)
         # nan is not itself, and would be another key in every message.
-        beaming = Beaming(*(np.nan if np.isnan(value) else value for value in map(float, stated)), len(beams.ranges))
+        first, step, least, greatest = (np.nan if np.isnan(value) else value for value in map(float, stated))
+        beaming = Beaming(first, step, least, greatest, len(beams.ranges))
         self.stamps.append(stamp_ns)
         self._of_scan.append(self._numbers.setdefault(beaming, len(self._numbers)))
         self._ranges += beams.ranges.tobytes()

@@ -80,12 +80,14 @@ def _notes_on_readings(log: ScanLog) -> list[str]:
     if not total:
         return []
     if no_return == total:
-        return [
+        note = (
             f"All {total} readings are no return (infinite, or beyond range_max), so the map has no walls. Where "
             "nothing was in reach, no_return free (--no-return free) clears the cells up to the greatest range."
-        ]
+        )
+        return [note]
     rest = f"; {no_return} are no return, with which no_return free clears cells" if no_return else ""
-    return [
+    note = (
         f"None of the {total} readings is a measured distance, so the map has no walls: {total - no_return} are not a "
         f"number, zero, negative, −inf or below range_min{rest}."
-    ]
+    )
+    return [note]
