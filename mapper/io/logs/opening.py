@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
+from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import Member, Source
 from mapper.io.logs.container import Container, in_order
 from mapper.io.logs.foreign import KNOWN, not_a_log
@@ -51,6 +51,7 @@ BINARY: tuple[tuple[bytes, Container], ...] = (
 
 #: First words of the lines of the text formats.
 TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
+    (gfs.WORDS, gfs.read_gfs),  # before CARMEN's: its lines may be among them
     (carmen.WORDS, carmen.read_carmen),
     (dpslam.WORDS, dpslam.read_dpslam),
 )
