@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 from mapper.diagnosis.events import CLOCK, Event, clock_time, find_events
 from mapper.diagnosis.examination import examine
 from mapper.diagnosis.finding import Finding
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 
 EXAMINED = 0.6  #: share of the work that the findings are
@@ -39,12 +42,23 @@ def diagnose(
         return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
     findings = examine(log, trajectory, part(0.0, EXAMINED), wanted, time_offset)
-    events = find_events(log, wanted, part(EXAMINED, 1.0))
+    events = find_events(_with_mount(log, findings), wanted, part(EXAMINED, 1.0))
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")
     if is_own:
         findings = [_with_cause(one, events) for one in findings]
     return Diagnosis(tuple(findings), tuple(events))
+
+
+def _with_mount(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
+    """Return the log with its mount as findings correct it: a false one moves the robot where it turns."""
+    if isinstance(log, JointLog):
+        return log
+    config = MappingConfig()
+    for finding in findings:
+        if finding.check.startswith("mount.") and finding.parameters:
+            config = config.with_values(finding.parameters)
+    return as_mapped(log, config)
 
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:

@@ -114,10 +114,18 @@ def _slam(job: SlamJob) -> SlamOutcome:
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
     Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
     before = log.default_trajectory if result.odometry is None else result.odometry
-    figures = [map_figures(log, name, mapping) for name in (before, NAME)]
+    along_odometry, along_slam = (map_figures(log, name, mapping) for name in (before, NAME))
     jobs.note_progress(1.0)
     nodes = len(result.graph.nodes)
-    return SlamOutcome(result.odometry, result.graph.n_loops, nodes, result.cpu_seconds, *figures, result.notes)
+    return SlamOutcome(
+        result.odometry,
+        result.graph.n_loops,
+        nodes,
+        result.cpu_seconds,
+        along_odometry,
+        along_slam,
+        result.notes,
+    )
 
 
 def log_in(pack: str) -> ScanLog:

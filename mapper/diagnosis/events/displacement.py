@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import compose, inverse, wrap_angle
-from mapper.diagnosis.events.motions import Loss, Motions
+from mapper.diagnosis.events.motions import WITHIN, Loss, Motions
 
 Float64Array = NDArray[np.float64]
 
@@ -59,6 +59,8 @@ def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacem
         return []
     rest = _without_systematic(compose(inverse(motions.by_wheels), motions.by_scans), motions)
     rest[untold] = 0.0
+    for loss in motions.losses:  # what happened beside it belongs to it
+        rest[max(0, loss.before - WITHIN) : loss.after + WITHIN] = 0.0
     found = _windows(rest, motions)
     found += [one for loss in motions.losses if (one := _of_loss(loss, motions)) is not None]
     return sorted(found, key=lambda one: one.before)
@@ -73,7 +75,8 @@ def _without_systematic(differences: Float64Array, motions: Motions) -> Float64A
     """
     wheels = motions.by_wheels
     around = np.concatenate([wheels[:1], wheels, wheels[-1:]])
-    terms = np.concatenate([wheels, around[2:] - around[:-2]], axis=1)  # of the motion, and of its change: a delay
+    # Of the motion, to second order in its turn, and of its change.
+    terms = np.concatenate([wheels, wheels * wheels[:, 2:], around[2:] - around[:-2]], axis=1)
     rest = differences.copy()
     for column, least in enumerate((NOISE_M, NOISE_M, NOISE_RAD)):
         fit = np.zeros(terms.shape[1])
@@ -136,7 +139,7 @@ def _excess(rest: Float64Array, motions: Motions, length: int) -> Float64Array:
     least_turn = LEAST_RAD + SHARE * np.minimum(turn, scan_turn)
     by_far = np.minimum(far / least, np.hypot(sums[:, 0] / scale[:, 0], sums[:, 1] / scale[:, 1]) / USUAL)
     by_turn = np.minimum(np.abs(sums[:, 2]) / least_turn, np.abs(sums[:, 2]) / scale[:, 2] / USUAL)
-    return np.maximum(by_far, by_turn)
+    return np.asarray(np.maximum(by_far, by_turn), dtype=np.float64)
 
 
 def _stays(rest: Float64Array, first: int, stop: int) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,11 +14,15 @@ from mapper.io.logs.summary import recorded_seconds
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog
 
+if TYPE_CHECKING:
+    from mapper.diagnosis.events.displacement import Displacement
+
 LEAST_SCANS = 30  #: fewer do not tell what is usual
 LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without a fit, from which the robot was lifted and not pushed
 LIFTED_M = 1.0  #: a robot that is displaced farther while its wheels stand was carried
 STOOD_M = 0.1  #: way of wheels that stand
 OPPOSITE = 0.8  #: cosine between the wheels' motion and what is taken off it by a slip
+BACK_M, BACK_RAD = 0.03, math.radians(2.0)  #: by which a robot whose wheels slip may seem to go the other way
 TURNED_ONLY = 0.05  #: metres: a displacement that is a turn only
 
 
@@ -59,13 +64,13 @@ def find_events(
         motions = aligned_motions(sensor, wheels, wanted, progress)
         untold = near_clock_steps(sensor.take(motions.scans), clock_steps(sensor.take(motions.scans), None))
         for one in displacements(motions, untold):
-            kind = _kind(one.moved, one.by_wheels, one.after - one.before, one.end_s - one.begin_s, lost=one.lost)
+            kind = _kind(one)
             if kind is None or (one.moved is None and kind != LIFTED):
                 continue
             ahead, left, turned = (None,) * 3 if one.moved is None else (float(value) for value in one.moved)
             before, after = int(motions.scans[one.before]), int(motions.scans[one.after])
             stamp = int(sensor.stamps_ns[before]) + round(1e9 * (one.begin_s - motions.seconds[one.before]))
-            events.append(Event(kind, one.begin_s, one.end_s, stamp, before, after, ahead, left, turned))
+            events.append(Event(kind, float(one.begin_s), float(one.end_s), stamp, before, after, ahead, left, turned))
     return sorted((_of_whole(log, sensor, one) for one in events), key=lambda one: (one.seconds, one.scan))
 
 
@@ -80,11 +85,15 @@ def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
     ]  # fmt: skip
 
 
-def _kind(moved: np.ndarray | None, wheels: np.ndarray, n_steps: int, lasted: float, *, lost: bool) -> str | None:
-    """Return what happened: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for a loss that tells nothing."""
+def _kind(one: Displacement) -> str | None:
+    """Return what happened: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for a loss that tells nothing.
+
+    Wheels that slip turn while the robot moves less than they say, or stands, but not the other way.
+    """
+    wheels, scans, moved = one.by_wheels, one.by_scans, one.moved
     way, turn = math.hypot(wheels[0], wheels[1]), float(wheels[2])
     stood = way < STOOD_M
-    if lost and n_steps > LIFTED_SCANS and lasted >= LIFTED_S and stood:
+    if one.lost and one.after - one.before > LIFTED_SCANS and one.end_s - one.begin_s >= LIFTED_S and stood:
         return LIFTED
     if moved is None:
         return None
@@ -92,9 +101,11 @@ def _kind(moved: np.ndarray | None, wheels: np.ndarray, n_steps: int, lasted: fl
     if stood and far > LIFTED_M:
         return LIFTED
     if far < TURNED_ONLY:
-        return SLIPPED if turn * moved[2] < 0.0 and abs(moved[2]) <= 1.2 * abs(turn) else PUSHED
-    against = -(moved[0] * wheels[0] + moved[1] * wheels[1]) / (far * max(way, 1e-9))
-    return SLIPPED if against > OPPOSITE and far <= 1.2 * way else PUSHED
+        is_slip = turn * moved[2] < 0.0 and turn * scans[2] > -abs(turn) * BACK_RAD
+        return SLIPPED if is_slip else PUSHED
+    ahead = wheels[:2] / max(way, 1e-9)
+    against, went = -float(ahead @ moved[:2]) / far, float(ahead @ scans[:2])
+    return SLIPPED if against > OPPOSITE and went > -BACK_M else PUSHED
 
 
 def _of_whole(log: ScanLog, sensor: ScanLog, event: Event) -> Event:

@@ -31,6 +31,8 @@ Float64Array = NDArray[np.float64]
 MOST_SCANS = 20_000  #: that are aligned; longer logs are thinned evenly, and their events timed less finely
 ASKED_EVERY = 100  #: scans between two questions whether the work is still wanted
 FITS = 0.4  #: agreement of an alignment below which it says nothing of the motion
+WITHIN = 5  #: steps from one that is lost to the next, up to which they are one loss: some scans fit by chance
+BESIDE = 2  #: scans beside a loss that are not used
 BEFORE = 5  #: scans that a scan after a loss is compared with
 WINDOW_M, WINDOW_RAD = 3.0, math.pi  #: in which it is looked for
 LEAST_SCORE = 0.55  #: of its place
@@ -104,11 +106,11 @@ def aligned_motions(
 
 
 def _runs(lost: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the scans before and after each run of steps that are lost, with single steps between two of them."""
+    """Return the scans before and after each run of steps that are lost, with the few steps between two of them."""
     steps = np.flatnonzero(lost)
     if not len(steps):
         return []
-    ends = np.flatnonzero(np.diff(steps) > 2)
+    ends = np.flatnonzero(np.diff(steps) > WITHIN)
     firsts = steps[np.concatenate([[0], ends + 1])]
     lasts = steps[np.concatenate([ends, [len(steps) - 1]])]
     return [(int(first), int(last) + 1) for first, last in zip(firsts, lasts, strict=True)]
@@ -116,17 +118,19 @@ def _runs(lost: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 def _found_again(log: ScanLog, before: int, after: int) -> Float64Array | None:
     """Return the motion from scan ``before`` to ``after``, found in a wide window; None where no one place fits."""
-    first = max(0, before - BEFORE + 1)
     poses = log.trajectory().poses
-    near = np.arange(first, before + 1)
-    moved = compose(inverse(poses[before]), poses[after])
+    # The last scan before and the first after may be of a robot that was tilted a little already, and fit by chance.
+    last = max(0, before - BESIDE)
+    first, source = max(0, last - BEFORE + 1), min(after + BESIDE, log.n_scans - 1)
+    near = np.arange(first, last + 1)
+    moved = compose(inverse(poses[before]), poses[source])
     guess = moved if math.hypot(moved[0], moved[1]) < WINDOW_M else np.zeros(3)
     try:
         target = Target(
-            prepare_scans(log, first, before + 1), np.arange(len(near)), compose(inverse(poses[before]), poses[near])
+            prepare_scans(log, first, last + 1), np.arange(len(near)), compose(inverse(poses[before]), poses[near])
         )
         match = match_scan(
-            prepare_scans(log, after, after + 1), 0, target, guess,
+            prepare_scans(log, source, source + 1), 0, target, guess,
             replace(MatchConfig(), window_m=WINDOW_M, window_rad=WINDOW_RAD),
         )  # fmt: skip
     except (ConfigError, LimitError):
@@ -136,4 +140,4 @@ def _found_again(log: ScanLog, before: int, after: int) -> Float64Array | None:
     rival = float(match.scores[other].max(initial=0.0))
     if match.score < LEAST_SCORE or match.is_degenerate or rival > match.score - CLEARLY:
         return None
-    return match.pose
+    return compose(match.pose, compose(inverse(poses[source]), poses[after]))
