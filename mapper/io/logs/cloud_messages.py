@@ -146,8 +146,9 @@ def livox_cloud(data: bytes, *, cdr: bool) -> Cloud:
     fields.pos += len(values)
     fields.end()
     columns: dict[str, NDArray[np.generic]] = {}
-    for name, (kind, offset) in (LIVOX_POINT.fields or {}).items():
-        number = kind.newbyteorder(fields.order)
+    for name, stated in (LIVOX_POINT.fields or {}).items():
+        kind, offset = stated[:2]
+        number = kind.newbyteorder("<" if fields.order == "<" else ">")
         columns[name] = (
             np.ndarray((1, n), number, values, offset if n else 0, (n * step, step)) if n else np.zeros((0, 0))
         )

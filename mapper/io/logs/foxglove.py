@@ -171,7 +171,7 @@ def _number(value: float | str | None) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _stamp(value: object) -> int:
+def _stamp(value: str | dict[str, int] | None) -> int:
     """Return a time in nanoseconds, 0 where none is stated that ROS can."""
     if isinstance(value, str):
         moment = datetime.fromisoformat(value)

@@ -53,6 +53,8 @@ from mapper.io.logs.unpacking import Progress, opened
 
 MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
+#: Encodings of schemas with messages of ROS. Some writers leave the schema empty: its name says which type it is.
+SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg", "omgidl", ""})
 BESIDE = 1 << 16  #: added to a channel's id, of 16 bits: the transforms beside its messages
 TF_TOPIC = "/tf"
 
@@ -66,7 +68,7 @@ class _Mcap:
         self.stream = stream
         self.recording = recording
         self.limits = limits
-        self.schemas: dict[int, str] = {}  #: id → name
+        self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
         self.transcoders: dict[int, Transcoder] = {}  #: of channels with messages of Foxglove's
         self.channels: set[int] = set()  #: of which a note was made, if there was any to make
         self.knows_all_channels = False  #: whether the file's summary was taken
@@ -336,7 +338,7 @@ class _Mcap:
         elif opcode == Opcode.SCHEMA:
             # Only its name is of use: what it defines is known, or not read (see ros_messages).
             schema = decoded(Schema.read, data[start:end])
-            self.schemas[schema.id] = schema.name
+            self.schemas[schema.id] = (schema.name, schema.encoding)
         elif opcode == Opcode.CHANNEL:
             self._channel(decoded(Channel.read, data[start:end]))
 
@@ -353,7 +355,7 @@ class _Mcap:
 
     def _channel(self, channel: Channel) -> None:
         key, topic, encoding = channel.id, channel.topic, channel.message_encoding
-        schema = self.schemas.get(channel.schema_id, "")
+        schema, stated = self.schemas.get(channel.schema_id, ("", ""))
         found = transcoder(topic, schema, encoding)
         is_new = key not in self.channels
         self.channels.add(key)
@@ -369,12 +371,14 @@ class _Mcap:
                     f"{schema} messages in {encoding} on {printable(channel.topic)!s:.100} are read as {found.kind}."
                 )
             return
-        self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=encoding in ENCODINGS)
-        if is_new and encoding not in ENCODINGS and (not schema or foxglove.is_of_use(plain_type(schema))):
+        other = encoding if encoding not in ENCODINGS else stated if stated not in SCHEMA_ENCODINGS else None
+        self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=other is None)
+        if is_new and other is not None and (not schema or foxglove.is_of_use(plain_type(schema))):
             what = printable(schema[:100]) or "messages without a schema"
+            part = "messages are" if other is encoding else "schema is"
             self._note(
-                f"{what} on {printable(topic)!s:.100} are serialised as {encoding!r:.40}, which is not read: ros1 and "
-                "cdr are, and Foxglove's scans, clouds, transforms and poses in json and protobuf."
+                f"{what} on {printable(topic)!s:.100}: the {part} encoded as {other!r:.40}, which is not read: ros1 "
+                "and cdr are, and Foxglove's scans, clouds, transforms and poses in json and protobuf."
             )
 
     def _note_checksum(self, head: ChunkHead) -> None:

@@ -11,8 +11,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from mapper.io.logs.message_fields import BadMessageError
 
 VARINT, BITS64, LENGTH, BITS32 = 0, 1, 2, 5  #: wire types
@@ -63,7 +61,7 @@ def _values(field: Field, wire: int, value: int | bytes) -> list[Any]:
         raw = _bytes(value)
         if wire != LENGTH or len(raw) % 8:
             raise BadMessageError
-        return np.frombuffer(raw, "<f8").tolist()
+        return list(struct.unpack(f"<{len(raw) // 8}d", raw))
     if kind == "fixed32":
         if wire != BITS32:
             raise BadMessageError
