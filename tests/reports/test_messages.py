@@ -44,7 +44,7 @@ def pose(i: float) -> tuple[float, float, float]:
 
 
 def distances(
-    i: float, bearings: NDArray[np.float64], mount: tuple[float, float, float] = MOUNT
+    i: float, bearings: NDArray[np.floating[Any]], mount: tuple[float, float, float] = MOUNT
 ) -> NDArray[np.float64]:
     """The distance to the nearest wall along each bearing of the sensor."""
     x, y, yaw = compose(np.array(pose(i)), np.array(mount))
@@ -394,7 +394,7 @@ def foxglove(encoding: str) -> bytes:
         for kind, values in messages.items():
             data = json.dumps(values).encode() if encoding == "json" else protobuf(kind, values)
             writer.add_message(channels[kind], at, data, at)
-    writer.finish()
+    writer.finish()  # type: ignore[no-untyped-call]
     return out.getvalue()
 
 
@@ -422,7 +422,7 @@ def test_a_schema_that_is_empty_is_known_by_its_name(tmp_path):
                 kind = writer.register_schema(said.kind, schema, b"")
                 channels[said.topic] = writer.register_channel(said.topic, encoding, kind)
             writer.add_message(channels[said.topic], said.stamp_ns, recorded.serialised(said, 2), said.stamp_ns)
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
         path = tmp_path / "a.mcap"
         path.write_bytes(out.getvalue())
         if encoding == "cdr":
@@ -459,9 +459,9 @@ def test_the_stated_length_of_an_index_is_ignored_as_rosbag_does(tmp_path):
             time = struct.pack("<II", *divmod(one.stamp_ns, SECOND))
             data += record(header(op=b"\x02", conn=number, time=time), recorded.serialised(one, 1))
         out += record(header(op=b"\x05", compression=b"none", size=struct.pack("<I", len(data))), data)
-        for number, count in enumerate(counts.values()):
+        for at, count in enumerate(counts.values()):
             about = header(
-                op=b"\x04", ver=struct.pack("<I", 1), conn=struct.pack("<I", number), count=struct.pack("<I", count)
+                op=b"\x04", ver=struct.pack("<I", 1), conn=struct.pack("<I", at), count=struct.pack("<I", count)
             )
             out += record(about, bytes(12 * count), 20 * count)
     path = tmp_path / "a.bag"
