@@ -95,7 +95,7 @@ def drive(
     odometry = drifting_odometry(rolled, random, alphas, TURN_BIAS * drift)
     sensor = SensorConfig(n_beams=SENSOR.n_beams, range_max=SENSOR.range_max, range_noise=noise, scan_rate=RATE_HZ)
     ranges = np.array([measure(WORLDS[world], sensor, pose, random, 0).ranges for pose in true])
-    for k in np.flatnonzero(lifted):  # tilted, it sees the floor at one side, and nothing at the other
+    for k in np.flatnonzero(lifted).tolist():  # tilted, it sees the floor at one side, and nothing at the other
         bearing = np.linspace(-math.pi, math.pi, SENSOR.n_beams) - random.uniform(-math.pi, math.pi)
         down = np.sin(bearing) * random.uniform(0.2, 0.6)
         ranges[k] = np.where(down > 0.05, np.minimum(ranges[k], 0.5 / np.maximum(down, 0.05)), np.inf)
