@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import fields
-from mapper.io.logs.transforms import Poses3
+from mapper.io.logs.poses3 import Poses3
 from mapper.io.trajectories.lines import rows, stamp_ns
 from mapper.sensors.timed_poses import TimedPoses
 
