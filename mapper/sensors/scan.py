@@ -17,6 +17,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
 from mapper.sensors.beam_fields import beam_fields, uneven_fields
+from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
@@ -155,7 +156,8 @@ class Trajectory:
     (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
     can be mapped. ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
     where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
-    better than between the poses at the scans.
+    better than between the poses at the scans. ``offset`` (x, y), metres, has been subtracted from what the source
+    states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset.
     """
 
     poses: NDArray[np.float64]
@@ -164,6 +166,7 @@ class Trajectory:
     child_frame_id: str = "base_link"
     is_placeholder: bool = False
     timed: TimedPoses | None = None
+    offset: Offset = NO_OFFSET
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))

@@ -5,9 +5,8 @@ Each sensor gets a trajectory from each source of poses: tf, odometry, a localis
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +15,17 @@ from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs.cutting import CLOUD, FLOOR_M, IMAGE
 from mapper.io.logs.mounting import mounting_of
 from mapper.io.logs.packing import notes_on_time
-from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
+from mapper.io.logs.pose_sources import StatedPoses, odometry_among, trajectories_at
+from mapper.io.logs.robot_poses import RobotPoses
+from mapper.io.logs.ros_messages import POSES, TRANSFORMS
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
-from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
+from mapper.io.logs.taken import MAX_FRAME_NAME, SONAR, Taken
 from mapper.sensors.planar.cloud import first_beam
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.planar.tilted import cut_tilted
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
-from mapper.sensors.timed_poses import TimedPoses
 
 Int64Array = NDArray[np.int64]
 
@@ -43,7 +43,7 @@ class RecordedLog:
         self._limits = taken.limits
         self._cut = PlanarCut()
         self._bad = [
-            f"{stream.bad} of {stream.count} on {stream.topic}" + (f" ({stream.why})" if stream.why else "")
+            f"{stream.bad} of {stream.count} on {stream.topic}: {stream.refused.sentence}"
             for stream in taken.streams
             if stream.bad
         ]
@@ -135,6 +135,11 @@ class RecordedLog:
         notes = list(self._taken.notes)
         if self._bad:
             notes.append(f"Messages that could not be read: {listed(self._bad)}.")
+        notes += [
+            f"Left out of messages on {stream.topic}: {stream.left_out.sentence}."
+            for stream in self._taken.streams
+            if stream.left_out.total
+        ]
         notes += more_notes
         ranges, more = sensor.packed(self._limits)
         notes += more
@@ -144,7 +149,7 @@ class RecordedLog:
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
-        notes += notes_on_runs(stamps, sensor.offsets)
+        notes += self._notes_on_time(sensor)
         tree = self._taken.tf.tree_of(sensor.topic, sensor.frame)
         base = tree.base_of(sensor.frame, self._taken.children)
         notes += self._note_on_tf(sensor)
@@ -198,6 +203,19 @@ class RecordedLog:
         advice = f"it is mapped as walls: raise min_height, for example to {lowest + FLOOR_M:g} m."
         return [f"{seen} (min_height), {lowest:g} m, and have others behind. Where that is the floor, {advice}"]
 
+    def _notes_on_time(self, sensor: SensorScans) -> list[str]:
+        notes = notes_on_time(sensor.moments.stamps_ns if sensor.offsets is not None else np.array(sensor.stamps))
+        if sensor.offsets is None or not np.diff(sensor.offsets).any():
+            return notes
+        stamps = np.array(sensor.stamps)
+        begins = np.flatnonzero(np.diff(sensor.offsets)) + 1
+        steps = [f"scan {at + 1} ({(int(stamps[at - 1]) - int(stamps[at])) / 1e9:,.1f} s back)" for at in begins[:4]]
+        more = f" and {len(begins) - 4} more" if len(begins) > 4 else ""
+        return [
+            f"The clock of the recording begins again at {' and '.join(steps)}{more}, as where a simulation is reset: "
+            "as in tf2, each scan has the poses of its own run."
+        ]
+
     def _base_that_moves(self, tree: FrameTree, base: str) -> str:
         """Return ``base``, or the robot's where tf lacks the sensor's mount, so that nothing moves.
 
@@ -206,6 +224,18 @@ class RecordedLog:
         if tree.worlds(base) or tree.is_base(base, self._taken.children):
             return base
         return tree.base_apart(base, self._taken.children) or base
+
+    def _refused_poses(self) -> str:
+        """Return which messages with poses could not be read, and why; nothing where all could be."""
+        poses = (*POSES, *TRANSFORMS)
+        refused = [
+            f"{stream.topic}: {why.sentence}"
+            for stream in self._taken.streams
+            if stream.kind in poses
+            for why in (stream.refused, stream.left_out)
+            if why.total
+        ]
+        return listed(refused, 3)
 
     def _note_on_tf(self, sensor: SensorScans) -> list[str]:
         """Return a note on which topic's transforms are taken where several might be."""
@@ -258,4 +288,4 @@ class RecordedLog:
 def listed(names: list[str], most: int = 6) -> str:
     """Return the first of ``names`` with commas between them."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(name[:200] for name in names[:most]) + more
+    return ", ".join(name[:400] for name in names[:most]) + more

@@ -35,6 +35,8 @@ from mapper.sensors.scan import is_angle_step
 
 MAX_CHILDREN = 100  #: frames of which messages state the poses
 
+MOST_ANGLE = 100.0  #: radians: what is stated as more is no angle
+
 Take = Callable[[Stream, int, bytes], None]
 
 
@@ -157,21 +159,18 @@ class Recording:
         except NotDepthError:
             self._pictures.add(stream.topic)
         except BadMessageError as error:
-            stream.refuse(f"message {stream.count}: {error}" if error.args else "")
-        except ReadError:
-            stream.refuse()
+            stream.refuse(str(error))
+        except ReadError as error:
+            stream.refuse(error.message)
 
     def _take_scan(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
         self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr), self._position)
 
     def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams, position: int) -> None:
         n = len(beams.ranges)
-        if not is_angle_step(beams.angle_increment, n):
-            raise BadMessageError(f"it states an angle_increment of {beams.angle_increment:g} rad for its {n} beams")
-        angles = (beams.angle_min, beams.angle_increment, beams.beam_width)
-        # Written so that nan fails, too.
-        if not (max(map(abs, angles)) < 100.0 and sum(angles) == sum(angles)) or not beams.range_max > 0.0 or n == 0:
-            raise BadMessageError
+        why = _what_is_wrong(beams)
+        if why:
+            raise BadMessageError(why)
         if n > self.limits.max_beams:
             raise LimitError(
                 "log.too_many_beams",
@@ -250,7 +249,9 @@ class Recording:
             at = _stamp(one.stamp_ns, stamp_ns)
             self._taken.tf_clock.add(at, _stamp(stamp_ns, 0))
             pose = StampedPose(at, printable(one.frame), printable(one.child), one.pose)
-            self._taken.tf.add(stream.topic, pose, self._position)
+            ignored = self._taken.tf.add(stream.topic, pose, self._position)
+            if ignored:
+                stream.leave_out(ignored)
 
     def _count_on(self) -> None:
         """Count the stamps on where the clock of the recording began again, so that each run has its own times."""
@@ -269,14 +270,34 @@ class Recording:
         for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):
             sensor.offsets = own
 
-    def robot_log(self, name: str, form: str) -> RobotLog:
-        """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
+    def finish(self) -> None:
+        """Take what was held until all messages had come."""
         self._cutter.finish()
         self._take_paths()
         self._count_on()
         self._taken.unplaced = self._cutter.unplaced
         self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
+
+    def robot_log(self, name: str, form: str) -> RobotLog:
+        """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
+        self.finish()
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
+
+
+def _what_is_wrong(beams: Beams) -> str:
+    """Return why no beam of a message points anywhere or measures anything; nothing where they do."""
+    n = len(beams.ranges)
+    if not beams.range_max > 0.0:  # nan too
+        return f"the range_max is {beams.range_max:g} m"
+    if n == 0:
+        return "they have no readings"
+    for name in ("angle_min", "angle_increment", "beam_width"):
+        value = getattr(beams, name)
+        if not abs(value) < MOST_ANGLE:  # nan too
+            return f"the {'field_of_view' if name == 'beam_width' else name} is {value:g} rad"
+    if not is_angle_step(beams.angle_increment, n):
+        return f"the angle_increment is {beams.angle_increment:g} rad for {n} beams"
+    return ""
 
 
 def _stamp(stated_ns: int, recorded_ns: int) -> int:

@@ -78,15 +78,16 @@ def offsets_of_runs(tracks: Sequence[Track]) -> list[Int64Array] | None:
     for run in range(1, len(resets) + 1):
         needed = 0
         for track, bounds in zip(tracks, starts, strict=True):
-            before, after = track.stamps_ns[bounds[run - 1] : bounds[run]], track.stamps_ns[bounds[run] : bounds[run + 1]]
+            before, after = (
+                track.stamps_ns[bounds[run - 1] : bounds[run]],
+                track.stamps_ns[bounds[run] : bounds[run + 1]],
+            )
             if len(before) and len(after):
                 needed = max(needed, int(before.max()) - int(after.min()) + BETWEEN_NS)
         ahead.append(ahead[-1] + needed)
         if ahead[-1] > _FARTHEST_NS:
             return None
-    return [
-        np.repeat(np.array(ahead, dtype=np.int64), np.diff(np.array(bounds))) for bounds in starts
-    ]
+    return [np.repeat(np.array(ahead, dtype=np.int64), np.diff(np.array(bounds))) for bounds in starts]
 
 
 @dataclass(frozen=True, slots=True)

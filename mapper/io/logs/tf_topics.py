@@ -49,15 +49,15 @@ class TfTopics:
         self.statics = 0  #: number of static transforms, without those that are stated again
         self._nothing = Stated()
 
-    def add(self, topic: str, one: StampedPose, position: int) -> bool:
+    def add(self, topic: str, one: StampedPose, position: int) -> str:
         """Take one transform of message number ``position`` on a topic; see :meth:`FrameTree.add`."""
         stated = self._stated.setdefault(topic, Stated())
         before, statics = stated.edges, stated.statics
-        is_valid = stated.add(one, self._limits, is_static=is_static(topic), position=position)
+        ignored = stated.add(one, self._limits, is_static=is_static(topic), position=position)
         if stated.edges != before:
             self._chosen.clear()
         self.statics += stated.statics - statics
-        return is_valid
+        return ignored
 
     @property
     def moving(self) -> list[str]:
@@ -75,15 +75,6 @@ class TfTopics:
         lines = ((topic, each.values()) for topic, one in self._stated.items() for each in one.moving.values())
         return [(topic, line) for topic, each in lines for line in each]
 
-    def notes(self) -> list[str]:
-        """Return a note on transforms that tf2 ignores."""
-        known = {key: n for one in self._stated.values() for key, n in one.ignored.items()}
-        if not known:
-            return []
-        said = [f"{n} of {child!r:.100} in {parent!r:.100}, as {why}" for (parent, child, why), n in known.items()]
-        more = f", and {len(said) - 4} more kinds" if len(said) > 4 else ""
-        return [f"Transforms that are ignored, as tf2 does: {'; '.join(said[:4])}{more}."]
-
     def tree_of(self, sensor: str, frame: str) -> FrameTree:
         """Return the transforms that say where the ``frame`` of the messages on a topic is."""
         choice = self.choice(sensor, frame)
@@ -96,7 +87,7 @@ class TfTopics:
         """Return the topics of transforms for the ``frame`` of the messages on a topic."""
         key = (sensor, frame)
         if key not in self._chosen:
-            self._chosen[key] = self._choose(sensor.split("#")[0], frame)
+            self._chosen[key] = self._choose(sensor.split("#", maxsplit=1)[0], frame)
         return self._chosen[key]
 
     def _choose(self, sensor: str, frame: str) -> Choice:

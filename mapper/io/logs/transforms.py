@@ -45,7 +45,6 @@ from mapper.sensors.robot_log import TransformEdge
 MAX_FRAMES = 5000
 MAX_DEPTH = 64  #: frames from a sensor's up to the root
 MAX_WORLDS = 8  #: fixed frames in which the robot's trajectory is given
-MAX_IGNORED = 100  #: kinds of invalid transforms that are told apart
 MAX_CHOICES = 64  #: combinations of parents that are followed in one look-up
 BASES = ("base_link", "base_footprint", "base", "base_frame")
 WORLDS = ("map", "odom", "odom_combined", "world", "earth")
@@ -88,17 +87,13 @@ class Stated:
     children: dict[str, dict[str, None]] = field(default_factory=dict)  #: by the parent
     edges: int = 0
     statics: int = 0
-    ignored: dict[tuple[str, str, str], int] = field(default_factory=dict)  #: parent, child, why → how many
 
-    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int) -> bool:
+    def add(self, one: StampedPose, limits: Limits, *, is_static: bool, position: int) -> str:
         """Take one transform; see :meth:`FrameTree.add`."""
         parent, child = one.frame.lstrip("/"), one.child.lstrip("/")
         why = why_ignored(parent, child, one.pose)
         if why:
-            key = (parent, child, why)
-            if key in self.ignored or len(self.ignored) < MAX_IGNORED:
-                self.ignored[key] = self.ignored.get(key, 0) + 1
-            return False
+            return f"the transform of {child!r:.100} in {parent!r:.100}, as in tf2: {why}"
         known = self.children.setdefault(parent, {})
         if child not in known:
             self.edges += 1
@@ -110,10 +105,10 @@ class Stated:
             if parent not in parents:
                 parents[parent] = Timeline(limits)
             parents[parent].add(one.stamp_ns, one.pose, position)
-            return True
+            return ""
         statics = self.static.setdefault(child, _Statics())
         if statics.parents and (statics.parents[-1], statics.values[-1]) == (parent, one.pose):
-            return True  # stated again
+            return ""  # stated again
         if len(statics.parents) >= limits.max_messages:
             raise LimitError("log.too_many_poses", f"The log has more than {limits.max_messages} poses.")
         self.statics += 1
@@ -121,7 +116,7 @@ class Stated:
         statics.values.append(one.pose)
         statics.positions.append(position)
         statics.stamps.append(one.stamp_ns)
-        return True
+        return ""
 
     def knows(self, frame: str) -> bool:
         """Return whether a transform of or to a frame was stated."""
@@ -136,18 +131,13 @@ class FrameTree:
         self._of_moving, self._of_static = moving or Stated(), static or Stated()
         self._moving, self._static = self._of_moving.moving, self._of_static.static
 
-    def add(self, one: StampedPose, *, is_static: bool = False, position: int = 0) -> bool:
+    def add(self, one: StampedPose, *, is_static: bool = False, position: int = 0) -> str:
         """Take one transform, ``is_static`` where it is said never to change, of message number ``position``.
 
-        Return whether it is valid; what is not is counted in :attr:`ignored`. Raises :class:`LimitError`.
+        Return which one is ignored, and why; nothing where it is valid. Raises :class:`LimitError`.
         """
         stated = self._of_static if is_static else self._of_moving
         return stated.add(one, self._limits, is_static=is_static, position=position)
-
-    @property
-    def ignored(self) -> dict[tuple[str, str, str], int]:
-        """How many transforms were ignored, by the parent, the child and why."""
-        return self._of_static.ignored | self._of_moving.ignored
 
     def knows(self, frame: str) -> bool:
         """Return whether a transform of or to a frame was stated."""
@@ -290,9 +280,7 @@ class FrameTree:
         rest = always.copy()
         other = usual or self._any_path(source, target)
         for index, combination in enumerate(combinations[:MAX_CHOICES]):
-            chosen = {
-                child: parents[number] for (child, parents, _), number in zip(choices, combination, strict=True)
-            }
+            chosen = {child: parents[number] for (child, parents, _), number in zip(choices, combination, strict=True)}
             path = self.path(source, target, chosen)
             if path is None or path == other:
                 continue
