@@ -68,7 +68,7 @@ def poses_of(values: Float64Array) -> Poses3:
 def why_no_pose(pose: Pose7) -> str:
     """Return what is wrong with a stated pose, as tf2 judges transforms; empty for a valid one."""
     norm = sum(q * q for q in pose[3:])
-    if not norm - norm == 0.0:  # false for nan and inf
+    if norm - norm != 0.0:  # true for nan and inf
         return "its quaternion is not finite"
     if norm == 0.0:
         return "its quaternion is 0, 0, 0, 0, which is no rotation"

@@ -21,6 +21,7 @@ from mapper.io.logs.ros_messages import POSES, TRANSFORMS
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.taken import MAX_FRAME_NAME, SONAR, Taken
+from mapper.io.logs.transforms import FrameTree
 from mapper.sensors.planar.cloud import first_beam
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.planar.tilted import cut_tilted
@@ -211,10 +212,8 @@ class RecordedLog:
         begins = np.flatnonzero(np.diff(sensor.offsets)) + 1
         steps = [f"scan {at + 1} ({(int(stamps[at - 1]) - int(stamps[at])) / 1e9:,.1f} s back)" for at in begins[:4]]
         more = f" and {len(begins) - 4} more" if len(begins) > 4 else ""
-        return [
-            f"The clock of the recording begins again at {' and '.join(steps)}{more}, as where a simulation is reset: "
-            "as in tf2, each scan has the poses of its own run."
-        ]
+        said = f"The clock of the recording begins again at {' and '.join(steps)}{more}, as where a simulation is reset"
+        return [*notes, f"{said}: as in tf2, each scan has the poses of its own run."]
 
     def _base_that_moves(self, tree: FrameTree, base: str) -> str:
         """Return ``base``, or the robot's where tf lacks the sensor's mount, so that nothing moves.
@@ -242,9 +241,9 @@ class RecordedLog:
         choice = self._taken.tf.choice(sensor.topic, sensor.frame)
         if not choice.others:
             return []
+        others = listed(list(choice.others))
         return [
-            f"Frames are looked up in {choice.moving}; the log has more transforms of this robot to choose (--tf): "
-            f"{listed(list(choice.others))}."
+            f"Frames are looked up in {choice.moving}; more transforms of this robot are there to choose: {others}."
         ]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
