@@ -14,6 +14,7 @@ Float64Array = NDArray[np.float64]
 Offset = tuple[float, float]  #: x and y, metres
 
 FAR_M = 1e5
+FARTHEST_M = 1e8  #: beyond which a number is no coordinate: geocentric and projected ones are within 2.1e7 m
 STEP_M = 100.0  #: of an offset, a multiple of any cell's side
 NO_OFFSET: Offset = (0.0, 0.0)
 

@@ -17,7 +17,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
 from mapper.sensors.beam_fields import beam_fields, uneven_fields
-from mapper.sensors.georeference import NO_OFFSET, Offset
+from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offset_of
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
@@ -171,6 +171,20 @@ class Trajectory:
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
         check_poses(self.poses, (len(self.poses), 3))
+
+
+def georeferenced(
+    poses: NDArray[np.float64], whose: str, description: str, limits: Limits
+) -> tuple[Trajectory, list[str]]:
+    """Return the trajectory of ``poses`` (n, 3), which may be far from the origin of their frame, and notes on that.
+
+    Raises :class:`ConfigError` where they are farther than ``max_pose`` from each other.
+    """
+    offset = offset_of(poses)
+    near = poses - np.array([*offset, 0.0])
+    check_poses(near, near.shape, limits)
+    notes = [note_on_offset(whose, offset)] if offset != NO_OFFSET else []
+    return Trajectory(near, description, offset=offset), notes
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.io.logs.message_fields import Pose7
+from mapper.sensors.georeference import FARTHEST_M
 
 Float64Array = NDArray[np.float64]
 
-FARTHEST_M = 1e8  #: of a position: geocentric and projected coordinates are within 2.1e7 m
 UNIT_TOLERANCE = 10e-3  #: of the squared length of a quaternion, as tf2's QUATERNION_NORMALIZATION_TOLERANCE
 
 
@@ -24,6 +24,9 @@ class Poses3:
 
     positions: Float64Array
     rotations: Float64Array
+
+    def __getitem__(self, which: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Poses3:
+        return Poses3(self.positions[which], self.rotations[which])
 
     def __matmul__(self, other: Poses3) -> Poses3:
         """Return ``T_a_c`` for ``T_a_b @ T_b_c``; one of them may have n = 1."""

@@ -185,7 +185,8 @@ class RecordedLog:
             beam_width=min(sensor.beam_width, np.pi / 2.0),
             topic=sensor.topic,
             frame_id=sensor.frame[:MAX_FRAME_NAME],
-            time_increment=0.0 if mounting.tilting is not None else sensor.time_increment,
+            # Where the clock begins again, a time within a scan is that of poses of several runs.
+            time_increment=0.0 if mounting.tilting is not None or _has_runs(sensor) else sensor.time_increment,
             scan_time=sensor.scan_time,
             name=self._name,
             format=f"{self._form}, {sensor.topic}",
@@ -206,7 +207,7 @@ class RecordedLog:
 
     def _notes_on_time(self, sensor: SensorScans) -> list[str]:
         notes = notes_on_time(sensor.moments.stamps_ns if sensor.offsets is not None else np.array(sensor.stamps))
-        if sensor.offsets is None or not np.diff(sensor.offsets).any():
+        if sensor.offsets is None or not _has_runs(sensor):
             return notes
         stamps = np.array(sensor.stamps)
         begins = np.flatnonzero(np.diff(sensor.offsets)) + 1
@@ -242,9 +243,7 @@ class RecordedLog:
         if not choice.others:
             return []
         others = listed(list(choice.others))
-        return [
-            f"Frames are looked up in {choice.moving}; more transforms of this robot are there to choose: {others}."
-        ]
+        return [f"Frames are looked up in {choice.moving}; there are more transforms to choose (tf): {others}."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._taken.sensors.values()]
@@ -282,6 +281,10 @@ class RecordedLog:
             mount=mount,
             chosen=chosen,
         )
+
+
+def _has_runs(sensor: SensorScans) -> bool:
+    return sensor.offsets is not None and bool(np.diff(sensor.offsets).any())
 
 
 def listed(names: list[str], most: int = 6) -> str:

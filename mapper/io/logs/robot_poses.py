@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.io.logs.pose_sources import PoseSource, StatedPoses
-from mapper.io.logs.poses3 import Poses3
+from mapper.io.logs.poses3 import Poses3, interpolated
 from mapper.io.logs.ros_messages import PATH
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
 from mapper.io.logs.tf_topics import namespaces
-from mapper.io.logs.timeline import Moments
+from mapper.io.logs.timeline import Moments, Timeline
 from mapper.io.logs.transforms import FrameTree, Path
 
 Int64Array = NDArray[np.int64]
@@ -73,14 +73,16 @@ class RobotPoses:
             name = f"tf/{world}"
             if name in found:
                 name = f"tf/{world} via {path[-2]}"
+            denser = self.tree.denser(path)
+            between = "" if denser is None else ", and between its transforms as the frame moves in its other parent"
             found[name] = PoseSource(
                 name=name,
                 frame_id=world[:MAX_FRAME_NAME],
                 child_frame_id=self.base[:MAX_FRAME_NAME],
-                sentence=f"tf from {world} to {self.base}, at the time of each scan",
-                at=partial(self.tree.lookup, path),
+                sentence=f"tf from {world} to {self.base}, at the time of each scan{between}",
+                at=partial(self.tree.lookup, path) if denser is None else partial(self._carried, path, denser),
                 covers=partial(self.tree.covers, path),
-                stated=partial(self._stated_by_tf, path),
+                stated=partial(self._stated_by_tf, path, denser),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
             )
@@ -167,13 +169,37 @@ class RobotPoses:
         poses = known.timeline.at(when.stamps_ns)
         return poses if path is None else poses @ self.tree.lookup(path, when)
 
-    def _stated_by_tf(self, path: Path) -> StatedPoses | None:
+    def _carried(self, path: Path, denser: Timeline, when: Moments) -> Poses3:
+        """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
+
+        That is as REP 105 has it: the transform between the two fixed frames, ``T_map_odom = T_map_base · T_odom_base⁻¹``
+        is interpolated, and holds before the first and after the last, as it changes slowly.
+        """
+        stated, _ = self.tree.stated(path)
+        stated = stated[self.tree.covers(path, stated.stamps_ns) & denser.covers(stated.stamps_ns)]
+        known = denser.covers(when.stamps_ns)
+        if len(stated) < 2 or not known.any():
+            return self.tree.lookup(path, when)
+        between = self.tree.lookup(path, stated) @ denser.at(stated.stamps_ns).inverse
+        low = np.clip(np.searchsorted(stated.stamps_ns, when.stamps_ns, side="right") - 1, 0, len(stated) - 2)
+        since = (when.stamps_ns - stated.stamps_ns[low]).astype(np.float64)
+        weights = np.clip(since / (stated.stamps_ns[low + 1] - stated.stamps_ns[low]), 0.0, 1.0)
+        carried = interpolated(between[low], between[low + 1], weights) @ denser.at(when.stamps_ns)
+        if not known.all():
+            own = self.tree.lookup(path, when[~known])
+            carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
+        return carried
+
+    def _stated_by_tf(self, path: Path, denser: Timeline | None) -> StatedPoses | None:
         """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
         if path not in self.stated:
             when, stamps = self.tree.stated(path)
+            if denser is not None:
+                when, stamps = denser.in_order[0], denser.as_stated
             known = self.tree.covers(path, when.stamps_ns)
             when, stamps = when[known], stamps[known]
-            poses = self.tree.lookup(path, when).planar if len(when) else None
+            at = partial(self.tree.lookup, path) if denser is None else partial(self._carried, path, denser)
+            poses = at(when).planar if len(when) else None
             self.stated[path] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
         return self.stated[path]
 

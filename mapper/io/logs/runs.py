@@ -146,7 +146,7 @@ def _is_agreed(tracks: Sequence[Track], reset: _Reset) -> bool:
             usual = float(np.median(np.abs(np.diff(track.stamps_ns)))) if len(track.stamps_ns) > 1 else 0.0
             if 2.0 * usual < reset.step_ns:  # else it cannot tell
                 for_it[track.topic] = for_it.get(track.topic, 0) - 1
-    return sum(np.sign(votes) for votes in for_it.values()) > 0
+    return sum((votes > 0) - (votes < 0) for votes in for_it.values()) > 0
 
 
 def _starts(track: Track, number: int, resets: Sequence[_Reset]) -> list[int]:

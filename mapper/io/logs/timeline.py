@@ -162,8 +162,7 @@ class Timeline:
             w = np.where(span > 0.0, np.clip(into / span, 0.0, 1.0), 0.0)
         if self._offsets is not None:
             w = np.where(self._are_apart(low, high), np.rint(w), w)
-        ends = (Poses3(poses.positions[index], poses.rotations[index]) for index in (low, high))
-        return interpolated(*ends, w)
+        return interpolated(poses[low], poses[high], w)
 
     @property
     def in_order(self) -> tuple[Moments, Poses3]:
@@ -171,7 +170,7 @@ class Timeline:
         stamps, poses, order = self._sorted()
         last = np.append(stamps[1:] != stamps[:-1], True)
         positions = np.array(self._positions, dtype=np.int64)[order[last]]
-        return Moments(stamps[last], positions), Poses3(poses.positions[last], poses.rotations[last])
+        return Moments(stamps[last], positions), poses[last]
 
     @property
     def as_stated(self) -> Int64Array:
