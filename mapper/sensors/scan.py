@@ -147,6 +147,10 @@ def _check_width(width: float) -> None:
         raise ConfigError("scan.beam_width", f"A beam is 0 to π/2 radians wide, not {width!r}.")
 
 
+#: In the note of a reader on poses that a log lacks: who gives it poses leaves that note out.
+FROM_ONE_PLACE = "the map shows all scans as from one place"
+
+
 @dataclass(frozen=True, slots=True)
 class Trajectory:
     """Pose of the robot's base at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.

@@ -12,7 +12,7 @@ from mapper.core.limits import Limits
 from mapper.io.logs.poses3 import Poses3
 from mapper.io.logs.timeline import Moments
 from mapper.sensors.georeference import Offset, note_on_offset, offset_of
-from mapper.sensors.scan import Trajectory
+from mapper.sensors.scan import FROM_ONE_PLACE, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, number_before
 
 Float64Array = NDArray[np.float64]
@@ -88,12 +88,12 @@ def trajectories_at(
 
 def _without_poses(*, is_any: bool, refused: str) -> str:
     if refused:
-        return f"None of the file's poses can be used ({refused}), so the map shows all scans as from one place."
+        return f"None of the file's poses can be used ({refused}), so {FROM_ONE_PLACE}."
     if is_any:
-        return "None of the file's poses can be used, so the map shows all scans as from one place."
+        return f"None of the file's poses can be used, so {FROM_ONE_PLACE}."
     return (
-        "The file holds no poses, so the map shows all scans as from one place: record /tf and /tf_static, or the "
-        "odometry, together with the scans."
+        f"The file holds no poses, so {FROM_ONE_PLACE}: record /tf and /tf_static, or the odometry, together with the "
+        "scans."
     )
 
 

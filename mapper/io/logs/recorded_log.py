@@ -60,6 +60,9 @@ class RecordedLog:
         :class:`ReadError` where there are no scans, or none on a topic that is named, and :class:`LimitError`.
         """
         self._cut = selection.cut
+        if selection.tf is not None and not self._taken.tf.has(selection.tf):
+            known = listed(self._taken.tf.moving) or "none"
+            raise ReadError("log.tf", f"The log has no transforms on {selection.tf!r:.80}; it has {known}.")
         chosen = self._chosen(selection)
         log = self._scan_log(chosen[0], () if selection.topics else self._notes_on_others(chosen))
         sensors = {chosen[0].topic: log}
@@ -164,8 +167,10 @@ class RecordedLog:
             ranges = cut_tilted(ranges, bearings, (least, greatest), poses.matrices, poses.positions, self._cut)
             angle_min, increment, least = first_beam(self._cut), self._cut.angle_increment, 0.0
         robot = self._base_that_moves(tree, base)
-        stated = self._stated.setdefault(self._taken.tf.choice(sensor.topic, sensor.frame).moving, {})
-        sources = RobotPoses(self._taken, tree, robot, sensor, notes, stated).sources()
+        choice = self._taken.tf.choice(sensor.topic, sensor.frame)
+        others = {topic: self._taken.tf.tree_with(topic, choice.static) for topic in choice.others}
+        stated = self._stated.setdefault(choice.moving, {})
+        sources = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated).sources()
         trajectories, more = trajectories_at(
             sensor.moments, sources, robot[:MAX_FRAME_NAME], self._limits, self._refused_poses()
         )

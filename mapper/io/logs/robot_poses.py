@@ -41,20 +41,25 @@ MOST_BETWEEN_S = 5.0  #: usually between two poses that follow a motion
 class RobotPoses:
     """The sources of the poses of a robot's ``base``, by the transforms of ``tree``, for the scans of ``sensor``.
 
-    ``notes`` are filled by :meth:`sources`. ``stated`` keeps what sources state with their own stamps.
+    ``others`` are the transforms of other topics that may be this robot's, by topic. ``notes`` are filled by
+    :meth:`sources`. ``stated`` keeps what sources state with their own stamps.
     """
 
     taken: Taken
     tree: FrameTree
+    others: dict[str, FrameTree]
     base: str
     sensor: SensorScans
     notes: list[str]
     stated: dict[tuple[str, ...], StatedPoses | None]
 
     def sources(self) -> list[PoseSource]:
-        """Return the sources: each fixed frame that the base moves in by tf, then each topic of poses."""
+        """Return the sources: each fixed frame that the base moves in by tf, then each topic of poses.
+
+        The last ones are those of other topics of tf.
+        """
         worlds = self.tree.worlds(self.base)
-        found = self._by_tf(worlds)
+        found = self._by_tf("tf", self.tree, self.base, worlds)
         several = {child: counts for path in worlds for child, counts in self.tree.several_parents(path)}
         for child, counts in several.items():
             listed = " and ".join(f"{parent!r:.100} ({n} transforms)" for parent, n in list(counts.items())[:4])
@@ -64,25 +69,29 @@ class RobotPoses:
             )
         others = {frame for path in worlds for frame in path[1:]}
         found += [source for topic in self._own_topics() if (source := self._by_topic(topic, others)) is not None]
+        for topic, tree in self.others.items():
+            base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
+            if base is not None:
+                found += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
         return found
 
-    def _by_tf(self, worlds: list[Path]) -> list[PoseSource]:
+    def _by_tf(self, topic: str, tree: FrameTree, base: str, worlds: list[Path]) -> list[PoseSource]:
         found: dict[str, PoseSource] = {}
         for path in worlds:
             world = path[-1]
-            name = f"tf/{world}"
+            name = f"{topic}/{world}"
             if name in found:
-                name = f"tf/{world} via {path[-2]}"
-            denser = self.tree.denser(path)
+                name = f"{name} via {path[-2]}"
+            denser = tree.denser(path)
             between = "" if denser is None else ", and between its transforms as the frame moves in its other parent"
             found[name] = PoseSource(
                 name=name,
                 frame_id=world[:MAX_FRAME_NAME],
-                child_frame_id=self.base[:MAX_FRAME_NAME],
-                sentence=f"tf from {world} to {self.base}, at the time of each scan{between}",
-                at=partial(self.tree.lookup, path) if denser is None else partial(self._carried, path, denser),
-                covers=partial(self.tree.covers, path),
-                stated=partial(self._stated_by_tf, path, denser),
+                child_frame_id=base[:MAX_FRAME_NAME],
+                sentence=f"{topic} from {world} to {base}, at the time of each scan{between}",
+                at=partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser),
+                covers=partial(tree.covers, path),
+                stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
             )
@@ -169,39 +178,20 @@ class RobotPoses:
         poses = known.timeline.at(when.stamps_ns)
         return poses if path is None else poses @ self.tree.lookup(path, when)
 
-    def _carried(self, path: Path, denser: Timeline, when: Moments) -> Poses3:
-        """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
-
-        That is as REP 105 has it: the transform between the two fixed frames, ``T_map_odom = T_map_base · T_odom_base⁻¹``
-        is interpolated, and holds before the first and after the last, as it changes slowly.
-        """
-        stated, _ = self.tree.stated(path)
-        stated = stated[self.tree.covers(path, stated.stamps_ns) & denser.covers(stated.stamps_ns)]
-        known = denser.covers(when.stamps_ns)
-        if len(stated) < 2 or not known.any():
-            return self.tree.lookup(path, when)
-        between = self.tree.lookup(path, stated) @ denser.at(stated.stamps_ns).inverse
-        low = np.clip(np.searchsorted(stated.stamps_ns, when.stamps_ns, side="right") - 1, 0, len(stated) - 2)
-        since = (when.stamps_ns - stated.stamps_ns[low]).astype(np.float64)
-        weights = np.clip(since / (stated.stamps_ns[low + 1] - stated.stamps_ns[low]), 0.0, 1.0)
-        carried = interpolated(between[low], between[low + 1], weights) @ denser.at(when.stamps_ns)
-        if not known.all():
-            own = self.tree.lookup(path, when[~known])
-            carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
-        return carried
-
-    def _stated_by_tf(self, path: Path, denser: Timeline | None) -> StatedPoses | None:
+    def _stated_by_tf(
+        self, key: tuple[str, ...], tree: FrameTree, path: Path, denser: Timeline | None
+    ) -> StatedPoses | None:
         """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
-        if path not in self.stated:
-            when, stamps = self.tree.stated(path)
+        if key not in self.stated:
+            when, stamps = tree.stated(path)
             if denser is not None:
                 when, stamps = denser.in_order[0], denser.as_stated
-            known = self.tree.covers(path, when.stamps_ns)
+            known = tree.covers(path, when.stamps_ns)
             when, stamps = when[known], stamps[known]
-            at = partial(self.tree.lookup, path) if denser is None else partial(self._carried, path, denser)
+            at = partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser)
             poses = at(when).planar if len(when) else None
-            self.stated[path] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
-        return self.stated[path]
+            self.stated[key] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
+        return self.stated[key]
 
     def _stated_by_topic(self, topic: str, path: Path | None) -> StatedPoses | None:
         key = ("", topic, *(path or ()))
@@ -212,3 +202,25 @@ class RobotPoses:
                 poses = poses @ self.tree.lookup(path, when)
             self.stated[key] = StatedPoses(timeline.as_stated, when.stamps_ns, poses.planar)
         return self.stated[key]
+
+
+def _carried(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
+    """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
+
+    That is as REP 105 has it: what is interpolated, and holds before the first and after the last, is the transform
+    between the two fixed frames, ``T_map_odom = T_map_base · T_odom_base⁻¹``, which changes slowly.
+    """
+    stated, _ = tree.stated(path)
+    stated = stated[tree.covers(path, stated.stamps_ns) & denser.covers(stated.stamps_ns)]
+    known = denser.covers(when.stamps_ns)
+    if len(stated) < 2 or not known.any():
+        return tree.lookup(path, when)
+    between = tree.lookup(path, stated) @ denser.at(stated.stamps_ns).inverse
+    low = np.clip(np.searchsorted(stated.stamps_ns, when.stamps_ns, side="right") - 1, 0, len(stated) - 2)
+    since = (when.stamps_ns - stated.stamps_ns[low]).astype(np.float64)
+    weights = np.clip(since / (stated.stamps_ns[low + 1] - stated.stamps_ns[low]), 0.0, 1.0)
+    carried = interpolated(between[low], between[low + 1], weights) @ denser.at(when.stamps_ns)
+    if not known.all():
+        own = tree.lookup(path, when[~known])
+        carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
+    return carried

@@ -78,10 +78,11 @@ class TfTopics:
     def tree_of(self, sensor: str, frame: str) -> FrameTree:
         """Return the transforms that say where the ``frame`` of the messages on a topic is."""
         choice = self.choice(sensor, frame)
-        nothing = self._nothing
-        return FrameTree(
-            self._limits, self._stated.get(choice.moving, nothing), self._stated.get(choice.static, nothing)
-        )
+        return self.tree_with(choice.moving, choice.static)
+
+    def tree_with(self, moving: str, static: str) -> FrameTree:
+        """Return the transforms of a topic together with the static ones of another."""
+        return FrameTree(self._limits, self._stated.get(moving, self._nothing), self._stated.get(static, self._nothing))
 
     def choice(self, sensor: str, frame: str) -> Choice:
         """Return the topics of transforms for the ``frame`` of the messages on a topic."""

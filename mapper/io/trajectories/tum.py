@@ -19,7 +19,8 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import fields
 from mapper.io.logs.poses3 import Poses3
 from mapper.io.trajectories.lines import rows, stamp_ns
-from mapper.sensors.timed_poses import TimedPoses
+from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, note_on_offset, offset_of
+from mapper.sensors.timed_poses import TimedPoses, check_poses
 
 COLUMNS = "timestamp tx ty tz qx qy qz qw"
 NORM_TOLERANCE = 0.05  #: how far a quaternion may be from length 1: files have as few as two digits
@@ -36,7 +37,14 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
     """
     stamped, table = tum_rows(Path(path), limits)
     poses = Poses3(table[:, :3], table[:, 3:])
-    return TimedPoses(stamped, poses.planar, (*_notes_on_space(poses), *_notes_on_time(stamped)))
+    planar = poses.planar
+    offset = offset_of(planar)
+    planar[:, :2] -= offset
+    notes = [*_notes_on_space(poses), *_notes_on_time(stamped)]
+    if offset != NO_OFFSET:
+        notes.append(note_on_offset("The poses of the TUM file", offset))
+    check_poses(planar, planar.shape, limits)
+    return TimedPoses(stamped, planar, tuple(notes), offset)
 
 
 def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -49,11 +57,11 @@ def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.
         stamps.append(stamp_ns(tokens[0], line, "TUM"))
         numbers = fields.numbers(tokens[1:], line, "TUM")
         place, rotation = numbers[:3], numbers[3:]
-        if not all(math.isfinite(value) and abs(value) <= limits.max_pose for value in place):
+        if not all(math.isfinite(value) and abs(value) <= FARTHEST_M for value in place):
             raise ReadError(
                 "trajectory.pose",
                 f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it must be "
-                f"finite and within {limits.max_pose:g} m.",
+                f"finite and within {FARTHEST_M:g} m.",
             )
         norm = math.hypot(*rotation)
         if not abs(norm - 1.0) <= NORM_TOLERANCE:
