@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.limits import Limits
+from mapper.core.se2 import wrap_angle
 from mapper.io.logs.poses3 import Poses3
 from mapper.io.logs.timeline import Moments
 from mapper.sensors.georeference import Offset, note_on_offset, offset_of
@@ -18,6 +19,7 @@ from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, number_befor
 Float64Array = NDArray[np.float64]
 Int64Array = NDArray[np.int64]
 STAMP_LIMIT_NS = 4_000_000_000 * 1_000_000_000  #: the difference of two stamps must fit 64 bits
+SAME = 1e-3  #: metres and radians
 STILL = "standing still"
 
 
@@ -38,7 +40,8 @@ class PoseSource:
     """Poses: ``at`` n times, as far as the source ``covers`` (n,) them; ``T_frame_child`` of two frames by name.
 
     ``stated`` returns them with their own stamps. Its clock is ``ahead_ns`` ahead of the scans' one, as far as the
-    recorder tells. ``is_odometry`` says that they are counted from the robot's own motion.
+    recorder tells. ``is_odometry`` says that they are counted from the robot's own motion, and ``repeats`` that they
+    may be those of another source again, as of a tracker that states its pose in tf as well: then they are left out.
     """
 
     name: str
@@ -50,6 +53,7 @@ class PoseSource:
     stated: Callable[[], StatedPoses | None]
     ahead_ns: int
     is_odometry: bool
+    repeats: bool = False
 
 
 def trajectories_at(
@@ -71,6 +75,9 @@ def trajectories_at(
     for source in sources:
         is_any = True
         trajectory, more = _at(when, source, limits, offsets)
+        is_known = trajectory is not None and any(_are_alike(trajectory, one) for one in found.values())
+        if source.repeats and is_known:
+            continue
         notes += more
         if trajectory is not None:
             found[source.name] = trajectory
@@ -84,6 +91,15 @@ def trajectories_at(
             is_placeholder=True,
         )
     return found, notes
+
+
+def _are_alike(one: Trajectory, other: Trajectory) -> bool:
+    """Return whether two trajectories are the same poses in the same frame, to a millimetre and a milliradian."""
+    if (one.frame_id, one.offset) != (other.frame_id, other.offset):
+        return False
+    apart = one.poses - other.poses
+    apart[:, 2] = wrap_angle(apart[:, 2])
+    return bool(np.abs(apart).max(initial=0.0) < SAME)
 
 
 def _without_poses(*, is_any: bool, refused: str) -> str:

@@ -156,6 +156,7 @@ class RobotPoses:
             stated=partial(self._stated_by_topic, topic, path),
             ahead_ns=known.clock.ahead_of(self.sensor.clock),
             is_odometry=known.kind == ODOMETRY,
+            repeats=KINDS.index(known.kind) > 1,
         )
 
     def _is_no_motion(self, topic: str, known: PoseTopic) -> bool:
