@@ -144,7 +144,7 @@ def _is_agreed(tracks: Sequence[Track], reset: _Reset) -> bool:
             for_it[track.topic] = for_it.get(track.topic, 0) + 1
         elif 0 < at < len(track.positions) and track.positions[at] - reset.position <= reset.near:
             usual = float(np.median(np.abs(np.diff(track.stamps_ns)))) if len(track.stamps_ns) > 1 else 0.0
-            if 2.0 * usual < reset.step_ns:  # else it cannot tell
+            if (STAYS + 2) * usual < reset.step_ns:  # else it cannot tell
                 for_it[track.topic] = for_it.get(track.topic, 0) - 1
     return sum((votes > 0) - (votes < 0) for votes in for_it.values()) > 0
 
