@@ -256,6 +256,19 @@ CASES: dict[str, Case] = {
         [LASER, static("camera_link", "base_link", back(CAMERA)), *drive(camera_as_root)],
         sensor_at(),
     ),
+    "a camera with a parent on the robot and one that tracks": Case(
+        "realsense-ros#2411",
+        [
+            LASER,
+            static("base_link", "camera", CAMERA),
+            *drive(lambda at, pose: by_tf("odom", "camera")(at, of(pose, CAMERA))),
+        ],
+        sensor_at(),
+        "2 parents of the frame 'camera'",
+    ),
+    "a mount that is stated upside down": Case(
+        "cob_control#259", [static("laser", "base_link", back(MOUNT)), *drive(by_tf())], sensor_at()
+    ),
     "two parents": Case(
         "autoware_universe#6676, hector_slam#27",
         [LASER, *drive(two_parents)],

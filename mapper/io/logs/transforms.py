@@ -486,8 +486,9 @@ class FrameTree:
         """Return the paths from ``base`` to the frames in which it moves, or that are named as fixed frames are.
 
         These are ancestors by any parent that was stated. A frame that is named as a fixed one and moves in ``base`` or
-        in an ancestor counts as well, with its own ancestors: some publish odometry as ``base_link → odom``. ``map``
-        comes first, then from the farthest on, at most :data:`MAX_WORLDS`. With ``only_moving`` it has to move.
+        in an ancestor counts as well, with its own ancestors: some publish odometry as ``base_link → odom``. Where
+        ``base`` moves in none, those count in which a frame that is fixed to it moves by another parent. ``map`` comes
+        first, then from the farthest on, at most :data:`MAX_WORLDS`. With ``only_moving`` it has to move.
         """
         up = list(self._paths_up((base,), moves=False))
         down: list[tuple[Path, bool]] = []
@@ -499,11 +500,32 @@ class FrameTree:
                     down += self._paths_up((*path, child), moves=True)
             if moves:
                 break  # what is beside a frame that moves may be another robot's
+        if not any(moves for _, moves in up):
+            down += self._paths_beside(base)
         found: dict[Path, None] = {}
         for path, moves in [*sorted(up, key=lambda one: -len(one[0])), *down]:
             if moves or (not only_moving and _last(path[-1]) in WORLDS):
                 found[path] = None
         return sorted(found, key=lambda path: _last(path[-1]) != "map")[:MAX_WORLDS]
+
+    def _paths_beside(self, base: str) -> Iterator[tuple[Path, bool]]:
+        """Yield the paths over a frame that is fixed to ``base`` and moves in another parent of its own.
+
+        A tracking camera is so where the robot's description has it in ``base``, and its driver in a fixed frame.
+        """
+        level: list[Path] = [(base,)]
+        for _ in range(MAX_DEPTH):
+            level = [
+                (*path, child)
+                for path in level
+                for child in self._children_of(path[-1])
+                if child not in path and not self._moves(path[-1], child)
+            ][:MAX_DEPTH]
+            for path in level:
+                for parent in self.parents(path[-1]):
+                    if parent not in path and self._moves(path[-1], parent):
+                        yield (*path, parent), True
+                        yield from self._paths_up((*path, parent), moves=True)
 
     def _paths_up(self, path: Path, *, moves: bool) -> Iterator[tuple[Path, bool]]:
         """Yield the paths on from the last frame of one to its ancestors, with whether anything moves along them."""
