@@ -251,6 +251,21 @@ CASES: dict[str, Case] = {
         [LASER, *drive(of_camera), static("base_link", "camera_pose_frame", CAMERA, T0 + N * STEP)],
         sensor_at(),
     ),
+    "odometry of the base's footprint": Case(
+        "turtlebot3#690",
+        [
+            LASER,
+            static("base_footprint", "base_link", (0.1, 0.0, 0.0)),
+            *drive(
+                lambda at, pose: [
+                    odometry(at, *of(pose, (-0.1, 0.0, 0.0)), child="base_footprint"),
+                    *by_tf("odom", "base_footprint")(at, of(pose, (-0.1, 0.0, 0.0))),
+                ]
+            ),
+        ],
+        sensor_at(),
+        trajectory="odom",
+    ),
     "a camera as the root of the robot": Case(
         "realsense-ros#2411, zed-ros-wrapper#447",
         [LASER, static("camera_link", "base_link", back(CAMERA)), *drive(camera_as_root)],

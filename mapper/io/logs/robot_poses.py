@@ -67,7 +67,7 @@ class RobotPoses:
                 f"tf states {len(counts)} parents of the frame {child!r:.100}, {listed}, where a frame has one: what "
                 "follows from each is a trajectory of its own."
             )
-        others = {frame for path in worlds for frame in path[1:]}
+        others = {path[-1] for path in worlds}
         found += [source for topic in self._own_topics() if (source := self._by_topic(topic, others)) is not None]
         for topic, tree in self.others.items():
             base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
