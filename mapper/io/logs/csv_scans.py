@@ -61,6 +61,7 @@ class _Reader:
         self.values = dict(INITIAL)
         self.stack = ScanStack("CSV", limits)
         self._in_rows = False
+        self._first: list[float] | None = None  #: the first scan's pose
 
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
@@ -110,6 +111,13 @@ class _Reader:
             )
         stamp = fields.stamp(tokens[0], line, "CSV")
         pose = fields.pose(tokens[1:4], line, "CSV", "the robot's", self.limits, FARTHEST_M)
+        self._first = first = self._first or pose
+        if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
+            raise ReadError(
+                "log.pose",
+                f"Line {line}: the robot's pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is no place: "
+                f"it is more than {self.limits.max_pose:g} m from the first.",
+            )
         readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")
         self.stack.add(line, readings, (pose, pose), stamp)
 

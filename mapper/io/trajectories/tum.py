@@ -20,7 +20,7 @@ from mapper.io.logs import fields
 from mapper.io.logs.poses3 import Poses3
 from mapper.io.trajectories.lines import rows, stamp_ns
 from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, note_on_offset, offset_of
-from mapper.sensors.timed_poses import TimedPoses, check_poses
+from mapper.sensors.timed_poses import TimedPoses
 
 COLUMNS = "timestamp tx ty tz qx qy qz qw"
 NORM_TOLERANCE = 0.05  #: how far a quaternion may be from length 1: files have as few as two digits
@@ -43,7 +43,6 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
     notes = [*_notes_on_space(poses), *_notes_on_time(stamped)]
     if offset != NO_OFFSET:
         notes.append(note_on_offset("The poses of the TUM file", offset))
-    check_poses(planar, planar.shape, limits)
     return TimedPoses(stamped, planar, tuple(notes), offset)
 
 
@@ -62,6 +61,12 @@ def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.
                 "trajectory.pose",
                 f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it must be "
                 f"finite and within {FARTHEST_M:g} m.",
+            )
+        if values and not all(abs(a - b) <= limits.max_pose for a, b in zip(place, values[:3], strict=True)):
+            raise ReadError(
+                "trajectory.pose",
+                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it is more than "
+                f"{limits.max_pose:g} m from the first.",
             )
         norm = math.hypot(*rotation)
         if not abs(norm - 1.0) <= NORM_TOLERANCE:
