@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.cutting import CLOUD, IMAGE, is_forward
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS
+from mapper.io.logs.cutting import IMAGE, is_forward
 from mapper.io.logs.poses3 import Poses3, identity
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.taken import Taken
@@ -38,7 +39,7 @@ def mounting_of(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -
     """Return the mount of a sensor on the robot whose frame is ``base``, by the transforms in ``tree``."""
     notes = _notes_on_frames(taken, tree, base, sensor)
     when = sensor.moments
-    if sensor.kind == CLOUD:
+    if sensor.kind in CLOUD_DECODERS:
         mounts = sensor.mounts
         return _mounting(mounts, False, None, [*notes, *_note_on_moving(tree, base, sensor, mounts)])
     poses = tree.relative(sensor.frame, base, when) or identity()
