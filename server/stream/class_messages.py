@@ -17,7 +17,6 @@ MAX_OPTIONS = 8
 MAX_TEXT = 300
 MAX_HASH = 20_000  #: of an address: that of an older page may hold a deck of slides, which no follower gets
 MAX_SLIDE_TEXT = 4000
-MAX_SLIDE_ADDRESS = 100_000  #: of the lab in some state: its fragment holds the history of the world
 Sentence = Annotated[str, Meta(max_length=MAX_TEXT)]
 Name = Annotated[str, Meta(max_length=100)]
 Sentences = Annotated[list[Sentence], Meta(max_length=MAX_OPTIONS)]
@@ -48,8 +47,8 @@ class ClassSlide(Struct):
         Meta(description="the paragraphs of a text that are shown so far; null for other kinds"),
     ] = None
     address: Annotated[
-        Annotated[str, Meta(max_length=MAX_SLIDE_ADDRESS)] | None,
-        Meta(description="path, query and fragment of the page in the slide; null for other kinds"),
+        Hash | None,
+        Meta(description="address of a shared view in the slide; null for pages that only the lecturer may open"),
     ] = None
 
 

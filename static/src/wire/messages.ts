@@ -399,7 +399,7 @@ export interface ClassSlide {
   readonly title?: string | null;
   /** the paragraphs of a text that are shown so far; null for other kinds */
   readonly text?: string | null;
-  /** path, query and fragment of the page in the slide; null for other kinds */
+  /** address of a shared view in the slide; null for pages that only the lecturer may open */
   readonly address?: string | null;
 }
 
