@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import BrowserContext, Error, Page, Request, WebSocket, expect
+from playwright.sync_api import BrowserContext, Error, FilePayload, Page, Request, WebSocket, expect
 
 from tests.browser.conftest import standing_world
 from tests.browser.lecturing import never_idle
@@ -119,8 +119,12 @@ def test_followers_receive_the_present_slide_and_nothing_else_of_the_deck(
     if makes_link:  # loaded as a file, by which the page itself makes the link
         code = opened_on_slides(page, server, "/lecture.html?present")
         page.get_by_role("button", name="Arrange the slides").click()
-        files = {"name": "deck.json", "mimeType": "application/json", "buffer": json.dumps(written).encode()}
-        page.get_by_label("File of a deck").set_input_files([files])  # type: ignore[list-item]
+        file: FilePayload = {
+            "name": "deck.json",
+            "mimeType": "application/json",
+            "buffer": json.dumps(written).encode(),
+        }
+        page.get_by_label("File of a deck").set_input_files(file)
         expect(page.get_by_text("“deck.json” is loaded.")).to_be_visible()
         page.get_by_role("button", name="Close").click()
         page.keyboard.press("PageDown")

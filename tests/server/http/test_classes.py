@@ -8,6 +8,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import httpx
@@ -87,6 +88,11 @@ def no_guesses_yet(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     """Have the service forget the wrong codes so far, and those of the test after it."""
     for name, brake in vars(CodeGuesses(lambda: 0.0)).items():
         monkeypatch.setattr(service.state.code_brake, name, brake)
+
+
+def shows_place(place: str, message: dict[str, Any]) -> bool:
+    """Whether a message has this address of the lecturer's page."""
+    return bool(message["view"]["hash"] == place)
 
 
 def lab_of(person: Person) -> str:
@@ -444,8 +450,8 @@ def test_what_is_the_lecturers_answers_others_as_if_there_were_no_class(
     code = lecturer.http.post("/api/classes").json()["code"] if knows_code else "BBBBBB"
     other = Person(service, knows_token=True)
     other.http.get("/join")  # the service gives a cookie
-    body = {"json": {"puzzle": "doorway"}} if method == "PUT" else {}
-    answers = [other.http.request(method, f"/api/classes/{code}{what}", **body) for _ in range(13)]
+    body = {"puzzle": "doorway"} if method == "PUT" else None
+    answers = [other.http.request(method, f"/api/classes/{code}{what}", json=body) for _ in range(13)]
     assert [answer.status_code for answer in answers] == [404] * 12 + [429]
     assert answers[0].json()["code"] == "class.unknown"
     assert other.http.get(f"/api/classes/{code}").status_code == 429
@@ -470,7 +476,7 @@ async def test_a_deck_in_the_lecturers_address_reaches_no_follower(lecturer: Per
             (f"?deck={deck}", ""),
         ):
             await teacher.send("show", view={"page": "lecture", "hash": sent, "slide": slide})
-            seen = (await pupil.until("view", lambda m, place=place: m["view"]["hash"] == place))["view"]
+            seen = (await pupil.until("view", partial(shows_place, place)))["view"]
             assert seen["slide"] == {
                 "kind": "text",
                 "title": "Now",
