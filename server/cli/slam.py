@@ -16,6 +16,7 @@ from server.cli.common import (
     AsJson,
     LogPath,
     Mount,
+    TfTopic,
     TopicName,
     TrajectoryName,
     configured,
@@ -58,6 +59,7 @@ def slam(
     ] = None,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
+    tf: TfTopic = None,
     values: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="A SLAM parameter; given again, another one."),
@@ -74,7 +76,7 @@ def slam(
 
     config = _configured(values or [])
     mapping = configured(given_parameters(parameters, mount))
-    scans = read_log(log, topic)
+    scans = read_log(log, topic, tf=tf)
     with refusing(log):
         scans = as_mapped(scans, mapping)
         expected = estimate(scans, config, trajectory)
