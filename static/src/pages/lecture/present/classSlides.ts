@@ -5,6 +5,7 @@ import { askedAs, type Classroom, classroom } from "../../../store/classroom";
 import { followPages } from "../../../tools/classroom/pages";
 import { throttled } from "../../../tools/classroom/session";
 import type { ClassView } from "../../../wire/protocol";
+import { showSection } from "../awaitedFigures";
 import {
   blank,
   deck,
@@ -93,7 +94,7 @@ async function goTo(hash: string): Promise<void> {
   if (presenting.peek() !== isSlide) setPresenting(isSlide);
   history.replaceState(null, "", location.pathname + hash);
   await readAddress().catch(() => undefined); // a deck that this page cannot read: it stays where it is
-  if (!isSlide) document.getElementById(hash.slice(1))?.scrollIntoView();
+  if (!isSlide) showSection(hash.slice(1));
 }
 
 /** Take part in a class, whatever one's role is. */
