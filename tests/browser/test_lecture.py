@@ -77,7 +77,7 @@ def test_nothing_in_view_moves_while_the_page_fills(
     page.goto(f"{server}/lecture.html#terrain")
 
     def is_at(section: str) -> bool:
-        return abs(page.evaluate(OFF, section) or 0) <= STILL_WITHIN
+        return bool(abs(page.evaluate(OFF, section)) <= STILL_WITHIN)
 
     expect(page.locator("#log")).to_be_attached()  # the sections whose code comes later are there
     until("the section of the address", lambda: is_at("terrain"))
