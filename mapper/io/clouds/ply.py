@@ -3,8 +3,8 @@
 Source: Greg Turk's description of the format (1994). The elements may stand in any order, with lists among their
 properties; of the vertices their lists are passed over.
 
-The parsing is our own in place of plyfile's: it reads the whole points of a file that ends early, checks what the header
-claims against the bytes that there are before memory is reserved, and passes over lists without a Python object for each.
+The parsing is our own in place of plyfile's: it reads the whole points of a file that ends early, checks what the
+header claims against the bytes that there are before memory is reserved, and makes no Python object for each list.
 """
 
 from __future__ import annotations
@@ -213,7 +213,11 @@ def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, ke
     data, size = file.data, len(file.data)
     order: Any = "little" if file.order == "<" else "big"
     steps = [
-        (0 if one.length_kind is None else int(one.length_kind[1]), int(one.kind[1]), (one.length_kind or "")[:1] == "i")
+        (
+            0 if one.length_kind is None else int(one.length_kind[1]),
+            int(one.kind[1]),
+            (one.length_kind or "")[:1] == "i",
+        )
         for one in element.properties
     ]
     least = sum(length or size for length, size, _ in steps)  # bytes of a row

@@ -14,6 +14,7 @@ from mapper.io.clouds.content import content
 from mapper.io.clouds.graph import graph_nodes, looks_like_graph
 from mapper.io.clouds.las import read_las
 from mapper.io.clouds.pcd import read_pcd
+from mapper.io.clouds.pcd_header import looks_like_pcd
 from mapper.io.clouds.ply import read_ply
 from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
@@ -23,12 +24,12 @@ from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 Reader = Callable[[bytes, Limits], PointCloud]
 
-#: name of the format → how its first bytes (without blanks and remarks of PCD) begin, and its reader
-FORMATS: dict[str, tuple[tuple[bytes, ...], Reader]] = {
-    "PCD": ((b"# .PCD", b"VERSION ", b"FIELDS "), read_pcd),
-    "PLY": ((b"ply\n", b"ply\r\n", b"ply "), read_ply),
-    "VTK": ((b"# vtk DataFile",), read_vtk),
-    "LAS": ((b"LASF",), read_las),
+#: name of the format → what tells a file's first bytes from other ones, and its reader
+FORMATS: dict[str, tuple[Callable[[bytes], bool], Reader]] = {
+    "PLY": (lambda head: head.startswith((b"ply\n", b"ply\r\n", b"ply ")), read_ply),
+    "VTK": (lambda head: head.startswith(b"# vtk DataFile"), read_vtk),
+    "LAS": (lambda head: head.startswith(b"LASF"), read_las),
+    "PCD": (looks_like_pcd, read_pcd),
 }
 TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
 HEAD_BYTES = 1 << 12
@@ -38,7 +39,7 @@ def cloud_format(head: bytes) -> str | None:
     """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
     if looks_like_graph(head):
         return "scan graph"
-    known = next((name for name, (begins, _) in FORMATS.items() if head.startswith(begins)), None)
+    known = next((name for name, (begins, _) in FORMATS.items() if begins(head)), None)
     return TEXT if known is None and looks_like_text(head) and not is_tum(head) else known
 
 
