@@ -42,6 +42,15 @@ def content(path: Path, limits: Limits, progress: Progress | None = None) -> byt
     return b"".join(parts)
 
 
+def plain_text(data: bytes) -> bytes:
+    """Return a text without its byte-order mark, in UTF-8 where that says that it is UTF-16; other data as it is."""
+    if b"\0\0\0" in data[:64]:
+        return data
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", "replace").encode()
+    return data.removeprefix(b"\xef\xbb\xbf")
+
+
 def check_count(n: int, limits: Limits) -> None:
     """Raise :class:`ReadError` for a negative number of points and :class:`LimitError` for too many."""
     if n < 0:
@@ -74,8 +83,9 @@ def made_cloud(
 ) -> PointCloud:
     """Return the cloud of ``points`` (n, 3) with ``columns`` as fields, by their standard names.
 
-    ``notes`` come before those on the points. Points that are not finite, and those beyond ``max_coordinate``, which become NaN, are counted in its notes, as is
-    the step of coordinates that are too large for their float32. Raises :class:`ReadError` for a cloud without points.
+    ``notes`` come before those on the points. Points that are not finite, and those beyond ``max_coordinate``, which
+    become NaN, are counted in its notes, as is the step of coordinates that are too large for their float32. Raises
+    :class:`ReadError` for a cloud without points.
     """
     n = len(points)
     if n == 0:

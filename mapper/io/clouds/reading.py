@@ -10,7 +10,7 @@ import numpy as np
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.clouds.content import content
+from mapper.io.clouds.content import content, plain_text
 from mapper.io.clouds.graph import graph_nodes, looks_like_graph
 from mapper.io.clouds.las import read_las
 from mapper.io.clouds.pcd import read_pcd
@@ -37,6 +37,7 @@ HEAD_BYTES = 1 << 12
 
 def cloud_format(head: bytes) -> str | None:
     """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
+    head = plain_text(head)
     if looks_like_graph(head):
         return "scan graph"
     known = next((name for name, (begins, _) in FORMATS.items() if begins(head)), None)
@@ -60,7 +61,7 @@ def read_cloud(
     are, so that rows agree with the file's. Raises :class:`ReadError`, saying what is wrong and where, and
     :class:`LimitError`.
     """
-    data = content(Path(path), limits, progress)
+    data = plain_text(content(Path(path), limits, progress))
     kind = cloud_format(data[:HEAD_BYTES])
     if kind == "scan graph":
         return _joined(graph_nodes(data, limits), limits)

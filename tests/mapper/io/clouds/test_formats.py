@@ -183,7 +183,6 @@ def test_the_trajectory_of_libpointmatcher_states_its_times(data_file: Callable[
         (b"LASF" + bytes(400), "LAS file is damaged"),
         (b"1 2 3\n1 2\n", "number of values changes near line"),
         (b"x,y,z,label\n1,2,3\n", "3 numbers, but 4 names"),
-        (b"9\n1 2 3\n", "9 points claimed, 1 there"),
         (b"hello\nworld\n", "none of the known formats"),
     ],
 )
@@ -204,7 +203,7 @@ def test_limits_hold_for_formats_that_state_no_number_of_points(tmp_path: Path) 
     packed = las(tmp_path / "a.laz")
     with pytest.raises(LimitError, match="3 points, more than the limit of 2"):
         read_cloud(packed, limits=Limits(max_points=2))
-    packed.write_bytes(packed.read_bytes()[:-8])
+    packed.write_bytes(packed.read_bytes()[:-40])
     with pytest.raises(ReadError, match="LAS file is damaged"):
         read_cloud(packed)
 
