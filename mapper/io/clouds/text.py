@@ -28,6 +28,7 @@ from mapper.sensors.point_cloud import PointCloud
 MOST_LINE_BYTES = 1 << 14
 COLOURS, NORMALS = ("r", "g", "b"), ("nx", "ny", "nz")
 _COUNT = re.compile(rb"^[ \t]*(\d{1,18})[ \t]*\r?$", re.MULTILINE)
+_LETTER = re.compile(r"[^\W\d_]")
 _NAME_SEPARATORS = (",", ";", "\t")
 
 
@@ -58,7 +59,7 @@ def names_of(line: bytes) -> tuple[str, ...] | None:
     else:
         words = text.rstrip(separator + " ").split(separator)
     names = tuple(word.strip(" \"'\r") for word in words)
-    if not names or not all(names) or any(_is_number(name.replace(",", ".")) for name in names):
+    if not names or any(_LETTER.search(name) is None or _is_number(name.replace(",", ".")) for name in names):
         return None
     return names
 
@@ -128,7 +129,7 @@ def read_text(data: bytes, limits: Limits) -> PointCloud:
     elif len(names) != rows.shape[1]:
         raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
     points = rows[:, list(columns.axes)] * columns.metres
-    notes += columns.notes
+    notes = (*notes, *columns.notes)
     if columns.in_degrees:
         points[:, :2], note = metres_of_degrees(points[:, :2], "The columns are longitude and latitude in degrees")
         notes = (*notes, note)
@@ -143,8 +144,10 @@ def _rows(
     if begin.claimed is None:
         plain = layout.plain(text)
         whole = _whole_lines(plain)
-        notes = () if whole is plain else ("The file ends within its last line, which is left out.",)
-        return table(whole, None, None, None, limits, begin.line), notes
+        cut: tuple[str, ...] = ()
+        if whole is not plain:
+            cut = ("The file ends within its last line, which is left out.",)
+        return table(whole, None, None, None, limits, begin.line), cut
     parts, there, claimed, line = [], 0, 0, begin.line
     for n, block in _scans(text, begin.claimed):
         rows = table(layout.plain(block), None, n, None, limits, line)

@@ -117,8 +117,10 @@ def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
         raise ReadError("map.origin", "The key 'origin' of the map's yaml must be a list of three numbers: x, y, yaw.")
     x, y, yaw = (_number(item, "origin") for item in node.value)
-    if max(abs(x), abs(y), abs(yaw)) > limits.max_pose:
-        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} is beyond {limits.max_pose:g}.")
+    if (
+        max(abs(x), abs(y), abs(yaw)) > limits.max_coordinate
+    ):  # maps of projected coordinates are millions of metres off
+        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} is beyond {limits.max_coordinate:g}.")
     return (x, y, yaw)
 
 
