@@ -138,9 +138,14 @@ function Outcome({ job }: { readonly job: SlamState }) {
     <>
       <p role="status">Healed: the poses are the trajectory {trajectoryLabel(result.trajectory)} of this log.</p>
       <dl class="heal-facts">
-        <Figure title="Drift of the walls" values={result.drift_m} form={metres} />
-        <Figure title="Contradicted readings" values={result.contradicted} form={percent} />
-        <Figure title="Sharpness of the walls" values={result.sharpness} form={(value) => value.toFixed(3)} />
+        <Figure name="drift" title="Drift of the walls" values={result.drift_m} form={metres} />
+        <Figure name="contradicted" title="Contradicted readings" values={result.contradicted} form={percent} />
+        <Figure
+          name="sharpness"
+          title="Sharpness of the walls"
+          values={result.sharpness}
+          form={(value) => value.toFixed(3)}
+        />
         <dt>Began with</dt>
         <dd>{result.odometry === null ? "the scans alone" : trajectoryLabel(result.odometry)}</dd>
         <dt>Graph</dt>
@@ -166,6 +171,7 @@ const metres = (value: number): string => `${value.toFixed(2)} m`;
 const percent = (value: number): string => `${(100 * value).toFixed(1)} %`;
 
 interface FigureProps {
+  readonly name: string;
   readonly title: string;
   /** Before SLAM and now. */
   readonly values: readonly [number | null, number | null] | undefined;
@@ -173,7 +179,7 @@ interface FigureProps {
 }
 
 /** A figure of the map before SLAM and now; nothing where it is not known. */
-function Figure({ title, values, form }: FigureProps) {
+function Figure({ name, title, values, form }: FigureProps) {
   if (!values) return null;
   const [before, after] = values;
   if (before === null && after === null) return null;
@@ -181,7 +187,7 @@ function Figure({ title, values, form }: FigureProps) {
   return (
     <>
       <dt>{title}</dt>
-      <dd data-before={before} data-after={after}>
+      <dd data-figure={name} data-before={before} data-after={after}>
         {text(before)} before, {text(after)} now
       </dd>
     </>
