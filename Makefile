@@ -1,5 +1,6 @@
 # serve: build everything and run the service.   test: everything that CI runs.
-# Needs Python 3.11+ and make. Node comes from PyPI; `make test` also needs Chromium and installs it where it can.
+# Needs Python 3.11+ and make. Node comes from PyPI; `make test` leaves out the tests of Chromium where
+# there is none and it cannot be installed.
 
 PYTHON ?= python3
 VENV   := .venv

@@ -1,6 +1,7 @@
 """Find the Chromium that the browser tests use; as a program, install it if possible.
 
-``make test`` runs it before the tests: it prints the path, or one sentence on what to do and exits with 1.
+``make test`` runs it before the tests: it prints the path, or one sentence on what to do. Then it exits with 1
+in CI, and where GRIDBLOOM_CHROMIUM names what does not start; elsewhere the browser tests are left out.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ def main() -> int:
             program = chromium()
     except MissingProgramError as error:
         print(error, file=sys.stderr)
-        return 1
+        return 1 if in_ci() or os.environ.get("GRIDBLOOM_CHROMIUM") else 0
     print(program)
     return 0
 
