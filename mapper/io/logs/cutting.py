@@ -52,6 +52,7 @@ class _Held:
     recorded_ns: int
     message: Cloud | DepthImage
     size: int
+    number: int  #: of the message in its stream, from 1
 
 
 class Cutter:
@@ -72,12 +73,12 @@ class Cutter:
     def take_cloud(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
         """Take a sensor_msgs/PointCloud2. Raises :class:`BadMessageError`."""
         cloud = point_cloud(data, cdr=stream.cdr)
-        self._take(_Held(stream, recorded_ns, cloud, len(data)))
+        self._take(_Held(stream, recorded_ns, cloud, len(data), stream.count))
 
     def take_image(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
         """Take a sensor_msgs/Image. Raises :class:`BadMessageError`, and ``NotDepthError`` for a picture."""
         image = depth_image(data, cdr=stream.cdr)
-        self._take(_Held(stream, recorded_ns, image, len(data)))
+        self._take(_Held(stream, recorded_ns, image, len(data), stream.count))
 
     def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
         """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
@@ -91,7 +92,7 @@ class Cutter:
             try:
                 self._cut_one(one)
             except BadMessageError as error:
-                one.stream.refuse(str(error))
+                one.stream.refuse(str(error), one.number)
 
     def _take(self, one: _Held) -> None:
         waits = any(held.stream is one.stream for held in self._held)
@@ -117,7 +118,7 @@ class Cutter:
             try:
                 self._cut_one(one)
             except BadMessageError as error:
-                one.stream.refuse(str(error))
+                one.stream.refuse(str(error), one.number)
 
     def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
         if isinstance(message, DepthImage):

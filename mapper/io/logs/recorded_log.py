@@ -43,7 +43,7 @@ class RecordedLog:
         self._tf, self._limits = taken.tf, taken.limits
         self._cut = PlanarCut()
         self._bad = [
-            f"{stream.bad} of {stream.count} on {stream.topic}" + (f" ({stream.why})" if stream.why else "")
+            f"{stream.bad} of {stream.count} on {stream.topic}: {stream.refused.sentence}"
             for stream in taken.streams
             if stream.bad
         ]
@@ -133,6 +133,11 @@ class RecordedLog:
         notes = list(self._taken.notes)
         if self._bad:
             notes.append(f"Messages that could not be read: {listed(self._bad)}.")
+        notes += [
+            f"Left out of messages on {stream.topic}: {stream.left_out.sentence}."
+            for stream in self._taken.streams
+            if stream.left_out.total
+        ]
         notes += more_notes
         ranges, more = sensor.packed(self._limits)
         notes += more
@@ -301,4 +306,4 @@ class RecordedLog:
 def listed(names: list[str], most: int = 6) -> str:
     """Return the first of ``names`` with commas between them."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(name[:200] for name in names[:most]) + more
+    return ", ".join(name[:400] for name in names[:most]) + more

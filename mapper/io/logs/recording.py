@@ -30,6 +30,8 @@ from mapper.sensors.scan import is_angle_step
 
 STATIC = "tf_static"  #: last part of the topic of transforms that never change
 
+MOST_ANGLE = 100.0  #: radians: what is stated as more is no angle
+
 Take = Callable[[Stream, int, bytes], None]
 
 
@@ -146,21 +148,18 @@ class Recording:
         except NotDepthError:
             self._pictures.add(stream.topic)
         except BadMessageError as error:
-            stream.refuse(f"message {stream.count}: {error}" if error.args else "")
-        except ReadError:
-            stream.refuse()
+            stream.refuse(str(error))
+        except ReadError as error:
+            stream.refuse(error.message)
 
     def _take_scan(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
         self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr))
 
     def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams) -> None:
         n = len(beams.ranges)
-        if not is_angle_step(beams.angle_increment, n):
-            raise BadMessageError(f"it states an angle_increment of {beams.angle_increment:g} rad for its {n} beams")
-        angles = (beams.angle_min, beams.angle_increment, beams.beam_width)
-        # Written so that nan fails, too.
-        if not (max(map(abs, angles)) < 100.0 and sum(angles) == sum(angles)) or not beams.range_max > 0.0 or n == 0:
-            raise BadMessageError
+        why = _what_is_wrong(beams)
+        if why:
+            raise BadMessageError(why)
         if n > self.limits.max_beams:
             raise LimitError(
                 "log.too_many_beams",
@@ -219,6 +218,22 @@ class Recording:
         self._taken.unplaced = self._cutter.unplaced
         self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
+
+
+def _what_is_wrong(beams: Beams) -> str:
+    """Return why no beam of a message points anywhere or measures anything; nothing where they do."""
+    n = len(beams.ranges)
+    if not beams.range_max > 0.0:  # nan too
+        return f"the range_max is {beams.range_max:g} m"
+    if n == 0:
+        return "they have no readings"
+    for name in ("angle_min", "angle_increment", "beam_width"):
+        value = getattr(beams, name)
+        if not abs(value) < MOST_ANGLE:  # nan too
+            return f"the {'field_of_view' if name == 'beam_width' else name} is {value:g} rad"
+    if not is_angle_step(beams.angle_increment, n):
+        return f"the angle_increment is {beams.angle_increment:g} rad for {n} beams"
+    return ""
 
 
 def _stamp(stated_ns: int, recorded_ns: int) -> int:
