@@ -1,6 +1,5 @@
 # serve: build everything and run the service.   test: everything that CI runs.
-# Needs Python 3.11+ and make. Node comes from PyPI; `make test` leaves out the tests of Chromium where
-# there is none and it cannot be installed.
+# Needs Python 3.11+ and make. Node comes from PyPI; without Chromium `make test` leaves out the browser tests.
 
 PYTHON ?= python3
 VENV   := .venv
