@@ -146,7 +146,8 @@ class Function:
                     operands = [node.target, node.value]
             elif isinstance(node, ast.Call):
                 yield from ((node.lineno, text) for text in self._faults_of_call(node))
-            if node not in cast and self._joint(operands) in _NARROW:
+            if operands and node not in cast and self._joint(operands) in _NARROW:
+                assert isinstance(node, ast.expr | ast.stmt)
                 yield node.lineno, ast.unparse(node)
 
     def _faults_of_call(self, node: ast.Call) -> Iterator[str]:

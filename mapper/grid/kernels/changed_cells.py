@@ -36,7 +36,7 @@ def sort_by_tile(
         at[(row // tile) * tile_cols + col // tile] += 1
     count, first = 0, 0
     for t in range(len(at)):
-        number = int64(at[t])
+        number = int(int64(at[t]))
         at[t] = first
         if number > 0:
             tiles[count, 0], tiles[count, 1] = int16(t % tile_cols), int16(t // tile_cols)

@@ -109,7 +109,7 @@ def quantise(
                             at += 1
                 for c in range(stop - start):
                     shown[c] = quantised[c]
-                count += differing
+                count += int(differing)
             start = stop
     return count
 

@@ -92,7 +92,7 @@ def search(
                 _sift_up(keys, cells, slots, n, new + to_go, to)
                 n += 1
             else:
-                _sift_up(keys, cells, slots, np.int64(slots[to]), new + to_go, to)
+                _sift_up(keys, cells, slots, int(slots[to]), new + to_go, to)
     for row in range(out.shape[0]):
         for col in range(cols):
             if slots[row * cols + col] != EXPANDED:
