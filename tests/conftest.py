@@ -19,6 +19,8 @@ from tests.programs import MissingProgramError, in_ci
 # Speed is never asserted, so examples have no deadline; CI must not fail by the luck of the draw.
 settings.register_profile("gridbloom", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("ci", settings.get_profile("gridbloom"), derandomize=True, print_blob=True)
+for _name in ("no_proxy", "NO_PROXY"):  # a proxy of the environment has another loopback than the tests' services
+    os.environ[_name] = ",".join(filter(None, (os.environ.get(_name), "127.0.0.1", "localhost", "::1")))
 os.environ.setdefault("GRIDBLOOM_COMPILE_AHEAD", "false")  # services of tests: `make test` has compiled the kernels
 settings.load_profile("ci" if in_ci() else "gridbloom")
 
