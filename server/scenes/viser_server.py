@@ -27,6 +27,7 @@ from viser import _assignable_props_api as _props
 from viser.infra import _infra
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
+from server.process_folder import process_folder
 from server.scenes.message_buffer import MessageBuffer
 from server.scenes.visitors import VISITOR_HEADER, visitor_of_connection
 
@@ -87,7 +88,7 @@ class ViserServer(viser.ViserServer):
     def __init__(self) -> None:
         # viser prints a banner at every start and "Server stopped" at every end through rich's global console.
         rich.get_console().quiet = True
-        self._folder = tempfile.TemporaryDirectory(prefix="gridbloom-")  # of mode 0700
+        self._folder = tempfile.TemporaryDirectory(dir=process_folder())
         self.path = Path(self._folder.name) / "viser"
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as bound:
             bound.bind(str(self.path))  # here, because viser would retry without end
