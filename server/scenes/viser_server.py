@@ -8,10 +8,12 @@ folder of mode 0700. The class of its message buffers is replaced by one that li
 
 from __future__ import annotations
 
+import asyncio
 import os
 import socket
 import tempfile
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -36,13 +38,18 @@ QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes
 QUICK_BYTES = 1 << 18
 
 
-def _serve(
+@asynccontextmanager
+async def _serve(
     handler: Callable[[ServerConnection], Awaitable[None]],
     host: str,
     port: int,
     **options: Any,  # noqa: ANN401 - passed on
-) -> Awaitable[Server]:
-    """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
+) -> AsyncIterator[Server]:
+    """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``.
+
+    In the end every connection is closed, also one that came while the server ended: viser closes the event loop then,
+    and what the loop still had to do would be left with open sockets.
+    """
     del port
     options["process_request"] = None  # viser's own serves files over HTTP
     options["ping_interval"] = None  # both ends are in one process, and the proxy does not read while a browser is slow
@@ -53,7 +60,22 @@ def _serve(
         visitor_of_connection.set("" if request is None else request.headers.get(VISITOR_HEADER, ""))
         await handler(connection)
 
-    return unix_serve(of_visitor, sock=bound, **options)
+    try:
+        async with unix_serve(of_visitor, sock=bound, **options) as server:
+            yield server
+    finally:
+        await _some_rounds()  # the task of an accepted connection closes its socket only once it has begun
+        while others := asyncio.all_tasks() - {asyncio.current_task()}:
+            for task in others:
+                task.cancel()
+            await asyncio.wait(others)
+        await _some_rounds()  # transports close their sockets in later rounds
+
+
+async def _some_rounds() -> None:
+    """Let the event loop do what it has to do next, and what follows from that."""
+    for _ in range(5):
+        await asyncio.sleep(0)
 
 
 class Compressor:
