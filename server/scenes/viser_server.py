@@ -36,6 +36,7 @@ from server.scenes.visitors import VISITOR_HEADER, visitor_of_connection
 ZSTD_LEVEL = 6  #: of messages to browsers,
 QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes a fifth of the time and 1.1 × the bytes
 QUICK_BYTES = 1 << 18
+ROUNDS_OF_ACCEPT = 5  #: rounds of the loop, at least, from the acceptance of a connection to its handler
 
 
 @asynccontextmanager
@@ -45,11 +46,7 @@ async def _serve(
     port: int,
     **options: Any,  # noqa: ANN401 - passed on
 ) -> AsyncIterator[Server]:
-    """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``.
-
-    In the end every connection is closed, also one that came while the server ended: viser closes the event loop then,
-    and what the loop still had to do would be left with open sockets.
-    """
+    """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
     del port
     options["process_request"] = None  # viser's own serves files over HTTP
     options["ping_interval"] = None  # both ends are in one process, and the proxy does not read while a browser is slow
@@ -60,22 +57,15 @@ async def _serve(
         visitor_of_connection.set("" if request is None else request.headers.get(VISITOR_HEADER, ""))
         await handler(connection)
 
-    try:
-        async with unix_serve(of_visitor, sock=bound, **options) as server:
+    async with unix_serve(of_visitor, sock=bound, **options) as server:
+        try:
             yield server
-    finally:
-        await _some_rounds()  # the task of an accepted connection closes its socket only once it has begun
-        while others := asyncio.all_tasks() - {asyncio.current_task()}:
-            for task in others:
-                task.cancel()
-            await asyncio.wait(others)
-        await _some_rounds()  # transports close their sockets in later rounds
-
-
-async def _some_rounds() -> None:
-    """Let the event loop do what it has to do next, and what follows from that."""
-    for _ in range(5):
-        await asyncio.sleep(0)
+        finally:
+            # asyncio forgets a connection, with its socket open, that it accepts in the round of the loop in which the
+            # server is closed (Server._attach refuses it): none is accepted any more before that.
+            asyncio.get_running_loop().remove_reader(bound)
+            for _ in range(ROUNDS_OF_ACCEPT):
+                await asyncio.sleep(0)
 
 
 class Compressor:
