@@ -57,15 +57,17 @@ async def _serve(
         visitor_of_connection.set("" if request is None else request.headers.get(VISITOR_HEADER, ""))
         await handler(connection)
 
-    async with unix_serve(of_visitor, sock=bound, **options) as server:
-        try:
-            yield server
-        finally:
-            # asyncio forgets a connection, with its socket open, that it accepts in the round of the loop in which the
-            # server is closed (Server._attach refuses it): none is accepted any more before that.
-            asyncio.get_running_loop().remove_reader(bound)
-            for _ in range(ROUNDS_OF_ACCEPT):
-                await asyncio.sleep(0)
+    server = await unix_serve(of_visitor, sock=bound, **options)
+    try:
+        yield server
+    finally:
+        # asyncio forgets a connection, with its socket open, that it accepts in the round of the loop in which the
+        # server is closed (Server._attach refuses it): none is accepted any more before that.
+        asyncio.get_running_loop().remove_reader(bound)
+        for _ in range(ROUNDS_OF_ACCEPT):
+            await asyncio.sleep(0)
+        server.close()
+        await server.wait_closed()
 
 
 class Compressor:
