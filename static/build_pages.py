@@ -40,7 +40,8 @@ def digest_of_sources(root: Path = STATIC) -> str:
 
 def _has_home() -> bool:
     """Return whether npm can keep its cache where it does by default, or where the environment says."""
-    cache = Path(os.environ.get("npm_config_cache") or Path(os.path.expanduser("~"), ".npm"))
+    named = [value for name, value in os.environ.items() if name.lower() == "npm_config_cache" and value]
+    cache = Path(*named[:1] or ["~", ".npm"]).expanduser()
     present = next(folder for folder in (cache, *cache.parents) if folder.exists())
     return present.is_dir() and os.access(present, os.W_OK)
 
