@@ -15,7 +15,7 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 
-from tests.programs import MissingProgramError, apt_install
+from tests.programs import MissingProgramError, apt_install, in_ci
 
 NAMES = (
     "chromium",
