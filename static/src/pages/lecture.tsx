@@ -2,7 +2,7 @@ import "../style/index.css";
 import "./lecture/lecture.css";
 import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
-import { type ComponentType, render } from "preact";
+import { type ComponentType, Fragment, render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { fetchLater } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
@@ -12,7 +12,6 @@ import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts, toast } from "../ui/Toast";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { CellSection } from "./lecture/CellSection";
-import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
@@ -27,8 +26,7 @@ import { LandmarksSection } from "./lecture/LandmarksSection";
 import { LayersSection } from "./lecture/LayersSection";
 import { LectureStage } from "./lecture/LectureStage";
 import { LifetimeSection } from "./lecture/LifetimeSection";
-import { LogSection } from "./lecture/LogSection";
-import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
+import { LECTURE_PARTS, LESSONS, type Lesson, type LessonId, sectionOf } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
@@ -36,9 +34,9 @@ import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OctreeSection } from "./lecture/OctreeSection";
 import { OdometrySection } from "./lecture/OdometrySection";
+import { PartHead } from "./lecture/PartHead";
 import { ParticlesSection } from "./lecture/ParticlesSection";
 import { PathSection } from "./lecture/PathSection";
-import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
 import { ClassPointer } from "./lecture/present/ClassPointer";
 import { attendLecture } from "./lecture/present/classSlides";
@@ -60,17 +58,16 @@ import { SectionList } from "./lecture/SectionList";
 import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
 import { StackSection } from "./lecture/StackSection";
-import { TableSection } from "./lecture/TableSection";
 import { TerrainSection } from "./lecture/TerrainSection";
 import { TsdfSection } from "./lecture/TsdfSection";
 import { WindowSection } from "./lecture/WindowSection";
 
-interface Part extends Lesson {
+interface Entry extends Lesson {
   readonly body: ComponentType<SectionHead>;
 }
 
 /** The body of each lesson, by its id. */
-const BODIES: Record<LessonId, Part["body"]> = {
+const BODIES: Record<LessonId, Entry["body"]> = {
   landmarks: LandmarksSection,
   grid: GridSection,
   cell: CellSection,
@@ -80,10 +77,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   "no-return": NoReturnSection,
   endpoint: EndpointSection,
   rays: RaysSection,
-  table: TableSection,
   algorithm: AlgorithmSection,
-  pipeline: PipelineSection,
-  characters: CharactersSection,
   sonar: SonarSection,
   mount: MountSection,
   forgetting: ForgettingSection,
@@ -109,16 +103,15 @@ const BODIES: Record<LessonId, Part["body"]> = {
   tsdf: TsdfSection,
   terrain: TerrainSection,
   next: NextSection,
-  log: LogSection,
 };
-const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
+const ENTRIES: readonly Entry[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
 
 /** Scroll to the section in the address, or show its slide: at the start, and when the address changes. */
 function useAddress(): void {
   useEffect(() => {
     const follow = (): void => {
       readAddress().catch((error: Error) => toast(`${error.message} The slides stay as they are.`, "error"));
-      if (!presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView();
+      if (!presenting.peek()) document.getElementById(sectionOf(location.hash.slice(1)))?.scrollIntoView();
     };
     follow(); // the sections were not yet rendered when the browser looked for the anchor
     addEventListener("hashchange", follow);
@@ -137,7 +130,7 @@ function useReturn(): void {
 }
 
 /** Present from the section in sight. */
-const present = (): void => setPresenting(true, PARTS[sectionInSight(PARTS)]?.id as LessonId | undefined);
+const present = (): void => setPresenting(true, ENTRIES[sectionInSight(ENTRIES)]?.id as LessonId | undefined);
 
 function Page() {
   usePresentation();
@@ -160,10 +153,8 @@ function Page() {
             <div class="lecture-head">
               <h1>Occupancy grid mapping</h1>
               <p class="prose">
-                How a robot makes a map from measured distances: from a single cell to the map file that it navigates
-                with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
-                <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper
-                of this site; where a figure shows something else, the text says so.
+                How a robot makes a map from measured distances, and how it uses that map. Drag the coloured parts of
+                the figures, and the numbers that are <span class="drag-number-sample">underlined</span>.
               </p>
               <div class="actions no-print">
                 <Button icon="fit" onClick={present}>
@@ -173,8 +164,14 @@ function Page() {
               </div>
             </div>
           )}
-          {PARTS.map(({ id, title, body: Body }, i) => (
-            <Body key={id} id={id} number={i + 1} title={title} />
+          {LECTURE_PARTS.map((part, i) => (
+            <Fragment key={part.title}>
+              {!presenting.value && <PartHead number={i + 1} part={part} />}
+              {part.lessons.map(({ id, title, index }) => {
+                const Body = BODIES[id];
+                return <Body key={id} id={id} number={index + 1} title={title} />;
+              })}
+            </Fragment>
           ))}
           <OwnSlide />
         </main>
@@ -189,5 +186,5 @@ function Page() {
 
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
-if (speaker === null && !isPreview) attendLecture(PARTS);
+if (speaker === null && !isPreview) attendLecture(ENTRIES);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

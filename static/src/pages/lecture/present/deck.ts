@@ -1,7 +1,7 @@
 /** The deck of slides: what the lecture has, in the lecturer's order, with slides of the lecturer's own. */
 
 import { unpack } from "../../packed";
-import { LESSONS, type LessonId } from "../lessons";
+import { LESSONS, type LessonId, sectionOf } from "../lessons";
 
 /** What every slide may have. */
 interface Common {
@@ -47,7 +47,7 @@ export interface Deck {
 /** Sections that have a derivation. */
 const DERIVATIONS: readonly LessonId[] = ["cell"];
 /** The lab comes before this section. */
-const LAB_BEFORE: LessonId = "log";
+const LAB_BEFORE: LessonId = "next";
 const LAB: Slide = { kind: "lab", title: "Which setting changes the map the most?", address: "/lab.html" };
 
 /** The lecture as it stands. */
@@ -153,7 +153,7 @@ function readSlide(value: unknown, index: number): Slide {
   };
   if (kind === "section" || kind === "derivation") {
     const name = textField(value, "section", LONGEST_TITLE, where);
-    const section = LESSONS.find(({ id }) => id === name)?.id;
+    const section = LESSONS.find(({ id }) => id === sectionOf(name))?.id;
     if (!section) throw new DeckError(`${where}: the lecture has no section “${name}”.`);
     if (kind === "derivation" && !DERIVATIONS.includes(section))
       throw new DeckError(`${where}: the section “${name}” has no derivation.`);

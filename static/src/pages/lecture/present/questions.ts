@@ -36,7 +36,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Press hit four times, then miss until the line is at the prior again. Let the audience count. The order does not matter: show it with alternating presses.",
   },
   "log-odds": {
-    question: "In 32 bits, as p, as odds, as log-odds: which fails first?",
+    question: "Stored in 32 bits, which breaks first: p, the odds, or the log-odds?",
     options: ["The probability p", "The odds", "The log-odds ℓ"],
     right: 0,
     answer: "p rounds to exactly 1 and never comes back; the odds overflow later; the sum of log-odds goes on working.",
@@ -44,16 +44,17 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Drag the cursor along the chart. The point where p becomes exactly 1 is marked. With the mapper’s clamp none of the three fails: cost and simplicity remain as reasons.",
   },
   model: {
-    question: "One number, z: which cells does a reading say something about?",
+    question: "A beam measures one number, z. Which cells does it say something about?",
     options: ["The cell at z", "All cells of the beam", "The cells before z and around it, not those behind"],
+    // Probabilistic Robotics, table 9.2: l_free before the window, l_occ in it, l_0 behind it.
     right: 2,
     answer:
       "Passed: evidence for free. Around the end: evidence for occupied. Behind: none, the cells keep their value.",
     notes:
-      "Drag the height of the curve before and around z, then the width of the window. The row of cells below is one beam.",
+      "Drag the height of the curve before and around z, then the width of the window: the map beside it follows. Then drag z itself.",
   },
   rays: {
-    question: "A beam goes from cell (0, 0) to cell (4, 3). Which cells lie on its way?",
+    question: "A beam ends 18 columns to the right and 7 rows up. Which cells lie on its way?",
     options: ["Every cell that it touches", "One in each column", "It depends on the algorithm"],
     right: 2,
     answer: "Bresenham takes one cell per step of the longer axis; exact traversal takes every cell the beam crosses.",
@@ -61,16 +62,13 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Drag the end of the beam once around the sensor. Switch one of the two fixes off and repeat: only some octants remain right.",
   },
   algorithm: {
-    question: "What does the whole program do with one scan, line by line?",
-    answer: "For each beam: find its cells, look up the evidence of each, add it. Nothing else.",
-    notes: "Step by line first, then by cell, by beam and by scan. Drag the robot and let it run from there.",
-  },
-  characters: {
-    question: "Three states, or six steps of density: which picture shows a doubt?",
-    options: ["The three states", "The density", "Both"],
+    question: "Table 9.1 visits every cell for each scan. Which of them does it change?",
+    options: ["All of them", "Those in the perceptual field", "Those that were hit"],
+    // Probabilistic Robotics, table 9.1, lines 3 to 6.
     right: 1,
-    answer: "Density shows the probability of each cell; three states show only on which side of the thresholds it is.",
-    notes: "Switch between states and density at the same scan. Look at cells at the edge of what was seen.",
+    answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
+    notes:
+      "Step through the lines of the table. Then choose “beam by beam”: the same evidence with the loops exchanged. Then “one reading”: follow it to the character at the end.",
   },
   sonar: {
     question: "Sonars see an open door from both sides. What does the map show in it?",
@@ -81,13 +79,16 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   },
   "no-return": {
     question: "A beam has no return. What should the map do with it?",
-    options: ["Mark its cells as free", "Ignore it", "Mark the end of its range as occupied"],
-    right: 1,
-    answer: "Ignoring is the default here: “free” erases glass, and max range taken as a hit builds a false wall.",
-    notes: "Drag the robot in front of the glass. Compare the three maps, which are made from the same scans.",
+    options: ["Mark its cells as free", "Ignore it", "It depends on why there was no return"],
+    // Probabilistic Robotics, table 9.2 marks all cells up to z_max as free, which is right in open space and wrong at
+    // glass; REP 117 keeps the two apart from a reading at the max range.
+    right: 2,
+    answer: "Open space: free, as in table 9.2. Glass or a polished wall: free would erase it, so it is ignored.",
+    notes:
+      "Drag the robot in front of the glass and compare the three maps, which are made from the same scans. Ask what a driver that writes the max range would do.",
   },
   mount: {
-    question: "The map is made with a sensor mount turned by 8°. What looks wrong?",
+    question: "The map assumes a mount that is 8° off. What looks wrong?",
     options: ["The whole map is turned", "Walls are seen in two places", "Nothing: the error cancels"],
     right: 1,
     answer: "Each scan turns about the sensor, so one wall lands in a different place from each pose that saw it.",
@@ -111,7 +112,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     question: "The odometry is wrong. How can two scans tell where the robot is?",
     answer:
       "Lay the scan over the last one: the pose where both agree best. It needs structure, and often a good start.",
-    notes: "Let a student align the scans by hand first, then press ICP. Then the corridor: it slides.",
+    notes:
+      "Let a student align the scans by hand first, then take one iteration at a time. Then the corridor: it slides.",
   },
   file: {
     question: "free_thresh is 0.25, an unknown cell is grey 205. What does a planner read?",
@@ -140,18 +142,6 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     answer: "Angle and range give a point, the pose moves it into the map, origin and resolution make it a cell.",
     notes:
       "Drag the robot, then the origin to the right of the end point: rounding down, not cutting off, is what counts.",
-  },
-  table: {
-    question: "Table 9.1 visits every cell for each scan. Which of them does it change?",
-    options: ["All of them", "Those in the perceptual field", "Those that were hit"],
-    right: 1,
-    answer: "Only cells in the perceptual field get new evidence; all others keep their value.",
-    notes: "Step through the lines. For each cell ask first: is it in the field, and which beam decides about it?",
-  },
-  pipeline: {
-    question: "What happens to one reading between the sensor and the printed map?",
-    answer: "Angle, point, cell, line of cells, evidence, sum: the same for every beam of every scan.",
-    notes: "Follow one reading step by step, then select another beam. The characters at the end are the map.",
   },
   resolution: {
     question: "Cells of 1 cm instead of 10 cm: how much more memory is needed?",
@@ -217,10 +207,11 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Go through the steps: draw, drive, read. Turn the wheel by its handle: one random number for all draws. Then “independent”, and watch how many particles are left.",
   },
   "sensor-models": {
-    question: "p(z | m) is known for all maps m. Does it say whether a cell is occupied?",
-    options: ["Yes, up to a factor", "Yes, if the noise is small", "No"],
+    question: "Why can’t we get the inverse model from p(z | m) alone?",
+    options: ["It lacks a scale factor", "It is too noisy", "It is a distribution over readings, not over the cell"],
+    // Probabilistic Robotics, section 9.3: the inverse model takes a prior over maps and a sum over all of them.
     right: 2,
-    answer: "It is a distribution over readings. The probability of a cell takes a prior, and a sum over all maps.",
+    answer: "The probability of a cell also takes a prior, and a sum over all maps that agree with the reading.",
     notes:
       "Drag the four parts first. Then z in the lower chart, and the prior: the dashed curve is low before and behind the reading, the inverse is not.",
   },
@@ -238,7 +229,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
     right: 2,
     answer: "The residual is a sum of squares and grows with the points; the roughness √(residual / n) stays.",
     notes:
-      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The printed source gives the slope without the root.",
+      "Choose the ramp, then “Every point twice”: the residual doubles, the roughness does not. Drag one point up and read which entries of P change: those of its z. Then the stone, without and with RANSAC. The slope without the root is a common slip.",
   },
   layers: {
     question: "A crate in the way is not in the saved map. Which layer has it?",
@@ -276,7 +267,7 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
   },
   stack: {
     question: "What does a robot do with the finished map?",
-    answer: "It is saved, localized in, inflated into costs, and planned on; what is new is in a layer of its own.",
+    answer: "The robot saves it, finds itself on it, and plans on it; new obstacles go in a separate layer.",
     notes:
       "Play it once from the start. Then stop in the last part and drag the goal. Point at the crate: it is in the costmap, and not in the map.",
   },
@@ -297,14 +288,8 @@ export const QUESTIONS: Partial<Record<LessonId, Question>> = {
       "Drag the wall slowly through one cell: the bar stays, the zero crossing follows. Then the readings from 1 to 60. Drag the truncation: what is behind it? Move the wall halfway, with a maximum weight of 64 and of 4. Last: which of the two does a planner need, which one a mesh?",
   },
   next: {
-    question: "Which other maps are there, and what do they give up?",
-    answer: "Octrees keep free space in 3D; distance fields keep surfaces; clouds and splats do not know free space.",
-    notes:
-      "Ask of each row: does it know free space? Can it be updated while driving? What would a planner do with it?",
-  },
-  log: {
-    question: "What does your own robot’s log look like as a map?",
-    answer: "Drop a bag, an MCAP or a CARMEN log: its map fills in, and the doctor looks for faults.",
-    notes: "A log of the audience is the best one. The sample log is there otherwise.",
+    question: "What would you map next?",
+    answer: "A log of your own robot: drop a bag, an MCAP or a CARMEN log on the logs page.",
+    notes: "Open the logs page with a log of the audience, or with one of its sample logs.",
   },
 };
