@@ -105,7 +105,7 @@ export const SCENES = {
       scans: 12,
       marks: ["beams"],
       caption:
-        "A robot drives through a building and measures distances. Cells that its beams passed are free, cells in which they ended are occupied; of the rest it knows nothing.",
+        "A robot drives through a building and measures distances. Cells that its beams passed are free, cells in which they ended are occupied; it knows nothing about the rest.",
     }),
   grid: () =>
     scene({
@@ -250,7 +250,7 @@ export const SCENES = {
         const wrong = phantoms(now.map, SOLID, 0.25).length;
         return driftError.value === 0
           ? "With the true poses every wall is drawn once."
-          : `The heading is off by ${written(driftError.value, 2)}° more at each scan: walls are drawn again at another place, ${plural(wrong, "cell")} in all.`;
+          : `The heading drifts ${written(driftError.value, 2)}° per scan; ${wrong === 0 ? "no wall is doubled yet" : `${plural(wrong, "occupied cell")} of doubled walls`}.`;
       },
     }),
   polished: () =>
@@ -262,7 +262,7 @@ export const SCENES = {
       marks: ["beams"],
       caption: (now) =>
         polishedOn.value
-          ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away: the robot looks along metres of wall, and the map shows only the part in front of which it has been."
+          ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away, so the map shows only the part that the robot has faced."
           : `Not polished, the wall scatters the light, and all of it is mapped. ${cellInWords(now)}`,
     }),
   people: () =>
@@ -275,7 +275,7 @@ export const SCENES = {
       caption: (now) => {
         const trail = phantoms(now.map, SOLID, 0.25).length;
         if (!peopleOn.value) return "Nobody walks, and the corridor is free.";
-        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map, hidden from later beams by whoever left ${trail === 1 ? "it" : "them"}.`;
+        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map.`;
       },
     }),
   "low-table": () => {
@@ -305,7 +305,7 @@ export const SCENES = {
       view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
       marks: ["beams", "odometry"],
       caption:
-        "The robot stands at its true pose; its newest scan is drawn from where the odometry says it is: the end points lie beside the walls of the map.",
+        "The robot stands at its true pose; its newest scan is drawn from the pose of the odometry, so the end points lie beside the walls.",
     }),
   matching: () =>
     scene({
@@ -341,19 +341,12 @@ export const SCENES = {
     scene({
       scans: 77,
       trinary: true,
-      caption:
-        "A floor is flat: free or occupied is all that this map says. Beside it the ground has slopes, and a patch has a plane.",
+      caption: "This map says free or occupied. Outdoors the ground has slopes, and each patch gets a plane.",
     }),
   next: () =>
     scene({
       scans: 77,
-      caption: "The occupancy grid of the whole drive: one of several kinds of maps.",
-    }),
-  log: () =>
-    scene({
-      scans: 77,
-      caption: () =>
-        `The whole drive: ${DRIVE.length} scans with 240 readings each. The log of a real robot has thousands.`,
+      caption: `The whole drive: ${DRIVE.length} scans with 240 readings each. The log of a real robot has thousands.`,
     }),
 } as const satisfies Record<string, () => Scene>;
 

@@ -6,10 +6,14 @@ import { Cell, START } from "../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../lessons/common/parameters";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
+import { presenting } from "./present/state";
 import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
-const events = signal<readonly CellEvent[]>(START);
+/** The readings of the text and of a slide, which asks about a cell without any. */
+const textEvents = signal<readonly CellEvent[]>(START);
+const slideEvents = signal<readonly CellEvent[]>([]);
+const events = computed(() => (presenting.value ? slideEvents : textEvents).value);
 const path = computed(() => logOddsHistory(events.value, cellParameters.value));
 
 /** z with its index: all readings up to one of them (1:t), or that one alone. */
@@ -263,7 +267,7 @@ export function CellSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <div class="narrow-figure">
-          <Cell parameters={cellParameters} events={events} />
+          <Cell parameters={cellParameters} events={presenting.value ? slideEvents : textEvents} />
         </div>
       }
       sources={[

@@ -25,8 +25,8 @@ export function GridSection({ id, number, title }: SectionHead) {
         <>
           <p>
             The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that a beam
-            passes, the remaining ones become more probable. The grid stores the cells separately, so they keep the
-            probability that the echo gave them. Press the cells to change what the narrow beam measured.
+            passes, the others become more probable. In the grid they keep the probability that the echo gave them.
+            Press the cells to change what the narrow beam measured.
           </p>
           <p>
             In return the map fits into memory: the joint distribution of 100 × 100 cells needs 2<sup>10000</sup>{" "}

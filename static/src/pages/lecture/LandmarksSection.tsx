@@ -61,8 +61,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
       after={
         <p>
           A grid is <b>non-parametric</b>: it assumes no shapes and no number of objects. A pillar, a plant and a wall
-          are stored in the same way. Robots that drive on a floor still use it: Nav2, the navigation of ROS 2, plans on
-          two-dimensional grids.
+          are stored in the same way. Nav2, the navigation of ROS 2, plans on two-dimensional grids.
         </p>
       }
     >

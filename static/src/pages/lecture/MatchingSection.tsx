@@ -22,8 +22,7 @@ export function MatchingSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             In the corridor any pose along the walls fits; in the symmetric room two poses fit equally. A moved table
-            shifts the pose a little; leaving out the worst tenth of the pairs limits this. A robot uses the odometry as
-            well.
+            shifts the pose a little; leaving out the worst tenth of the pairs limits this.
           </p>
           <h3>The methods</h3>
           <ul class="realizations">

@@ -36,10 +36,9 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        So far the map was estimated from known poses. Now the map is given, and the pose is not. Where the robot may be
-        is a <b>belief</b>, a distribution over poses. <b>Monte Carlo localization</b> represents it by <b>particles</b>
-        : poses, more of them where the belief is higher. A reading gives each particle the weight p(z | x, m) (
-        <SectionLink to="sensor-models" />
+        Now the map is given, and the pose is not. Where the robot may be is a <b>belief</b>, a distribution over poses.{" "}
+        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, more of them where the belief is
+        higher. A reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
         ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
         three equal doors: after the second one group is left.
       </p>

@@ -22,9 +22,9 @@ export function RaysSection({ id, number, title }: SectionHead) {
           <p>Every cell but the last is free; the last one is occupied.</p>
           <h3>All eight octants</h3>
           <p>
-            Drag the <b class="noun-beam">end of the beam</b> around the <b class="noun-robot">sensor</b>. As usually
-            printed, the algorithm works in one octant: right and up, not steeper than 45°. Two fixes make it work in
-            all: <b>fix 1</b> steps with the signs of the differences, <b>fix 2</b> swaps the axes of a steep line.
+            As usually printed, the algorithm works in one octant: right and up, not steeper than 45°. Drag the{" "}
+            <b class="noun-beam">end of the beam</b> around the <b class="noun-robot">sensor</b>. Two fixes make it work
+            in all: <b>fix 1</b> steps with the signs of the differences, <b>fix 2</b> swaps the axes of a steep line.
             Switch one off: outside its octants the line ends in a wrong cell.
           </p>
           <p>
@@ -35,12 +35,11 @@ export function RaysSection({ id, number, title }: SectionHead) {
       }
     >
       <p>
-        A reading gives evidence for the cells <em>along its beam</em>. Walking along it in steps of one resolution is
-        slow, and misses cells or visits them twice. Bresenham’s algorithm finds them with integer additions only. The
-        line covers <i>a</i> cells along its longer axis and <i>b</i> along the other. Each step goes one cell along the
-        longer axis, and an error ∇, initially 2<i>b</i> − <i>a</i>, compares the true line with the middle between the
-        two next cells: if ∇ is negative, the next step is <b class="noun-miss">straight</b>, otherwise{" "}
-        <b class="noun-hit">diagonal</b>.
+        A reading gives evidence for the cells <em>along its beam</em>. Bresenham’s algorithm finds them with integer
+        additions only. The line covers <i>a</i> cells along its longer axis and <i>b</i> along the other. Each step
+        goes one cell along the longer axis, and an error ∇, initially 2<i>b</i> − <i>a</i>, compares the true line with
+        the middle between the two next cells: if ∇ is negative, the next step is <b class="noun-miss">straight</b>,
+        otherwise <b class="noun-hit">diagonal</b>.
       </p>
     </Section>
   );

@@ -16,15 +16,15 @@ export function SensorModelsSection({ id, number, title }: SectionHead) {
             Why can’t we get the inverse model from p(z | m) alone? It is a distribution over <b>readings</b>, for one
             whole map. A cell needs a distribution over its two <b>states</b>: Bayes’ rule also takes a prior, and sums
             over all maps that agree with the reading. Cells before z are free <i>because</i> the beam passed them;
-            cells behind it keep their prior <i>because</i> nothing was measured there. The dashed curve, log p(z |
-            occupied at r) / p(z | not), is low in both places and cannot tell them apart.
+            cells behind it keep their prior <i>because</i> nothing was measured there. The dashed curve, the logit of
+            p(z | wall at r), is low in both.
           </p>
           <p>
-            Combining several sources in a row, the correct step is this ratio, log p(y | c) / p(y | ¬c). Programs often
-            add log p(y | c) / (1 − p(y | c)) instead. That is a heuristic: it treats a likelihood as a probability of
-            the cell, and works because it has the right sign and grows with the evidence. The sum over all maps is
-            exact here, for one beam; on a plane it is not affordable, and the model of <SectionLink to="model" /> is
-            chosen by hand to have its shape.
+            Some texts add ln p(z | m) / (1 − p(z | m)), as the dashed curve does. Bayes’ rule gives ln p(z | m) / p(z |
+            ¬m): how likely the reading is with the cell occupied, over how likely with it free. For a yes-or-no sensor
+            with equal error rates both are the same; otherwise the heuristic works because its sign is right and the
+            clamp limits its size. The sum over all maps is exact here, for one beam; on a plane it is too costly, and
+            the model of <SectionLink to="model" /> is chosen by hand to have its shape.
           </p>
           <p>
             The <b>likelihood field</b> on the stage replaces the ray by the distance from the end point to the nearest

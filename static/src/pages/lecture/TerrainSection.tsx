@@ -14,7 +14,7 @@ export function TerrainSection({ id, number, title }: SectionHead) {
           <p>
             P = Σ p pᵀ with p = [1 x y z]ᵀ holds all that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀb is in
             its last column, bᵀb in the corner. A new point adds one term, and the points need not be kept. Patches add
-            up: one of twice the size is the sum of four, which makes a quadtree; a summed-area table gives any window.
+            up: one of twice the size is the sum of four, which makes a quadtree.
           </p>
           <p>
             Two slips are common. The slope is cos⁻¹(1 / √(1 + b² + c²)): without the root it is not the angle of the

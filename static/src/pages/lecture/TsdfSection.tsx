@@ -17,12 +17,12 @@ export function TsdfSection({ id, number, title }: SectionHead) {
             A reading z gives a voxel centred at c the distance d = z − c, and the voxel keeps the mean: D ← (W D + d) /
             (W + 1), W ← W + 1. Noise averages out, and interpolation between two voxels gives the surface{" "}
             <b>more finely than a voxel</b>. An occupancy map gives whole cells, and one reading that is too long leaves
-            an occupied cell behind the wall. In three dimensions the gradient of D is the normal of the surface.
+            an occupied cell behind the wall. The gradient of D is the normal of the surface.
           </p>
           <p>
             Behind the <b>truncation</b> nothing is updated; a wall thinner than it gets readings of both sides into the
-            same voxels. In front of it, free space is not stored unless it is asked for. W stops at a{" "}
-            <b>maximum weight</b>, so that the surface can follow a wall that moves: move it with 64, then with 4.
+            same voxels. Free space is not stored unless it is asked for. W stops at a <b>maximum weight</b>, so that
+            the surface can follow a wall that moves: move it with 64, then with 4.
           </p>
           <div class="actions no-print">
             <LabLink world="levels" map3d={{ kind: "tsdf", sensor: "depth_camera" }}>

@@ -69,7 +69,7 @@ export function WindowSection({ id, number, title }: SectionHead) {
       after={
         <p>
           With cells of 5 cm and a lidar whose noise is 1 to 2 cm the cell itself is the window, so the mapper’s default
-          is 0. A window is set where the noise is larger than a cell.
+          is 0.
         </p>
       }
     >
