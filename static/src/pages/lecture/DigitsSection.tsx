@@ -44,9 +44,8 @@ export function DigitsSection({ id, number, title }: SectionHead) {
             0. The sum of their logarithms is {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
           </p>
           <p>
-            With the clamp none of the three forms fails: at +3.5 even p has enough digits. What remains is <b>cost</b>{" "}
-            and <b>exactness</b>: one addition in place of two products, a sum and a division, and one rounding in place
-            of four.
+            With the clamp none of the three fails. What remains is <b>cost</b> and <b>exactness</b>: one addition in
+            place of two products, a sum and a division, and one rounding in place of four.
           </p>
         </>
       }

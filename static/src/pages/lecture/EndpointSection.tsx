@@ -16,9 +16,8 @@ export function EndpointSection({ id, number, title }: SectionHead) {
       sources={["laser-scan", "occupancy-grid"]}
       after={
         <p>
-          Always round down: <code>floor</code>. Converting to an integer cuts off the decimals, which is wrong below
-          zero: −0.3 becomes 0, not −1, and two columns become one. Move the origin to the right of the end point and
-          see.
+          Always round down: <code>floor</code>. Converting to an integer is wrong below zero: −0.3 becomes 0, not −1,
+          and two columns become one. Move the origin to the right of the end point and see.
         </p>
       }
     >

@@ -15,8 +15,7 @@ export function FileSection({ id, number, title }: SectionHead) {
             Your thresholds decide what is written to the image; those in the yaml file say how to read it. A reader
             computes (255 − grey) / 255: 1 for an occupied cell (grey 0), 0.004 for a free one (254) and <b>0.196</b>{" "}
             for an unknown one (205). Below free_thresh is free. Move the reader’s free_thresh above 0.196: the image
-            does not change, but unknown cells are read as free, and a planner may drive through them. Until 2025 Nav2’s
-            map_saver wrote 0.25 by default.
+            does not change, but unknown cells are read as free, and a planner may drive through them.
           </p>
           <p>
             The first row of the image is the top of the map, the first row of the grid the bottom. The origin is the

@@ -47,8 +47,8 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
         <p>
           Without a clamp the misses must outweigh all hits: a table that was seen for one hour needs about two hours to
           disappear. The clamp limits the certainty of a cell, so the number of misses needed is always the same. The
-          price: evidence beyond the limit is lost, and a correct cell can be changed as quickly as a wrong one. OctoMap
-          also compresses by it: cells at the limit are equal, so eight of them become one (
+          price: a correct cell can be changed as quickly as a wrong one. OctoMap also compresses by it: cells at the
+          limit are equal, so eight of them become one (
           <SectionLink to="octree" />
           ).
         </p>

@@ -14,9 +14,8 @@ export function GraphSection({ id, number, title }: SectionHead) {
           <p>
             The solution has the least sum of squared residuals, each in standard deviations, eᵀ Ω e. Least squares
             follow the <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A{" "}
-            <b>robust kernel</b> reduces the weight of loops with large residuals. Its scale is large at first, so that
-            no loop is rejected, and shrinks while the graph is solved. A kernel cannot tell a wrong loop that nothing
-            contradicts from a right one.
+            <b>robust kernel</b> reduces the weight of loops with large residuals. A kernel cannot tell a wrong loop
+            that nothing contradicts from a right one.
           </p>
           <p>“Heal” on a log’s page does this with every scan.</p>
         </>

@@ -18,7 +18,7 @@ export function InflationSection({ id, number, title }: SectionHead) {
         <p>
           A <b>larger</b> cost_scaling_factor makes the cost fall <b>faster</b>, so paths come closer to walls. A door
           narrower than twice the inscribed radius is closed, whatever the factor. With a small inflation radius paths
-          cut corners; a wide, gentle curve keeps them in the middle of a room.
+          cut corners.
         </p>
       }
     >

@@ -32,8 +32,7 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
           </p>
           <p>
             In AMCL both rates are 0 by default, and it does not recover; its documentation suggests 0.001 and 0.1. A
-            sensor that is blocked for a while also gives poor weights: too strong a reaction scatters particles that
-            were right.
+            sensor that is blocked also gives poor weights: too strong a reaction scatters particles that were right.
           </p>
         </>
       }

@@ -19,8 +19,7 @@ export function LayersSection({ id, number, title }: SectionHead) {
           The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass; by default
           Nav2 marks up to 2.5 m and clears up to 3 m. It cannot clear a wall of the static layer, because the greater
           cost counts. The <b>dynamic layer</b> removes what has not been seen for some time; in Nav2 that takes the
-          spatio-temporal voxel layer. A painted zone lies below the inflation here; Nav2’s keepout filter comes after
-          all layers and is not inflated.
+          spatio-temporal voxel layer.
         </p>
       }
     >

@@ -17,8 +17,7 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
       after={
         <p>
           The lifetime is a choice between two errors. Too short: a person who is out of view for a moment is removed
-          although still there. Too long: the robot drives around something that is gone. The dotted line is the path
-          without the table.
+          although still there. Too long: the robot drives around something that is gone.{" "}
         </p>
       }
     >

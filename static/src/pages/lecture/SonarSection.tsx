@@ -23,9 +23,9 @@ export function SonarSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The <b>Bayes filter</b>, cell by cell, counts every cell of the arc as hit: the evidence of one echo is
-            added once for each of them. Other cones pass most of these cells and correct them. What remains is under
-            the cross: arcs from both sides of the open door lie across it, and the map shows a wall there.
+            The <b>Bayes filter</b>, cell by cell, adds the evidence of one echo to every cell of the arc. Other cones
+            pass most of these cells and correct them; where arcs from both sides lie across the open door, the map
+            shows a wall.
           </p>
           <p>
             <b>Moravec and Elfes</b> stored two numbers per cell. The certainty that the arc is occupied is cancelled

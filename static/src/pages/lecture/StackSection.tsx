@@ -16,9 +16,8 @@ export function StackSection({ id, number, title }: SectionHead) {
       sources={["slam-toolbox", "amcl", "nav2-costmap"]}
       after={
         <p>
-          Each part relies on the one before. A map with double walls gives poor weights; a wrong pose puts the obstacle
-          layer’s marks beside the walls and closes doors; a path avoids a table in the saved map for good. When a robot
-          does not find its way, check the parts in this order.
+          Each part relies on the one before: double walls give poor weights, a wrong pose closes doors, a table in the
+          saved map is avoided for good. When a robot does not find its way, check the parts in this order.
         </p>
       }
     >
