@@ -81,8 +81,9 @@ $(VENV)/.lab: $(VENV)/.installed $(wildcard mapper/*/kernels/*.py)
 kernels: setup ## compile every kernel once, so that no test waits for it
 	$(BIN)/python -m mapper.tools.precompile
 
-programs: setup ## find Chromium, PostgreSQL and HAProxy, or install them where that is possible
+programs: setup ## find browsers, PostgreSQL and HAProxy, or install them where that is possible
 	$(BIN)/python -m tests.browser.find_chromium
+	$(BIN)/python -m tests.browser.engines.programs
 	$(BIN)/python -m tests.server.library.postgresql
 	$(BIN)/python -m tests.haproxy
 

@@ -15,8 +15,8 @@ from mapper.costmap.keepout_layer import KeepoutLayer
 from mapper.costmap.layered import LayeredCostmap
 from mapper.costmap.layers import InflationLayer, Layer, ObstacleLayer, StaticLayer
 from mapper.costmap.masks import Mask
+from mapper.costmap.nav2_costmap import NamedLayer, Nav2Costmap
 from mapper.costmap.nav2_filters import NamedFilter
-from mapper.costmap.nav2_parameters import NamedLayer, Nav2Costmap
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,
@@ -47,7 +47,7 @@ class BuiltCostmap:
     """A costmap with those of its layers that are given observations, painted or asked.
 
     ``unmasked`` are the names of filters without a mask, which have no effect. ``given`` are layers whose costs have to
-    be set, by their names; without costs they have no effect.
+    be set, by their names; without costs they have no effect. ``observed`` are the names of ``obstacles``.
     """
 
     costmap: LayeredCostmap
@@ -56,6 +56,7 @@ class BuiltCostmap:
     speed: tuple[SpeedFilter, ...] = ()
     unmasked: tuple[str, ...] = field(default=())
     given: Mapping[str, GivenLayer] = field(default_factory=dict)
+    observed: tuple[str, ...] = ()
 
 
 def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) -> dict[str, Mask]:
@@ -76,7 +77,7 @@ def load_masks(parameters: Nav2Costmap, folder: Path, frame: str | None = None) 
                     f"The mask {one.mask!r:.80} of {one.name} is in the frame {stated!r:.80}, the map in "
                     f"{frame!r:.80}: all layers must be in one frame.",
                 )
-            masks[one.name] = Mask(loaded.grid.geometry, loaded.values)
+            masks[one.name] = Mask(loaded.grid.geometry, loaded.values, loaded.notes)
     return masks
 
 
@@ -103,6 +104,8 @@ def build_costmap(
     keepout = KeepoutLayer(geometry, name="painted_keepout" if _keepouts(parameters) else "keepout_filter")
     masks = masks or {}
 
+    observed: list[str] = []
+
     def add_keepouts(place: list[Layer], n_below: int | None) -> None:
         used = [one for one in _keepouts(parameters) if one.below == n_below and one.enabled and one.name in masks]
         place.extend(KeepoutLayer(geometry, masks[one.name], one.name) for one in used)
@@ -124,6 +127,7 @@ def build_costmap(
                 place.append(given[named.name])
         elif isinstance(config, ObstacleConfig):
             obstacles.append(_observed(geometry, config, general))
+            observed.append(named.name)
             place.append(obstacles[-1])
     if inflation is None:
         below.append(keepout)
@@ -137,7 +141,7 @@ def build_costmap(
     )
     unmasked = tuple(one.name for one in parameters.filters if one.name not in masks)
     built = LayeredCostmap(geometry, parameters.general, outline, below, inflation, above)
-    return BuiltCostmap(built, tuple(obstacles), keepout, speed, unmasked, given)
+    return BuiltCostmap(built, tuple(obstacles), keepout, speed, unmasked, given, tuple(observed))
 
 
 def _keepouts(parameters: Nav2Costmap) -> list[NamedFilter]:

@@ -19,11 +19,12 @@ Values = TypeVar("Values", Int8Array, UInt8Array)
 class Mask:
     """Values (rows, cols) int8, 0 … 100 or −1 for none, over the cells of a geometry of their own.
 
-    Raises :class:`ConfigError` for another shape.
+    ``notes`` are those of the reader of its file. Raises :class:`ConfigError` for another shape.
     """
 
     geometry: GridGeometry
     values: Int8Array
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.values.shape != self.geometry.shape:

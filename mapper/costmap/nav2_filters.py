@@ -6,11 +6,12 @@ costmap filter info server, that server names the topic of the mask, and a map s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from mapper.core.errors import ConfigError
+from mapper.io.ros_parameters import nodes_of
 
 KINDS = {"KeepoutFilter": "keepout", "SpeedFilter": "speed", "BinaryFilter": "binary"}
 _PLUGIN_OF = {kind: plugin for plugin, kind in KINDS.items()}
@@ -59,9 +60,10 @@ def named_filter(root: Mapping[str, Any], name: str, block: object, where: str, 
     if not isinstance(enabled, bool):
         raise ConfigError("nav2.value", f"{where}.enabled must be true or false, not {enabled!r:.40}.")
     topic = _topic(block.get("filter_info_topic", _DEFAULT_TOPIC))
-    for node, info in _nodes(root):
+    for path, info in nodes_of(root):
         if "mask_topic" in info and _topic(info.get("filter_info_topic", _DEFAULT_TOPIC)) == topic:
-            return NamedFilter(name, kind, _mask_file(root, info["mask_topic"]), *_info(info, node), enabled, below)
+            mask = _mask_file(root, info["mask_topic"])
+            return NamedFilter(name, kind, mask, *_info(info, "/".join(path)), enabled, below)
     return NamedFilter(name, kind, None, 1 if kind == "speed" else 0, enabled=enabled, below=below)
 
 
@@ -94,22 +96,14 @@ def _topic(value: object) -> str:
     return str(value).strip("/")
 
 
-def _nodes(root: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the name and the parameters of each node of a file."""
-    for name, value in root.items():
-        if isinstance(value, dict):
-            inner = value.get("ros__parameters")
-            if isinstance(inner, dict):
-                yield str(name), inner
-            yield from _nodes(value)
-
-
 def _mask_file(root: Mapping[str, Any], mask_topic: object) -> str | None:
-    for node, given in _nodes(root):
+    for node, given in nodes_of(root):
         if "yaml_filename" in given and _topic(given.get("topic_name", "map")) == _topic(mask_topic):
             path = given["yaml_filename"]
             if not isinstance(path, str):
-                raise ConfigError("nav2.mask", f"{node}.yaml_filename must be the name of a file, not {path!r:.80}.")
+                raise ConfigError(
+                    "nav2.mask", f"{'/'.join(node)}.yaml_filename must be the name of a file, not {path!r:.80}."
+                )
             return path or None
     return None
 

@@ -6,6 +6,7 @@ Source: the design articles of ROS 2, Parameter YAML files.
 from __future__ import annotations
 
 import os
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -62,19 +63,78 @@ def parse_ros_parameters(data: bytes) -> dict[str, Any]:
     return root
 
 
-def find_node(root: dict[str, Any], names: tuple[str, ...]) -> tuple[str, dict[str, Any]] | None:
+WILDCARDS = ("*", "**")  #: names of nodes that stand for one name, or for any names
+
+
+def nodes_of(root: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
+    """Yield the name with its namespaces, and the parameters, of each node of a file's mapping, in its order.
+
+    A node is what holds ``ros__parameters``. Namespaces are keys, or parts of a fully qualified name with ``/``, as
+    ``ros2 param dump`` writes it; a parameter's name may have dots, each of which is a level. Raises
+    :class:`ReadError` for a name that is given a value and parameters of its own.
+    """
+    yield from _nodes_below(root, ())
+
+
+def _nodes_below(given: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
+    for key, value in given.items():
+        if not isinstance(value, dict):
+            continue
+        if key == "ros__parameters":
+            yield path, _with_levels(value, "/".join(path))
+        else:
+            yield from _nodes_below(value, (*path, *(part for part in str(key).split("/") if part)))
+
+
+def _with_levels(given: Mapping[Any, Any], where: str) -> dict[str, Any]:
+    """Return parameters with a level for each dot in their names."""
+    made: dict[str, Any] = {}
+    for name, value in given.items():
+        inner = _with_levels(value, where) if isinstance(value, dict) else value
+        first, *rest = str(name).split(".") if ".." not in f".{name}." else [str(name)]
+        if len(rest) >= MAX_DEPTH:
+            raise ReadError("parameters.depth", f"{where}: A name has more than {MAX_DEPTH} levels.")
+        for level in reversed(rest):
+            inner = {level: inner}
+        made[first] = _joined(made[first], inner, f"{where}: {first:.80}") if first in made else inner
+    return made
+
+
+def _joined(one: object, other: object, where: str) -> object:
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one | {key: _joined(one[key], value, where) if key in one else value for key, value in other.items()}
+    if isinstance(one, dict) or isinstance(other, dict):
+        raise ReadError("parameters.levels", f"{where} has a value, and parameters below it.")
+    return other
+
+
+def find_node(
+    root: Mapping[str, Any], names: tuple[str, ...], declared: Collection[str] = ()
+) -> tuple[str, dict[str, Any]] | None:
     """Return the parameters of the first node of ``names`` in a file's mapping, and its name.
 
-    The ``ros__parameters`` may be below namespaces, in any depth. None where no such node is in the file.
+    The node may be below namespaces, in any depth. What the file says of all nodes (``/**``) is taken where it is one
+    of the names that the node ``declared``, or a block, and the node itself has no other value. A file that only says
+    something of all nodes is of the first of the names if it has a declared name. None where no such node is in the
+    file. Raises :class:`ReadError` as :func:`nodes_of`.
     """
+    of_all: dict[str, Any] = {}
+    found: dict[str, dict[str, Any]] = {}
+    for path, parameters in nodes_of(root):
+        last = path[-1] if path else ""
+        if last in WILDCARDS:
+            of_all |= {key: one for key, one in parameters.items() if key in declared or isinstance(one, dict)}
+        elif last in names:
+            found.setdefault(last, parameters)
     for name in names:
-        found = value_below(root, name)
-        while isinstance(found, dict):
-            inner = found.get("ros__parameters")
-            if isinstance(inner, dict):
-                return name, inner
-            found = found.get(name)
-    return None
+        if name in found:
+            return name, of_all | found[name]
+    return (names[0], of_all) if of_all.keys() & set(declared) else None
+
+
+def node_names(root: Mapping[str, Any]) -> list[str]:
+    """Return the names of the nodes of a file's mapping, each once, in its order."""
+    return list(dict.fromkeys("/".join(path) for path, _ in nodes_of(root)))
 
 
 def value_below(root: dict[str, Any], name: str) -> Any:  # noqa: ANN401 - what yaml holds

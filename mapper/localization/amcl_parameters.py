@@ -16,6 +16,7 @@ from typing import Any, Literal
 import yaml
 
 from mapper.core.errors import ConfigError, ReadError
+from mapper.io.nav2_declared import AMCL, NODE, undeclared
 from mapper.io.ros_parameters import MAX_DEPTH, find_node, parse_ros_parameters, read_parameter_file, value_below
 from mapper.io.untrusted_yaml import load_untrusted
 from mapper.localization.parameters import BY_NAME, LocalizationConfig
@@ -46,30 +47,20 @@ OWN_ROWS = (
     "annealing_stages", "global_particles", "independent_beams", "least_effective", "reset_below",
     "selective_resampling",
 )  # fmt: skip
-#: What AMCL's yamls have that does not change where the robot is found: frames, topics, rates, where it starts.
-_OTHER = frozenset(
-    re.findall(
-        r"\w+",
-        "always_reset_initial_pose base_frame_id beam_skip_distance beam_skip_error_threshold beam_skip_threshold "
-        "do_beamskip first_map_only freespace_downsampling force_update_after_initialpose force_update_after_set_map "
-        "global_frame_id gui_publish_rate initial_cov_aa initial_cov_xx initial_cov_yy initial_pose initial_pose_a "
-        "initial_pose_x initial_pose_y introspection_mode map_topic odom_frame_id random_seed save_pose_rate "
-        "scan_topic service_introspection_mode set_initial_pose tf_broadcast transform_tolerance use_map_topic "
-        "use_sim_time bond_heartbeat_period std_warn_level_enabled qos_overrides",
-    )
-)
 
 
 @dataclass(frozen=True, slots=True)
 class AmclParameters:
     """Contents of an AMCL yaml: the parameters, the layout, and keys that do not affect the estimate.
 
-    ``others`` are the values of that by their names, which :func:`amcl_yaml` writes again.
+    ``others`` are the values of that by their names, which :func:`amcl_yaml` writes again. ``notes`` are sentences on
+    names that AMCL does not declare.
     """
 
     config: LocalizationConfig
     layout: Layout
     others: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def ignored(self) -> tuple[str, ...]:
@@ -87,13 +78,14 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
 
     Values that it leaves out are AMCL's defaults, those of ROS 1 for its layout. Rows that AMCL lacks are read from the
     remarks in which :func:`amcl_yaml` writes them. Raises :class:`ReadError` for text
-    that is no such yaml, and for an invalid value, and :class:`ConfigError` for a name that AMCL does not have and
-    a value that is impossible, as well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
+    that is no such yaml, and for an invalid value, and :class:`ConfigError` for a value that is impossible, as
+    well as what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
     values, layout = _node(parse_ros_parameters(data))
     names = _NAV2_NAMES if layout == "nav2" else _ROS1_NAMES
     given: dict[str, Any] = {}
     others = {}
+    notes = []
     for name, value in (values | _remarks(data)).items():
         own = names.get(name, name)
         if own in BY_NAME:
@@ -101,16 +93,16 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
         elif is_other(name):
             others[name] = _checked_other(name, value)
         else:
-            raise ConfigError("amcl.unknown", f"AMCL has no parameter {name!r:.80}.")
+            notes.append(undeclared("amcl", name, {*AMCL, *BY_NAME, *names}))
     start = LocalizationConfig() if layout == "nav2" else LocalizationConfig().with_values(ROS1_DEFAULTS)
     if layout == "nav2" and "laser_model_type" not in given:
         given["laser_model_type"] = "likelihood_field"
-    return AmclParameters(start.with_values(given), layout, others)
+    return AmclParameters(start.with_values(given), layout, others, tuple(notes))
 
 
 def is_other(name: str) -> bool:
     """Return whether AMCL has a parameter of that name that does not change where the robot is found."""
-    return name.partition(".")[0] in _OTHER
+    return name.partition(".")[0] in AMCL | NODE
 
 
 def _checked_other(name: str, value: object, depth: int = 0) -> object:
@@ -144,7 +136,7 @@ def _remarks(data: bytes) -> dict[str, Any]:
 
 def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
     """Return AMCL's parameters: of ``amcl: ros__parameters:`` anywhere, of ``amcl:``, or the file's own keys."""
-    found = find_node(root, ("amcl",))
+    found = find_node(root, ("amcl",), {*BY_NAME, *_NAV2_NAMES, *AMCL} - {"transform_tolerance", "map_topic"})
     if found is not None:
         return _named(found[1]), "nav2"
     named = value_below(root, "amcl")
@@ -154,6 +146,9 @@ def _node(root: dict[str, Any]) -> tuple[dict[str, Any], Layout]:
     if not top:
         raise ReadError("amcl.yaml", "The yaml has no parameters of AMCL: no 'amcl' with 'ros__parameters', no names.")
     values = _named(top)
+    if top is root and not values.keys() & {*AMCL, *BY_NAME, *_NAV2_NAMES, *_ROS1_NAMES}:
+        has = ", ".join(map(repr, values))
+        raise ReadError("amcl.yaml", f"The yaml has no parameters of AMCL: it has {has:.80}.")
     is_ros1 = any(name in _ROS1_NAMES or name == "laser_max_beams" for name in values)
     return values, "ros1" if is_ros1 else "nav2"
 

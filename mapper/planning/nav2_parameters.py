@@ -13,6 +13,7 @@ import yaml
 
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter
+from mapper.io.nav2_declared import NAVFN, PURSUIT, undeclared
 from mapper.io.ros_parameters import find_node, parse_ros_parameters
 from mapper.planning.parameters import PLANNER_PARAMETERS, PURSUIT_PARAMETERS, PlannerConfig, PursuitConfig
 
@@ -23,17 +24,6 @@ _NAVFN = "nav2_navfn_planner::NavfnPlanner"
 _PURSUIT = "nav2_regulated_pure_pursuit_controller::RegulatedPurePursuitController"
 _RENAMED = {"max_linear_vel": "desired_linear_vel"}  #: the name since the release after Kilted, and the one before
 _NAMES = ("tolerance", "use_astar", "allow_unknown")  #: the other two rows are constants in Nav2
-_WITHOUT_EFFECT = frozenset(("plugin", "use_final_approach_orientation"))
-#: What Nav2's follower has besides: slowing near obstacles, collisions, lookahead by speed, reversing.
-_NOT_OF_PURSUIT = frozenset((
-    "plugin", "min_lookahead_dist", "max_lookahead_dist", "lookahead_time", "use_velocity_scaled_lookahead_dist",
-    "transform_tolerance", "use_collision_detection", "max_allowed_time_to_collision_up_to_carrot",
-    "use_cost_regulated_linear_velocity_scaling", "cost_scaling_dist", "cost_scaling_gain",
-    "inflation_cost_scaling_factor", "regulated_linear_scaling_max_radius", "use_fixed_curvature_lookahead",
-    "curvature_lookahead_dist", "allow_reversing", "max_angular_accel", "max_robot_pose_search_dist",
-    "interpolate_curvature_after_goal", "use_cancel_deceleration", "cancel_deceleration", "use_interpolation",
-    "min_distance_to_obstacle", "stateful", "use_path_aware_obstacle_distance",
-))  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +32,7 @@ class Nav2Path:
 
     ``planner_name`` and ``follower_name`` are their names among the plugins. ``others`` are the parameters of both
     nodes that have no effect here, by their path: (node, name) or (node, plugin, name), which :func:`nav2_path_yaml`
-    writes again.
+    writes again. ``notes`` are sentences on names that Nav2 does not declare.
     """
 
     planner: PlannerConfig = field(default_factory=PlannerConfig)
@@ -50,6 +40,7 @@ class Nav2Path:
     planner_name: str = "GridBased"
     follower_name: str = "FollowPath"
     others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def unused(self) -> tuple[str, ...]:
@@ -60,8 +51,9 @@ class Nav2Path:
 def parse_nav2_path(data: bytes) -> Nav2Path:
     """Return the first NavFn of ``planner_plugins`` and the first Regulated Pure Pursuit of ``controller_plugins``.
 
-    Nav2's defaults where the file has none. Raises :class:`ConfigError`, which names the parameter with its path, for
-    an unknown name and an impossible value, and what :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
+    Nav2's defaults where the file has none; a name that Nav2 does not declare has a note. Raises :class:`ConfigError`,
+    which names the parameter with its path, for an impossible value, and what
+    :func:`mapper.io.ros_parameters.parse_ros_parameters` raises.
     """
     return path_of(parse_ros_parameters(data))
 
@@ -72,9 +64,10 @@ def path_of(root: dict[str, Any]) -> Nav2Path:
     As :func:`parse_nav2_path`, for who reads more from the file.
     """
     others: dict[tuple[str, ...], Any] = {}
-    planner_name, planner = _plugin(root, NODE, "NavfnPlanner", _TABLES[0], _WITHOUT_EFFECT, others)
+    notes: list[str] = []
+    planner_name, planner = _plugin(root, NODE, "NavfnPlanner", _TABLES[0], NAVFN, others, notes)
     follower_name, follower = _plugin(
-        root, CONTROLLER, "RegulatedPurePursuitController", _TABLES[1], _NOT_OF_PURSUIT, others
+        root, CONTROLLER, "RegulatedPurePursuitController", _TABLES[1], PURSUIT, others, notes
     )
     return Nav2Path(
         replace(PlannerConfig(), **planner),
@@ -82,6 +75,7 @@ def path_of(root: dict[str, Any]) -> Nav2Path:
         planner_name or _free_name(others, NODE, "GridBased", "NavFn"),
         follower_name or _free_name(others, CONTROLLER, "FollowPath", "RegulatedPurePursuit"),
         others,
+        tuple(notes),
     )
 
 
@@ -117,14 +111,16 @@ def _plugin(
     node: str,
     kind: str,
     table: tuple[Parameter, ...],
-    without_effect: Collection[str],
+    declared: Collection[str],
     others: dict[tuple[str, ...], Any],
+    notes: list[str],
 ) -> tuple[str | None, dict[str, Any]]:
     """Return the name and the values of the first plugin of a kind in a node's list; None where it has none.
 
-    What else the node has is put into ``others``.
+    What else the node has is put into ``others``, sentences on names that Nav2 does not declare into ``notes``.
     """
-    found, key = find_node(root, (node,)), _LISTS[node]
+    key = _LISTS[node]
+    found = find_node(root, (node,), (key,))
     given = {**found[1]} if found else {}
     names = given.get(key, [])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
@@ -139,10 +135,10 @@ def _plugin(
                 values[parameter] = rows[parameter].check(value)
             except ConfigError as error:
                 raise ConfigError("nav2.value", f"{node}.{own}.{name}: {error.message}") from error
-        elif parameter not in without_effect:
-            raise ConfigError("nav2.unknown", f"{node}.{own}: There is no parameter {name!r:.80}.")
         elif own and name != "plugin":
             others[node, own, name] = value
+            if name not in declared:
+                notes.append(undeclared(f"{node}.{own}", name, {*declared, *rows}))
     others |= {(node, str(name)): value for name, value in given.items()}
     return own, values
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -95,6 +95,12 @@ def _instead_of(path: Path, code: str) -> str | None:
 def print_json(values: dict[str, Any]) -> None:
     """Print one object on one line; numbers that JSON lacks must have been replaced."""
     typer.echo(json.dumps(values, allow_nan=False, ensure_ascii=False))
+
+
+def print_notes(notes: Iterable[str]) -> None:
+    """Print a line for each note."""
+    for note in notes:
+        typer.echo(f"  note: {note}")
 
 
 def _option(row: Parameter) -> inspect.Parameter:

@@ -8,14 +8,17 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, print_json, refusing
+from server.cli.common import AsJson, print_json, print_notes, refusing
 from server.cli.filter_masks import (
+    UNKNOWN_AS_FREE,
     KeepoutMask,
     SpeedAbsolute,
     SpeedBase,
     SpeedMask,
     SpeedMultiplier,
     SpeedScale,
+    count_unknown_as_free,
+    notes_on_masks,
     with_masks,
 )
 
@@ -71,9 +74,7 @@ def costmap(
             files.append(mcap)
     counts = np.bincount(costs.ravel(), minlength=256)
     outline = built.costmap.footprint
-    unknown_as_free = 0
-    if not parameters.general.track_unknown_space:
-        unknown_as_free = int(((loaded.values < 0) & (costs < LETHAL)).sum())
+    unknown_as_free = count_unknown_as_free(parameters, loaded.values, costs)
     facts: dict[str, Any] = {
         "map": str(map_yaml),
         "node": parameters.node,
@@ -91,6 +92,8 @@ def costmap(
         "without_mask": list(built.unmasked),
         "speed_limited": sum(int((one.mask.on(loaded.grid.geometry) > 0).sum()) for one in built.speed),
         "without_costs": list(built.given),
+        "without_readings": list(built.observed),
+        "notes": [*loaded.notes, *parameters.notes, *notes_on_masks(masks)],
         "files": [str(path) for path in files],
     }
     if as_json:
@@ -106,7 +109,7 @@ def costmap(
         f"{facts['free']} free, {facts['no_information']} no information"
     )
     if unknown_as_free:
-        typer.echo(f"  {unknown_as_free} cells are unknown in the map and count as free: track_unknown_space is off")
+        typer.echo(f"  {UNKNOWN_AS_FREE.format(unknown_as_free)}")
     if parameters.unused:
         typer.echo(f"  parameters that change no cost here: {', '.join(parameters.unused)}")
     if built.speed:
@@ -115,5 +118,8 @@ def costmap(
         typer.echo(f"  filters without a mask: {', '.join(built.unmasked)}")
     if built.given:
         typer.echo(f"  layers without costs, which a terrain gives on the page: {', '.join(built.given)}")
+    if built.observed:
+        typer.echo(f"  layers without effect here, which take the readings of sensors: {', '.join(built.observed)}")
     for path in facts["files"]:
         typer.echo(f"  wrote {path}")
+    print_notes(facts["notes"])

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, print_json, refusing
+from server.cli.common import AsJson, print_json, print_notes, refusing
 
 
 @app.command()
@@ -42,6 +42,7 @@ def edit(
         "keepout_cells": int((edited.keepout > 0).sum()),
         "speed_cells": int((edited.speed > 0).sum()),
         "files": [str(path) for path in paths],
+        "notes": list(loaded.notes),
     }
     if as_json:
         print_json(facts)
@@ -50,3 +51,4 @@ def edit(
     typer.echo(f"{len(operations)} edits, {geometry.size_text} cells, {zones}")
     for path in paths:
         typer.echo(f"  wrote {path}")
+    print_notes(loaded.notes)

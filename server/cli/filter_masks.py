@@ -12,8 +12,9 @@ import typer
 from server.cli.common import refusing
 
 if TYPE_CHECKING:
+    from mapper.core.array_types import Int8Array, UInt8Array
     from mapper.costmap import Mask
-    from mapper.costmap.nav2_parameters import Nav2Costmap
+    from mapper.costmap.nav2_costmap import Nav2Costmap
 
 KeepoutMask = Annotated[
     Path | None,
@@ -30,6 +31,9 @@ SpeedMultiplier = Annotated[float, typer.Option("--speed-multiplier", help="See 
 SpeedAbsolute = Annotated[
     bool, typer.Option("--speed-absolute/--speed-percentage", help="Whether speed limits are m/s, or % of the speed.")
 ]
+
+
+UNKNOWN_AS_FREE = "{} cells are unknown in the map and count as free: track_unknown_space is off"
 
 
 class SpeedScale(NamedTuple):
@@ -66,3 +70,15 @@ def with_masks(
         with refusing(path):
             masks |= load_masks(replace(parameters, filters=(one,)), path.parent, frame)
     return replace(parameters, filters=(*parameters.filters, *(one for _, one in added))), masks
+
+
+def notes_on_masks(masks: Mapping[str, Mask]) -> list[str]:
+    """Return the notes of the readers of the masks' files."""
+    return [f"{name}: {note}" for name, mask in masks.items() for note in mask.notes]
+
+
+def count_unknown_as_free(parameters: Nav2Costmap, values: Int8Array, costs: UInt8Array) -> int:
+    """Return how many cells that a map does not know a costmap's costs (rows, cols) have as free, or as near a wall."""
+    from mapper.costmap.costs import LETHAL  # noqa: PLC0415 - start-up
+
+    return 0 if parameters.general.track_unknown_space else int(((values < 0) & (costs < LETHAL)).sum())

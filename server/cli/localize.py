@@ -70,7 +70,7 @@ def localize(
     begin = None
     if initial_pose is not None:
         begin = numbers("--initial-pose", "three numbers, X,Y,YAW in metres and radians", 3, initial_pose)
-    config, ignored = _configured(params, values or [])
+    config, of_parameters = _configured(params, values or [])
     with refusing(map_file):
         loaded = load_map(map_file)
         if begin is not None:
@@ -94,9 +94,7 @@ def localize(
             remedy = NO_ODOMETRY.format(log=log) if error.code == "localization.no_odometry" else ""
             fail(f"{log} in {map_file}: {error.message}{remedy}")
     written = [] if out is None else _write(out, scans, found, loaded.description.frame or "map")
-    notes = [*scans.notes, *loaded.notes]
-    if ignored:
-        notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(ignored)}.")
+    notes = [*scans.notes, *loaded.notes, *of_parameters]
     first = found.first_converged
     if first is not None and (uncertain := doubt(found, first)):
         notes.append(uncertain)
@@ -145,17 +143,22 @@ def doubt(found: Localized, first: int) -> str | None:
     )
 
 
-def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationConfig, tuple[str, ...]]:
-    """Return the parameters of a yaml with those given as NAME=VALUE replaced, or end the command with an error."""
+def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationConfig, list[str]]:
+    """Return the parameters of a yaml with those given as NAME=VALUE replaced, and notes on the yaml.
+
+    An error ends the command.
+    """
     from mapper.localization import PARAMETERS, LocalizationConfig, read_amcl_yaml  # noqa: PLC0415 - start-up
     from server.cli.common import value_of  # noqa: PLC0415 - start-up
 
     config = LocalizationConfig()
-    ignored: tuple[str, ...] = ()
+    notes: list[str] = []
     if params is not None:
         with refusing(params):
             read = read_amcl_yaml(params)
-        config, ignored = read.config, read.ignored
+        config, notes = read.config, [*read.notes]
+        if read.ignored:
+            notes.append(f"Of the parameters, these say nothing about where the robot is: {', '.join(read.ignored)}.")
     rows = {row.name: row for row in PARAMETERS}
     given: dict[str, Any] = {}
     for one in values:
@@ -165,7 +168,7 @@ def _configured(params: Path | None, values: list[str]) -> tuple[LocalizationCon
         name = name.strip().replace("-", "_")
         given[name] = value_of(rows[name], text.strip()) if name in rows else text
     try:
-        return config.with_values(given), ignored
+        return config.with_values(given), notes
     except MapperError as error:
         fail(error.message)
 

@@ -14,7 +14,17 @@ import typer
 from mapper.core.errors import MapperError
 from mapper.matching.parameters import MAP_CONFIG, METHODS, MatchConfig
 from server.cli.app import app
-from server.cli.common import AsJson, TopicName, TrajectoryName, fail, numbers, print_json, read_log, refusing
+from server.cli.common import (
+    AsJson,
+    TopicName,
+    TrajectoryName,
+    fail,
+    numbers,
+    print_json,
+    print_notes,
+    read_log,
+    refusing,
+)
 
 if TYPE_CHECKING:
     from mapper.grid import OccupancyGrid
@@ -78,10 +88,11 @@ def match(
     began = time.process_time()
     if is_map:
         begin = begin or [0.0, 0.0, 0.0]
-        found = _match_maps(one, other, begin, config, topic, trajectory)
+        found, notes = _match_maps(one, other, begin, config, topic, trajectory)
     else:
+        notes = []
         begin, found = _match_scans(one, other, begin, config, topic, trajectory)
-    _print(one, other, begin, config, found, time.process_time() - began, as_json=as_json)
+    _print(one, other, begin, config, found, time.process_time() - began, notes, as_json=as_json)
 
 
 def _sides(first: str, second: str | None, scans: tuple[int, int] | None) -> tuple[Side, Side]:
@@ -134,16 +145,18 @@ def _index(side: Side, log: ScanLog) -> int:
 
 def _match_maps(
     one: Side, other: Side, guess: list[float], config: MatchConfig, topic: str | None, trajectory: str | None
-) -> Match:
+) -> tuple[Match, list[str]]:
+    """Return the match, and the notes on map files."""
     from mapper.matching import match_maps  # noqa: PLC0415 - start-up
 
-    first, second = (_grid(side.path, topic, trajectory) for side in (one, other))
+    (first, of_first), (second, of_second) = (_grid(side.path, topic, trajectory) for side in (one, other))
+    notes = [f"{side.path.name}: {note}" for side, of in ((one, of_first), (other, of_second)) for note in of]
     with refusing(other.path):
-        return match_maps(first, second, np.array(guess), config)
+        return match_maps(first, second, np.array(guess), config), notes
 
 
-def _grid(path: Path, topic: str | None, trajectory: str | None) -> OccupancyGrid:
-    """Return the map of a map file, or that of a log by its poses."""
+def _grid(path: Path, topic: str | None, trajectory: str | None) -> tuple[OccupancyGrid, tuple[str, ...]]:
+    """Return the map of a map file with the notes on it, or that of a log by its poses."""
     from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415 - start-up
@@ -152,18 +165,20 @@ def _grid(path: Path, topic: str | None, trajectory: str | None) -> OccupancyGri
 
     if path.suffix.lower() in {".yaml", ".yml"} or not is_log(path):
         with refusing(path):
-            return load_map(path).grid
+            loaded = load_map(path)
+        return loaded.grid, loaded.notes
     log = read_log(path, topic)
     with refusing(path):
         config = MappingConfig().with_values(sensor_defaults(log.beam_width, {}))
         grid = grid_for(log, config, trajectory)
         integrate_log(grid, log, config, trajectory)
-    return grid
+    return grid, ()
 
 
 def _print(
-    one: Side, other: Side, guess: list[float], config: MatchConfig, found: Match, seconds: float, *, as_json: bool
-) -> None:
+    one: Side, other: Side, guess: list[float], config: MatchConfig, found: Match, seconds: float,
+    notes: list[str], *, as_json: bool,
+) -> None:  # fmt: skip
     direction = None if found.unknown_direction is None else found.unknown_direction.tolist()
     if as_json:
         print_json(
@@ -187,6 +202,7 @@ def _print(
                     for pose, score in zip(found.candidates, found.scores, strict=True)
                 ],
                 "cpu_seconds": round(seconds, 4),
+                "notes": notes,
             }
         )
         return
@@ -206,3 +222,4 @@ def _print(
             f"  degenerate: hardly anything tells how far it is along ({a:.2f} m, {b:.2f} m, {math.degrees(c):.1f}°), "
             f"which has {100 * found.information:.1f} % of the information"
         )
+    print_notes(notes)

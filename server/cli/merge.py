@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from server.cli.app import app
-from server.cli.common import AsJson, fail, numbers, print_json, refusing
+from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.merge_logs import are_logs, merge_log_files
 
@@ -49,11 +49,12 @@ def merge(
         return
     if begin is not None:
         fail("--guess is for logs: map files are merged where their cells are.")
-    whole, frames = None, []
+    whole, frames, notes = None, [], []
     for path in maps:
         with refusing(path):
             loaded = load_map(path)
             whole = loaded.grid if whole is None else merged(whole, loaded.grid)
+        notes += [f"{path.name}: {note}" for note in loaded.notes]
         frames.append(loaded.description.frame)
         stated = {frame for frame in frames if frame is not None}
         if len(stated) > 1:
@@ -69,6 +70,7 @@ def merge(
         "origin": list(geometry.origin),
         **states(whole),
         "files": [str(path) for path in written],
+        "notes": notes,
     }
     if as_json:
         print_json(facts)
@@ -80,3 +82,4 @@ def merge(
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     for path in written:
         typer.echo(f"  wrote {path}")
+    print_notes(notes)

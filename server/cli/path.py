@@ -10,14 +10,17 @@ import typer
 
 from mapper.core.errors import MapperError
 from server.cli.app import app
-from server.cli.common import AsJson, fail, numbers, print_json, refusing
+from server.cli.common import AsJson, fail, numbers, print_json, print_notes, refusing
 from server.cli.filter_masks import (
+    UNKNOWN_AS_FREE,
     KeepoutMask,
     SpeedAbsolute,
     SpeedBase,
     SpeedMask,
     SpeedMultiplier,
     SpeedScale,
+    count_unknown_as_free,
+    notes_on_masks,
     with_masks,
 )
 
@@ -81,6 +84,9 @@ def path(
         built.costmap.update()
         found = plan_path(built.costmap.costs, loaded.grid.geometry, start_xy, goal_xy, config)
     greatest = nav2.pursuit.desired_linear_vel
+    unknown_as_free = count_unknown_as_free(parameters, loaded.values, built.costmap.costs)
+    rows, cols = loaded.grid.geometry.world_to_cell(found.points).T
+    in_unknown = int((loaded.values[rows, cols] < 0).sum())
     facts: dict[str, Any] = {
         "map": str(map_yaml),
         "length": round(found.length, 3),
@@ -91,6 +97,9 @@ def path(
         "without_effect": [*parameters.unused, *nav2.unused],
         "end": [round(float(value), 6) for value in found.points[-1]],
         "reaches_goal": found.reaches_goal,
+        "unknown_as_free": unknown_as_free,
+        "points_in_unknown": in_unknown,
+        "notes": [*loaded.notes, *parameters.notes, *nav2.notes, *notes_on_masks(masks)],
     }
     if out is not None:
         lines = "".join(f"{x:.6f},{y:.6f}\n" for x, y in found.points)
@@ -110,7 +119,12 @@ def path(
     if not found.reaches_goal:
         x, y = found.points[-1]
         typer.echo(f"  ends at ({x:.2f}, {y:.2f}), the nearest place to the goal that the robot can reach")
+    if unknown_as_free:
+        typer.echo(f"  {UNKNOWN_AS_FREE.format(unknown_as_free)}")
+    if in_unknown:
+        typer.echo(f"  {in_unknown} of the points are in cells that the map does not know")
     if facts["without_effect"]:
         typer.echo(f"  parameters without effect here: {', '.join(facts['without_effect'])}")
     if out is not None:
         typer.echo(f"  wrote {out}")
+    print_notes(facts["notes"])

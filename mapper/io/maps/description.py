@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path, PureWindowsPath
 from typing import get_args
 
 import yaml
@@ -26,7 +26,7 @@ _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "no": False, "
 
 @dataclass(frozen=True, slots=True)
 class MapDescription:
-    """Contents of the yaml: metres, radians; ``image`` is a path relative to the yaml's folder.
+    """Contents of the yaml: metres, radians; ``image`` is the path that the yaml states.
 
     ``frame`` is the map's frame where the yaml states it, as those that :func:`mapper.io.maps.save_map` writes do.
     """
@@ -142,7 +142,7 @@ def _negate(node: yaml.Node) -> bool:
 def _mode(node: yaml.Node | None) -> Mode:
     text = "trinary" if node is None else _scalar(node, "mode")
     for mode in get_args(Mode):
-        if text == mode:
+        if text.lower() == mode:  # as nav2_map_server compares it
             return mode  # type: ignore[no-any-return] # get_args gives Any
     raise ReadError("map.mode", f"The map's mode must be trinary, scale or raw, not {text!r:.40}.")
 
@@ -160,27 +160,33 @@ def _image(node: yaml.Node) -> str:
     name = _scalar(node, "image")
     if not name or "\0" in name:
         raise ReadError("map.image_name", f"The map's yaml names no image: {name!r:.40}.")
-    for kind in (PurePosixPath(name), PureWindowsPath(name)):
-        if kind.is_absolute() or kind.drive:
-            raise ReadError(
-                "map.image_outside", f"The map's yaml names an absolute path, {name!r:.80}; it must be in its folder."
-            )
-        if ".." in kind.parts:
-            raise ReadError("map.image_outside", f"The map's yaml names an image outside its own folder: {name!r:.80}.")
     return name
 
 
-def image_path(yaml_path: Path, name: str) -> Path:
-    """Return the path of the image; follows links, and refuses one that leads out of the yaml's folder."""
+def image_path(yaml_path: Path, name: str) -> tuple[Path, str | None]:
+    """Return the path of the image, and a note where it is not the one that the yaml names.
+
+    A file outside the yaml's folder is never read, whether named so or by way of a link. In place of one that is
+    outside or missing, the file of the same base name beside the yaml is taken: maps are moved together with their
+    image, and the path that the yaml states then stays that of the other computer. Raises :class:`ReadError`.
+    """
     folder = yaml_path.parent
-    path = folder / name
+    base = PureWindowsPath(name).name  # its separators are / and \
     try:
-        inside = path.resolve().is_relative_to(folder.resolve())
-        found = path.is_file()
+        root = folder.resolve()
+        named = folder / name
+        is_inside = named.resolve().is_relative_to(root)
+        if is_inside and named.is_file():
+            return named, None
+        beside = folder / base
+        has_beside = bool(base) and beside.is_file()
+        if has_beside and beside.resolve().is_relative_to(root):
+            return beside, f"The yaml names the image {name!r:.120}; {base!r:.80} beside the yaml is read in its place."
     except (OSError, ValueError, RuntimeError) as error:  # a loop of links, a name that is too long
         raise ReadError("map.image_missing", f"The image {name!r:.80} of the map cannot be found.") from error
-    if not inside:
-        raise ReadError("map.image_outside", f"The map's image {name!r:.80} is a link that leaves the folder.")
-    if not found:
-        raise ReadError("map.image_missing", f"The map's yaml names the image {name!r:.80}, which does not exist.")
-    return path
+    if has_beside:
+        raise ReadError("map.image_outside", f"The map's image {base!r:.80} is a link that leaves the folder.")
+    where = "which does not exist" if is_inside else "outside the yaml's own folder"
+    also = f", and there is no {base!r:.80} beside the yaml" if base and base != name else ""
+    code = "map.image_missing" if is_inside else "map.image_outside"
+    raise ReadError(code, f"The map's yaml names the image {name!r:.80}, {where}{also}.")

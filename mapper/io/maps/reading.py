@@ -65,7 +65,9 @@ class LoadedMap:
 
 
 def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> LoadedMap:
-    """Return the map that a yaml describes; its image is PGM, PNG or BMP in the same folder. Or a map of CMU's course.
+    """Return the map that a yaml describes, or a map of CMU's course; its image is PGM, PNG or BMP in the same folder.
+
+    An image that the yaml names elsewhere is that of the same base name beside the yaml, with a note.
 
     Raises :class:`ReadError`, naming the key or the image, and :class:`LimitError`, before anything large is decoded.
     """
@@ -83,12 +85,14 @@ def load_map(yaml_path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS)
     if data.startswith(_IMAGES):
         raise ReadError("map.no_yaml", f"The file {path.name!r} is an image: choose the yaml that names it.")
     description = parse_description(data, limits)
-    sums, n_channels, opaque = _shades(image_path(path, description.image), description, limits)
+    image, note = image_path(path, description.image)
+    sums, n_channels, opaque = _shades(image, description, limits)
     in_image_order = _values(sums, n_channels, opaque, description)
     values: NDArray[np.int8] = np.ascontiguousarray(GridGeometry.to_image(in_image_order), dtype=np.int8)
     rows, cols = values.shape
     geometry = GridGeometry(description.resolution, rows, cols, description.origin, limits)
-    return LoadedMap(grid_of_values(geometry, values), values, description, _notes(sums, n_channels, description))
+    notes = (note, _note_on_unknown(sums, n_channels, description))
+    return LoadedMap(grid_of_values(geometry, values), values, description, tuple(filter(None, notes)))
 
 
 def grid_of_values(geometry: GridGeometry, values: NDArray[np.int8]) -> OccupancyGrid:
@@ -109,17 +113,26 @@ def _loaded_bee(path: Path, limits: Limits) -> LoadedMap:
     return LoadedMap(grid_of_values(geometry, values), values, description)
 
 
-def _notes(sums: NDArray[np.uint16], n_channels: int, description: MapDescription) -> tuple[str, ...]:
-    occupancy = 1.0 - GREY_UNKNOWN / 255.0
-    if description.mode != "trinary" or description.negate or n_channels != 1 or occupancy >= description.free_thresh:
-        return ()
-    if not np.any(sums == GREY_UNKNOWN):
-        return ()
-    note = (
-        f"Grey {GREY_UNKNOWN}, which map_saver writes for unknown, counts as free here, since free_thresh is "
-        f"{description.free_thresh:g}; 0.196 keeps it unknown."
-    )
-    return (note,)
+def _note_on_unknown(sums: NDArray[np.uint16], n_channels: int, description: MapDescription) -> str | None:
+    """Return a sentence where pixels of the grey that map_saver writes for unknown count as free."""
+    if description.mode != "trinary" or description.negate:
+        return None
+    # Of four channels, the fourth is an opaque alpha; none stands for one of 16 bits.
+    grey, brightest = {
+        0: (257 * GREY_UNKNOWN, 65535),
+        4: (3 * GREY_UNKNOWN + 255, 4 * 255),
+    }.get(n_channels, (n_channels * GREY_UNKNOWN, n_channels * 255))
+    occupancy = 1.0 - grey / brightest
+    if occupancy >= description.free_thresh or not np.any(sums == grey):
+        return None
+    what = f"Grey {GREY_UNKNOWN}, which map_saver writes for unknown, counts as free here, since"
+    if n_channels == 4:
+        return (
+            f"{what} the image has an alpha channel, which counts as a fourth colour: save the image without it, or "
+            f"set free_thresh to {int(1000.0 * occupancy) / 1000.0:g} in place of {description.free_thresh:g}, to keep "
+            "it unknown."
+        )
+    return f"{what} free_thresh is {description.free_thresh:g}; 0.196 keeps it unknown."
 
 
 def _shades(

@@ -79,7 +79,12 @@ async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> dict
 
         found = parse_amcl_yaml(bytes(text))
         values = changed_values(found.config.as_dict())
-        return {"values": values, "layout": found.layout, "others": jsonable_encoder(found.others)}
+        return {
+            "values": values,
+            "layout": found.layout,
+            "others": jsonable_encoder(found.others),
+            "notes": found.notes,
+        }
 
     return await in_turn(request, work, visitor, read)
 

@@ -9,7 +9,7 @@ from typing import Any
 from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.costmap.footprint import Footprint, Vertices
-from mapper.costmap.nav2_parameters import LayerConfig, NamedLayer, Nav2Costmap
+from mapper.costmap.nav2_costmap import LayerConfig, NamedLayer, Nav2Costmap, SkippedLayer
 from mapper.costmap.parameters import (
     COSTMAP_PARAMETERS,
     DECAY_PARAMETERS,
@@ -99,13 +99,14 @@ class LabParameters:
     """The present values and the outline of the robot. Raises :class:`ConfigError` for what the tables refuse.
 
     ``others`` are what a Nav2 file that was loaded has besides, as :class:`mapper.costmap.nav2_parameters.Nav2Costmap`
-    has them, with the lab's names of its layers. ``loaded_path`` is the planner and the follower of that file: of their
-    parameters those that the table lacks.
+    has them, with the lab's names of its layers, and ``skipped`` the layers that are not built. ``loaded_path`` is the
+    planner and the follower of that file: of their parameters those that the table lacks.
     """
 
     values: Mapping[str, Any] = field(default_factory=lambda: dict(INITIAL))
     footprint: Footprint = field(default_factory=lambda: Footprint(HEXAGON))
     others: Mapping[tuple[str, ...], Any] = field(default_factory=dict)
+    skipped: tuple[SkippedLayer, ...] = ()
     loaded_path: Nav2Path = field(default_factory=Nav2Path)
 
     def with_values(self, values: Mapping[str, Any]) -> LabParameters:
@@ -180,7 +181,7 @@ class LabParameters:
         first, path = LabParameters().path, self.path
         planner = replace(first.planner, **{name: getattr(path.planner, name) for name in _OF_PLANNER})
         pursuit = replace(first.pursuit, **{name: getattr(path.pursuit, name) for name in _OF_PURSUIT})
-        return bool(self.others) or path != replace(first, planner=planner, pursuit=pursuit)
+        return bool(self.others or self.skipped) or path != replace(first, planner=planner, pursuit=pursuit)
 
     @property
     def nav2(self) -> Nav2Costmap:
@@ -192,7 +193,9 @@ class LabParameters:
             "inflation_layer": self.inflation,
         }
         layers = tuple(NamedLayer(name, config) for name, config in configs.items() if self.is_on(name))
-        return Nav2Costmap("global_costmap", self.general, self.footprint, layers, others=self.others)
+        return Nav2Costmap(
+            "global_costmap", self.general, self.footprint, layers, others=self.others, skipped=self.skipped
+        )
 
 
 def footprint_of(corners: Sequence[Sequence[float]]) -> Footprint:
@@ -249,4 +252,5 @@ def from_nav2(before: LabParameters, found: Nav2Costmap, path: Nav2Path) -> LabP
     values |= {name: getattr(path.pursuit, name) for name in _OF_PURSUIT}
     footprint = found.footprint or Footprint.circle(found.general.robot_radius)
     others = {(named.get(path[0], path[0]), *path[1:]): value for path, value in found.others.items()}
-    return replace(before.with_values(values), footprint=footprint, others=others, loaded_path=path)
+    loaded = replace(before.with_values(values), footprint=footprint, others=others, loaded_path=path)
+    return replace(loaded, skipped=found.skipped)

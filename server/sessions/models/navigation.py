@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from mapper.core.array_types import Int8Array
-from mapper.costmap.nav2_parameters import costmap_of, nav2_yaml
+from mapper.costmap.nav2_parameters import costmap_of
+from mapper.costmap.nav2_writing import nav2_yaml
 from mapper.grid import OccupancyGrid
 from mapper.io.ros_parameters import parse_ros_parameters
 from mapper.planning.nav2_parameters import nav2_path_yaml, path_of
@@ -151,9 +152,14 @@ class Navigation(ABC):
         found = from_nav2(costmap.parameters, read, read_path)
         costmap.change(found, self._map(found), self._plan)
         unused = *read.unused, *read_path.unused
+        said = [*read.notes, *read_path.notes]
+        if not read.general.track_unknown_space:
+            said.append("track_unknown_space is off: cells that the map does not know count as free.")
         if unused:
             names = ", ".join(unused[:_MOST_NAMES]) + (" and more" if len(unused) > _MOST_NAMES else "")
-            result.notice("nav2.kept", f"Without effect here, and kept in the yaml that you download: {names}.")
+            said.append(f"Without effect here, and kept in the yaml that you download: {names}.")
+        if said:  # in one notice: a page shows the newest
+            result.notice("nav2.kept", " ".join(said))
         self._note_change(result)
         result.answer({"type": "nav2", "text": None})
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from mapper.costmap import CellReason
-from mapper.costmap.nav2_parameters import nav2_yaml
+from mapper.costmap.nav2_writing import nav2_yaml
 from mapper.planning.nav2_parameters import nav2_path_yaml
 from server.sessions.models.lab_costmap import LabCostmap
 from server.sessions.models.lab_navigation_parameters import IN_NAV2, INITIAL, LabParameters

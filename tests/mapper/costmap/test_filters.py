@@ -26,7 +26,8 @@ from mapper.costmap import (
 )
 from mapper.costmap.build import build_costmap, load_masks
 from mapper.costmap.masks import mask_costs
-from mapper.costmap.nav2_parameters import nav2_yaml, parse_nav2_costmap
+from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.costmap.nav2_writing import nav2_yaml
 from mapper.grid import GridGeometry
 from mapper.io.maps import load_map
 
@@ -95,14 +96,14 @@ def test_filters_of_a_file_lie_where_nav2_has_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (b'"nav2_costmap_2d::SpeedFilter"', r"speed_filter: The filter has no 'plugin' that is one of"),
+        (b'{plugin: "nav2_costmap_2d::SpeedFilter"', r"speed_filter: The filter has no 'plugin' that is one of"),
         (b"type: 2", r"speed_info_server\.type must be 0, 1, 2 or 3"),
         (b"base: 1.5", r"speed_info_server\.base must be a number"),
     ],
 )
 def test_a_filter_with_an_error_is_refused_with_the_place(change: bytes, said: str) -> None:
     with pytest.raises(ConfigError, match=said):
-        parse_nav2_costmap(FILE.replace(change, change.split(b":")[0] + b": fast" if b": " in change else b"other"))
+        parse_nav2_costmap(FILE.replace(change, change.replace(b"plugin", b"kind").split(b":")[0] + b": fast"))
 
 
 def test_costs_of_a_mask() -> None:

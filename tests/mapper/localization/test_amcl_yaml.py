@@ -133,7 +133,7 @@ def test_a_remark_is_checked_as_a_value():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (b"amcl:\n  ros__parameters:\n    alpha9: 1.0\n", "AMCL has no parameter 'alpha9'"),
+        (b"planner_server: {ros__parameters: {use_sim_time: true}}", "no parameters of AMCL: it has 'planner_server'"),
         (b"amcl:\n  ros__parameters:\n    alpha1: much\n", "alpha1 must be a number, not 'much'"),
         (b"amcl:\n  ros__parameters:\n    max_beams: true\n", "max_beams must be a number"),
         (b"amcl:\n  ros__parameters:\n    alpha1: -1.0\n", "alpha1. must be between 0 and 10"),

@@ -121,7 +121,6 @@ def test_a_map_that_is_missing(run: Run, files):
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("z_hot: 0.5", "AMCL has no parameter 'z_hot'"),
         ("z_hit: .nan", "(z_hit) must be a finite number"),
         ("max_particles: -5", "max_particles"),
         ("robot_model_type: tank", "robot_model_type must be one of"),

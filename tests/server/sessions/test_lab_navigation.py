@@ -303,7 +303,7 @@ async def test_parameters_go_out_as_nav2_yaml_and_come_back(lab: Lab) -> None:
     np.testing.assert_allclose(lab.costmap["footprint"], outline)
     for wrong, said in (
         (written.replace("inflation_radius: 0.8", "inflation_radius: -1"), "inflation_radius"),
-        (written.replace("lookahead_dist: 1.1", "lookahaed_dist: 1.1"), "lookahaed_dist"),
+        (written.replace("lookahead_dist: 1.1", "lookahead_dist: far"), "lookahead_dist"),
         ("[1, 2", "line"),
     ):
         with pytest.raises(MapperError, match=said):

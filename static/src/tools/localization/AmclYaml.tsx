@@ -14,7 +14,7 @@ interface AmclYamlProps {
 /** The parameters of localization from the yaml of an AMCL, and as one. */
 export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   const input = useRef<HTMLInputElement>(null);
-  const opened = useRef<Omit<AmclParameters, "values">>({ layout: "nav2", others: {} });
+  const opened = useRef<Omit<AmclParameters, "values" | "notes">>({ layout: "nav2", others: {} });
   const said = useSignal<{ readonly text: string; readonly isError: boolean } | null>(null);
   const doing = async (what: () => Promise<string | null>): Promise<void> => {
     try {
@@ -27,13 +27,14 @@ export function AmclYaml({ values, onOpen }: AmclYamlProps) {
   };
   const open = (file: File): Promise<void> =>
     doing(async () => {
-      const { values: found, ...rest } = await readAmclYaml(file);
+      const { values: found, notes, ...rest } = await readAmclYaml(file);
       opened.current = rest;
       onOpen(found);
       const kept = Object.keys(rest.others);
       const count = Object.keys(found).length;
       const set = `${count} ${count === 1 ? "parameter differs" : "parameters differ"} from the first values.`;
-      return kept.length > 0 ? `${set} Without effect here, and kept where you save: ${kept.join(", ")}.` : set;
+      const without = kept.length > 0 ? [`Without effect here, and kept where you save: ${kept.join(", ")}.`] : [];
+      return [set, ...without, ...notes].join(" ");
     });
   const save = (): Promise<void> =>
     doing(async () => {

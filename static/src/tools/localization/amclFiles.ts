@@ -9,6 +9,8 @@ export interface AmclParameters {
   readonly layout: "nav2" | "ros1";
   /** What does not change where the robot is found: frames, topics, rates. It is kept in a yaml that is saved. */
   readonly others: Readonly<Record<string, unknown>>;
+  /** Sentences on names that AMCL does not have. */
+  readonly notes: readonly string[];
 }
 
 export async function readAmclYaml(file: File): Promise<AmclParameters> {
@@ -17,7 +19,7 @@ export async function readAmclYaml(file: File): Promise<AmclParameters> {
 }
 
 /** Parameters as the yaml of an AMCL. */
-export async function amclYaml({ values, layout, others }: AmclParameters): Promise<Blob> {
+export async function amclYaml({ values, layout, others }: Omit<AmclParameters, "notes">): Promise<Blob> {
   const headers = { "Content-Type": "application/json" };
   const wanted = { method: "POST", headers, body: JSON.stringify({ ...others, ...values }) };
   return (await accepted(await fetch(`/api/localization/amcl.yaml?layout=${layout}`, wanted))).blob();

@@ -1,0 +1,76 @@
+"""Write the parameters of a costmap as Nav2's yaml has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import yaml
+
+from mapper.costmap.nav2_costmap import OF_SOURCE, OF_STATIC, PLUGINS, Nav2Costmap
+from mapper.costmap.nav2_filters import filter_nodes
+from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
+
+_OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not have
+_WHOLE = frozenset(("lethal_cost_threshold", "unknown_cost_value", "z_voxels", "mark_threshold", "unknown_threshold"))
+
+
+def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:
+    """Return a parameter file with a costmap, ``resolution`` in m per cell.
+
+    :func:`mapper.costmap.nav2_parameters.parse_nav2_costmap` reads it.
+    """
+    general: dict[str, Any] = _below(costmap.others, ()) | {
+        "resolution": resolution,
+        "track_unknown_space": costmap.general.track_unknown_space,
+        "footprint_padding": costmap.general.footprint_padding,
+    }
+    if costmap.footprint is None:
+        general["robot_radius"] = costmap.general.robot_radius
+    else:
+        general["footprint"] = str([list(vertex) for vertex in costmap.footprint.vertices])
+    blocks: dict[str, Any] = {}
+    for layer in costmap.layers:
+        values = {field.name: getattr(layer.config, field.name) for field in fields(layer.config)}
+        kind = next(name for name, (config, _) in PLUGINS.items() if config is type(layer.config))
+        package = "gridbloom" if kind in _OWN else "nav2_costmap_2d"
+        block: dict[str, Any] = {"plugin": f"{package}::{kind}"} | _below(costmap.others, (layer.name,))
+        if isinstance(layer.config, StaticConfig):
+            for key in OF_STATIC:
+                value = values.pop(key)
+                general[key] = int(value) if key in _WHOLE else value
+        if isinstance(layer.config, ObstacleConfig):
+            values["combination_method"] = COMBINATIONS.index(layer.config.combination_method)
+            source = {key: values.pop(key) for key in OF_SOURCE}
+            block |= _sources(costmap.others, layer.name, source)
+        blocks[layer.name] = block | {key: int(value) if key in _WHOLE else value for key, value in values.items()}
+    plugins = [layer.name for layer in costmap.layers]
+    servers: dict[str, Any] = {}
+    for one in costmap.filters:
+        blocks[one.name], nodes = filter_nodes(one)
+        servers |= nodes
+    placed = [(one.name, one.below) for one in costmap.filters]
+    placed += [(one.name, one.below) for one in costmap.skipped]
+    filters = [name for name, below in placed if below is None]
+    between = [(below, name) for name, below in placed if below is not None]
+    for below, name in sorted(between, key=lambda one: -one[0]):
+        plugins.insert(below, name)
+    blocks |= {one.name: {**one.block} for one in costmap.skipped}
+    parameters = general | {"plugins": plugins} | ({"filters": filters} if filters else {}) | blocks
+    root = {costmap.node: {costmap.node: {"ros__parameters": parameters}}} | servers
+    return yaml.safe_dump(root, sort_keys=False, default_flow_style=None)
+
+
+def _below(others: Mapping[tuple[str, ...], Any], path: tuple[str, ...]) -> dict[str, Any]:
+    return {one[-1]: value for one, value in others.items() if one[:-1] == path}
+
+
+def _sources(others: Mapping[tuple[str, ...], Any], layer: str, source: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sources of observations of a layer; the first one has the values of ``source``."""
+    names = dict.fromkeys(path[1] for path in others if len(path) == 3 and path[0] == layer)
+    blocks = {name: _below(others, (layer, name)) for name in names}
+    if not blocks:
+        blocks = {"scan": {"topic": "/scan", "data_type": "LaserScan"}}
+    next(iter(blocks.values())).update(source)
+    return {"observation_sources": " ".join(blocks), **blocks}

@@ -1,0 +1,87 @@
+"""Names of the parameters that Nav2 declares: of a costmap, its layers, AMCL, and what plans and follows paths here.
+
+Source: the calls of declare_parameter in navigation2 of the releases Foxy (0.4), Galactic, Humble (1.1), Iron, Jazzy
+(1.3) and Kilted (1.4), and of its main branch in 2026: nav2_costmap_2d (costmap_2d_ros.cpp, plugins/*.cpp), nav2_amcl
+(amcl_node.cpp), nav2_navfn_planner and nav2_regulated_pure_pursuit_controller. A name that is in none of these tables
+has no effect in Nav2: rclcpp passes over values of parameters that no node declares.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection
+
+RELEASES = "Foxy to Kilted"
+
+
+def _names(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+#: of every node: rclcpp's, those of nav2_util's LifecycleNode, and of nodes that offer services
+NODE = _names(
+    "use_sim_time qos_overrides start_type_description_service bond_heartbeat_period autostart_node "
+    "introspection_mode service_introspection_mode allow_parameter_qos_overrides"
+)
+COSTMAP = _names(
+    "always_send_full_costmap map_vis_z footprint_padding footprint global_frame height width lethal_cost_threshold "
+    "inscribed_obstacle_cost_value observation_sources origin_x origin_y plugins filters publish_frequency resolution "
+    "robot_base_frame robot_radius rolling_window track_unknown_space transform_tolerance initial_transform_timeout "
+    "trinary_costmap unknown_cost_value update_frequency use_maximum subscribe_to_stamped_footprint "
+    "map_topic clearable_layers plugin_names plugin_types"  # these four up to Foxy, the last two up to Eloquent
+)
+LAYER = _names("plugin enabled")  #: of every layer
+_OBSTACLE = LAYER | _names(
+    "footprint_clearing_enabled restore_cleared_footprint min_obstacle_height max_obstacle_height combination_method "
+    "observation_sources tf_filter_tolerance"
+)
+LAYERS = {
+    "StaticLayer": LAYER
+    | _names(
+        "subscribe_to_updates map_subscribe_transient_local transform_tolerance map_topic footprint_clearing_enabled "
+        "restore_cleared_footprint footprint_topic"
+    ),
+    "ObstacleLayer": _OBSTACLE,
+    "VoxelLayer": _OBSTACLE
+    | _names("z_voxels origin_z z_resolution unknown_threshold mark_threshold publish_voxel_map"),
+    "InflationLayer": LAYER
+    | _names("inflation_radius cost_scaling_factor inflate_unknown inflate_around_unknown num_threads"),
+}
+SOURCE = _names(
+    "topic sensor_frame observation_persistence expected_update_rate data_type min_obstacle_height "
+    "max_obstacle_height inf_is_valid marking clearing obstacle_max_range obstacle_min_range raytrace_max_range "
+    "raytrace_min_range transport_type"
+)  #: of one source of observations
+#: Names that later releases changed: the old one, the new one, and the release that has it first.
+RENAMED = {
+    "obstacle_range": ("obstacle_max_range", "Galactic"),
+    "raytrace_range": ("raytrace_max_range", "Galactic"),
+}
+NAVFN = _names("plugin tolerance use_astar allow_unknown use_final_approach_orientation")
+PURSUIT = _names(
+    "plugin desired_linear_vel max_linear_vel lookahead_dist min_lookahead_dist max_lookahead_dist lookahead_time "
+    "rotate_to_heading_angular_vel transform_tolerance use_velocity_scaled_lookahead_dist min_approach_linear_velocity "
+    "approach_velocity_scaling_dist max_allowed_time_to_collision_up_to_carrot use_regulated_linear_velocity_scaling "
+    "use_cost_regulated_linear_velocity_scaling cost_scaling_dist cost_scaling_gain inflation_cost_scaling_factor "
+    "regulated_linear_scaling_min_radius regulated_linear_scaling_max_radius regulated_linear_scaling_min_speed "
+    "use_fixed_curvature_lookahead curvature_lookahead_dist use_rotate_to_heading rotate_to_heading_min_angle "
+    "max_angular_accel max_linear_accel max_linear_decel allow_reversing use_collision_detection "
+    "max_robot_pose_search_dist interpolate_curvature_after_goal use_cancel_deceleration cancel_deceleration "
+    "use_interpolation use_approach_linear_velocity_scaling goal_dist_tol min_distance_to_obstacle stateful "
+    "use_path_aware_obstacle_distance"
+)
+#: of AMCL, without those that change where the robot is found (:mod:`mapper.localization.parameters` has them)
+AMCL = _names(
+    "always_reset_initial_pose base_frame_id beam_skip_distance beam_skip_error_threshold beam_skip_threshold "
+    "do_beamskip first_map_only freespace_downsampling force_update_after_initialpose force_update_after_set_map "
+    "global_frame_id gui_publish_rate initial_cov_aa initial_cov_xx initial_cov_yy initial_pose initial_pose_a "
+    "initial_pose_x initial_pose_y map_topic odom_frame_id random_seed save_pose_rate scan_topic set_initial_pose "
+    "tf_broadcast transform_tolerance use_map_topic std_warn_level_enabled"
+)
+
+
+def undeclared(where: str, name: str, declared: Collection[str]) -> str:
+    """Return the sentence on a parameter that Nav2 does not declare; ``where`` is the path of its node or layer."""
+    close = difflib.get_close_matches(name[:100], [*declared], 1, 0.8)
+    meant = f" (did you mean {close[0]!r}?)" if close else ""
+    return f"{where}: Nav2 ({RELEASES}) declares no parameter {name!r:.80}{meant}; it has no effect there, nor here."

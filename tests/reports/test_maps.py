@@ -1,0 +1,131 @@
+"""Map files as people have them, beside what nav2_map_server makes of each; one case of each kind.
+
+Where the situation is known from: navigation issues 31 and 1004, turtlebot3 issue 267 (a path of another computer);
+loadMapYaml and map_mode_from_string of nav2_map_server; stdr_simulator issue 161 (an alpha channel).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from mapper.core.errors import ReadError
+from mapper.editing import EditedMap
+from mapper.editing.files import edits_text
+from mapper.grid import GridGeometry
+from mapper.io.maps import load_map
+from tests.server.cli.running import Run
+
+GREYS = np.array([[0, 205, 254, 254], [0, 254, 254, 205]], dtype=np.uint8)  # the upper row first
+VALUES = [[100, 0, 0, -1], [100, -1, 0, 0]]
+
+
+def written(
+    folder: Path, image: str = "room.pgm", *, mode: str = "trinary", free_thresh: float = 0.196, times: int = 1
+) -> Path:
+    """Write room.yaml, which names ``image``, and room.pgm beside it, each of whose cells is ``times`` × ``times``."""
+    folder.mkdir(exist_ok=True)
+    Image.fromarray(np.kron(GREYS, np.ones((times, times), np.uint8))).save(folder / "room.pgm")
+    path = folder / "room.yaml"
+    path.write_text(
+        f"image: '{image}'\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\nmode: {mode}\n"
+        f"occupied_thresh: 0.65\nfree_thresh: {free_thresh}\n"
+    )
+    return path
+
+
+ELSEWHERE = (
+    "/home/anna/maps/room.pgm", "maps/room.pgm", "../room.pgm", "C:\\Users\\anna\\room.pgm", "~/room.pgm",
+    "$(find my_maps)/maps/room.pgm", "file:///tmp/room.pgm",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("image", ELSEWHERE)
+def test_an_image_that_is_named_elsewhere_is_the_one_beside_the_yaml(tmp_path: Path, image: str) -> None:
+    (tmp_path / "room.pgm").write_bytes(b"P5\n1 1\n255\n\0")  # outside the yaml's folder: not to be read
+    loaded = load_map(written(tmp_path / "inside", image))
+    assert loaded.values.tolist() == VALUES
+    assert loaded.notes == (f"The yaml names the image {image!r}; 'room.pgm' beside the yaml is read in its place.",)
+
+
+@pytest.mark.parametrize("image", ["room.pgm", "./room.pgm", "../inside/room.pgm"])
+def test_an_image_of_the_folder_has_no_note(tmp_path: Path, image: str) -> None:
+    assert load_map(written(tmp_path / "inside", image)).notes == ()
+
+
+def test_an_absolute_path_into_the_folder_is_followed(tmp_path: Path) -> None:
+    path = written(tmp_path, str(tmp_path / "images" / "other.pgm"))
+    (tmp_path / "images").mkdir()
+    Image.fromarray(GREYS[:, ::-1]).save(tmp_path / "images" / "other.pgm")
+    loaded = load_map(path)
+    assert (loaded.values.tolist(), loaded.notes) == ([row[::-1] for row in VALUES], ())
+
+
+@pytest.mark.parametrize("image", ["{}/secret.pgm", "../secret.pgm", "link.pgm", "/somewhere/link.pgm"])
+def test_no_file_outside_the_folder_is_read(tmp_path: Path, image: str) -> None:
+    secret = tmp_path / "secret.pgm"
+    secret.write_bytes(b"P5\n1 1\n255\n\0")
+    path = written(tmp_path / "inside", image.format(tmp_path))
+    (tmp_path / "inside" / "link.pgm").symlink_to(secret)
+    with pytest.raises(ReadError) as refused:
+        load_map(path)
+    assert refused.value.code == "map.image_outside"
+
+
+@pytest.mark.parametrize("mode", ["Trinary", "TRINARY", "trinary"])
+def test_a_mode_may_have_capitals(tmp_path: Path, mode: str) -> None:
+    loaded = load_map(written(tmp_path, mode=mode))
+    assert (loaded.description.mode, loaded.values.tolist()) == ("trinary", VALUES)
+
+
+PICTURES: dict[str, tuple[Any, float, float]] = {
+    "grey": (GREYS, 0.25, 0.196),
+    "grey of 16 bits": (GREYS.astype(np.uint16) * 257, 0.25, 0.196),
+    "colours": (np.stack([GREYS] * 3, axis=-1), 0.25, 0.196),
+    "grey and alpha": (np.stack([GREYS, np.full_like(GREYS, 255)], axis=-1), 0.196, 0.147),
+    "colours and alpha": (np.stack([GREYS] * 3 + [np.full_like(GREYS, 255)], axis=-1), 0.196, 0.147),
+}
+
+
+@pytest.mark.parametrize("kind", PICTURES)
+def test_unknown_that_counts_as_free_has_a_note_with_the_remedy(tmp_path: Path, kind: str) -> None:
+    pixels, free_thresh, remedy = PICTURES[kind]
+    path = written(tmp_path, "room.png", free_thresh=free_thresh)
+    Image.fromarray(pixels).save(tmp_path / "room.png")
+    loaded = load_map(path)
+    assert (loaded.values == -1).sum() == 0
+    (note,) = loaded.notes
+    assert note.startswith("Grey 205, which map_saver writes for unknown, counts as free here")
+    assert f"{remedy:g}" in note
+    cured = written(tmp_path, "room.png", free_thresh=remedy)
+    assert ((load_map(cured).values == -1).sum(), load_map(cured).notes) == (2, ())
+
+
+COMMANDS = {
+    "view": ("view", "{map}"),
+    "costmap": ("costmap", "{map}", "--out", "{out}"),
+    "path": ("path", "{map}", "--from", "7,1", "--to", "12,1", "--json"),
+    "merge": ("merge", "{map}", "{map}", "--out", "{out}", "--json"),
+    "match": ("match", "{map}", "{map}", "--json"),
+    "edit": ("edit", "{map}", "--edits", "{edits}", "--out", "{out}", "--json"),
+    "keepout mask": ("costmap", "{good}", "--keepout", "{map}", "--out", "{out}", "--json"),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_that_opens_a_map_has_its_notes(tmp_path: Path, run: Run, command: str) -> None:
+    edits = tmp_path / "m.edits.json"
+    edits.write_text(edits_text(EditedMap(GridGeometry(0.5, 16, 32), np.zeros((16, 32), np.int8))))
+    places = {
+        "map": written(tmp_path / "bad", free_thresh=0.25, times=8),
+        "good": written(tmp_path / "good", times=8),
+        "out": tmp_path / "out",
+        "edits": edits,
+    }
+    done = run(*(word.format(**places) for word in COMMANDS[command]))
+    assert done.status == 0, done.err
+    assert "Grey 205, which map_saver writes for unknown, counts as free here" in done.out

@@ -1,0 +1,252 @@
+"""Parameter files as people of Nav2 have them, beside what Nav2 makes of each; one case of each kind.
+
+Where the situation is known from: the declarations and defaults of costmap_2d_ros.cpp; navigation issues 223 and 261,
+navigation2 issue 4271 and pull request 5148; rcl's parser of parameter files, and what ``ros2 param dump`` writes.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from mapper.core.errors import MapperError
+from mapper.costmap.build import build_costmap
+from mapper.costmap.costs import LETHAL, NO_INFORMATION
+from mapper.costmap.nav2_costmap import Nav2Costmap
+from mapper.costmap.nav2_parameters import parse_nav2_costmap
+from mapper.costmap.nav2_writing import nav2_yaml
+from mapper.costmap.parameters import InflationConfig, ObstacleConfig, StaticConfig
+from mapper.grid import GridGeometry
+from mapper.localization import parse_amcl_yaml
+from mapper.planning.nav2_parameters import parse_nav2_path
+from tests.server.cli.running import Run
+
+STATIC = 'static_layer: {plugin: "nav2_costmap_2d::StaticLayer"}'
+INFLATION = 'inflation_layer: {plugin: "nav2_costmap_2d::InflationLayer", inflation_radius: 0.7}'
+
+
+def node(parameters: str, name: str = "global_costmap") -> Nav2Costmap:
+    """Return the costmap of a file with these lines of parameters."""
+    lines = "".join(f"      {line}\n" for line in parameters.strip().split("\n"))
+    return parse_nav2_costmap(f"{name}:\n  {name}:\n    ros__parameters:\n{lines}".encode())
+
+
+def lethal(found: Nav2Costmap) -> int:
+    """Return how many cells of a map with 9 occupied and 20 unknown ones are lethal."""
+    values = np.zeros((40, 50), dtype=np.int8)
+    values[5:8, 5:8], values[20] = 100, np.where(np.arange(50) < 20, -1, 0)
+    built = build_costmap(GridGeometry(0.1, 40, 50), values, found)
+    built.costmap.update()
+    assert (built.costmap.costs == NO_INFORMATION).any() == found.general.track_unknown_space
+    return int((built.costmap.costs == LETHAL).sum())
+
+
+NAMES = ("static_layer", "obstacle_layer", "inflation_layer")
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        "resolution: 0.1",  # no list: default_plugins_
+        'plugins: ["static_layer", "obstacle_layer", "inflation_layer"]',  # default_types_
+        "plugins: [static_layer, obstacle_layer, inflation_layer]\nstatic_layer:\ninflation_layer: {enabled: true}",
+    ],
+)
+def test_a_file_without_a_list_of_layers_or_their_types_has_nav2_s(parameters: str) -> None:
+    found = node(parameters + "\ntrack_unknown_space: true")
+    assert tuple(one.name for one in found.layers) == NAMES
+    kinds = (StaticConfig, ObstacleConfig, InflationConfig)
+    assert all(isinstance(one.config, kind) for one, kind in zip(found.layers, kinds, strict=True))
+    assert lethal(found) == 9
+
+
+def test_a_layer_without_a_type_in_another_list_is_refused_as_in_nav2() -> None:
+    with pytest.raises(MapperError, match="only where the list 'plugins' is static_layer, obstacle_layer, inflation"):
+        node("plugins: [static_layer, inflation_layer]")
+
+
+DUMPS = {
+    "fully qualified names": "/global_costmap/global_costmap:\n  ros__parameters:\n    {}",
+    "a namespace": "/robot7/global_costmap/global_costmap:\n  ros__parameters:\n    {}",
+    "namespaces as keys": "robot7:\n  global_costmap:\n    global_costmap:\n      ros__parameters:\n        {}",
+    "of every node": "/**:\n  ros__parameters:\n    {}",
+    "of every node of the name": "/**/global_costmap:\n  ros__parameters:\n    {}",
+    "one level": "global_costmap:\n  ros__parameters:\n    {}",
+}
+WAYS = {
+    "levels": ("plugins: [a, b]", "a: {plugin: nav2_costmap_2d::StaticLayer}",
+               "b: {plugin: nav2_costmap_2d::InflationLayer, inflation_radius: 0.9}"),
+    "dots": ("plugins: [a, b]", "a.plugin: nav2_costmap_2d::StaticLayer", "b.inflation_radius: 0.9",
+             "b.plugin: nav2_costmap_2d::InflationLayer"),
+    "both": ("b: {inflation_radius: 0.9}", "plugins: [a, b]", "a: {plugin: nav2_costmap_2d::StaticLayer}",
+             "b.plugin: nav2_costmap_2d::InflationLayer"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("dump", DUMPS)
+def test_names_of_nodes_and_parameters_may_be_written_in_each_way_of_ros_2(dump: str, way: str) -> None:
+    form = DUMPS[dump]
+    indent = form.rpartition("\n")[2].removesuffix("{}")
+    text = form.format(f"\n{indent}".join((*WAYS[way], "use_sim_time: true")))
+    found = parse_nav2_costmap(f"amcl: {{ros__parameters: {{alpha1: 0.2}}}}\n{text}\n".encode())
+    assert [(one.name, type(one.config)) for one in found.layers] == [("a", StaticConfig), ("b", InflationConfig)]
+    assert found.layers[1].config == InflationConfig(inflation_radius=0.9)
+    assert found.notes == ()
+
+
+def test_what_is_said_of_every_node_holds_unless_the_node_says_otherwise() -> None:
+    found = parse_nav2_costmap(
+        b"/**: {ros__parameters: {robot_radius: 0.3, track_unknown_space: true, scan_topic: /scan}}\n"
+        b"global_costmap: {global_costmap: {ros__parameters: {robot_radius: 0.4}}}\n"
+    )
+    assert (found.general.robot_radius, found.general.track_unknown_space) == (0.4, True)
+    assert (found.others, found.notes) == ({}, ())
+
+
+def test_amcl_and_the_planner_of_a_dump() -> None:
+    text = "/r/amcl:\n  ros__parameters:\n    laser.x: 1\n    alpha1: 0.3\n    initial_pose.x: 1.0\n"
+    read = parse_amcl_yaml(text.encode())
+    assert read.config.alpha1 == 0.3
+    assert read.others == {"initial_pose": {"x": 1.0}}
+    assert "no parameter 'laser'" in read.notes[0]
+    planner = b"/planner_server: {ros__parameters: {planner_plugins: [G], G.plugin: N::NavfnPlanner, G.tolerance: 0.7}}"
+    assert parse_nav2_path(planner).planner.tolerance == 0.7
+
+
+NOT_BUILT = (
+    "nav2_costmap_2d::DenoiseLayer", "nav2_costmap_2d::RangeSensorLayer", "nav2_costmap_2d::PluginContainerLayer",
+    "spatio_temporal_voxel_layer/SpatioTemporalVoxelLayer", "my_robot::ShoutingLayer",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("plugin", NOT_BUILT)
+def test_a_layer_that_is_not_built_is_left_out_with_a_note_and_written_again(plugin: str) -> None:
+    found = node(
+        f"plugins: [static_layer, odd, inflation_layer]\n{STATIC}\n{INFLATION}\n"
+        f'odd: {{plugin: "{plugin}", minimal_group_size: 2, topics: [/a, /b]}}'
+    )
+    assert [one.name for one in found.layers] == ["static_layer", "inflation_layer"]
+    (note,) = found.notes
+    assert note.startswith(f"global_costmap.odd: The layer '{plugin}' is not built here")
+    assert lethal(found) == 9
+    again = parse_nav2_costmap(nav2_yaml(found, 0.1).encode())
+    assert again == found
+    written = yaml.safe_load(nav2_yaml(found, 0.1))["global_costmap"]["global_costmap"]["ros__parameters"]
+    assert written["plugins"] == ["static_layer", "odd", "inflation_layer"]
+
+
+def test_of_two_inflation_layers_the_upper_one_is_built() -> None:
+    found = node(
+        f"plugins: [static_layer, low, inflation_layer]\n{STATIC}\n{INFLATION}\nlow: {{plugin: a::InflationLayer}}"
+    )
+    assert [one.name for one in found.layers] == ["static_layer", "inflation_layer"]
+    assert "stands below 'inflation_layer'" in found.notes[0]
+
+
+KNOWN = {
+    "sources of the costmap": "observation_sources: scan\nscan: {topic: /scan, data_type: LaserScan}",
+    "a layer that is not in use": "voxel_layer: {enabled: true, z_voxels: 16}",
+    "a layer's parameters in Foxy": "static_layer.map_subscribe_transient_local: true",
+    "Foxy's list of layers to clear": "clearable_layers: [obstacle_layer]\nmap_topic: /map",
+    "rclcpp's": "use_sim_time: true\nqos_overrides: {/tf: {subscription: {depth: 1}}}",
+    "an empty list of filters": 'filters: [""]',
+    "Kilted's": "introspection_mode: disabled\nallow_parameter_qos_overrides: true\nbond_heartbeat_period: 0.1",
+}
+
+
+@pytest.mark.parametrize("case", KNOWN)
+def test_what_nav2_declares_is_no_error_and_has_no_note(case: str) -> None:
+    found = node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION}\n{KNOWN[case]}")
+    assert (lethal(found), found.notes) == (9, ())
+
+
+def test_an_old_name_is_read_and_named_with_the_new_one() -> None:
+    found = node(
+        "plugins: [static_layer, o]\n" + STATIC + "\no: {plugin: nav2_costmap_2d::ObstacleLayer, "
+        "observation_sources: scan, scan: {obstacle_range: 4.5, raytrace_range: 6.0, clearing: true}}"
+    )
+    config = found.layers[1].config
+    assert isinstance(config, ObstacleConfig)
+    assert (config.obstacle_max_range, config.raytrace_max_range, config.clearing) == (4.5, 6.0, True)
+    assert [note.partition(";")[0] for note in found.notes] == [
+        "global_costmap.o.scan.obstacle_range is named obstacle_max_range since Galactic",
+        "global_costmap.o.scan.raytrace_range is named raytrace_max_range since Galactic",
+    ]
+    old = node(
+        "plugin_names: [s, i]\nplugin_types: ['nav2_costmap_2d::StaticLayer', 'nav2_costmap_2d::InflationLayer']"
+    )
+    assert [one.name for one in old.layers] == ["s", "i"]
+    assert "since Foxy the list is 'plugins'" in old.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("robot_radius_m: 0.2", "declares no parameter 'robot_radius_m' (did you mean 'robot_radius'?)"),
+        ("inflation_layer.inflaton_radius: 0.2", "'inflaton_radius' (did you mean 'inflation_radius'?)"),
+        (
+            "static_layer.colour: red",
+            "global_costmap.static_layer: Nav2 (Foxy to Kilted) declares no parameter 'colour'",
+        ),
+    ],
+)
+def test_a_name_that_nav2_does_not_declare_has_a_note(line: str, said: str) -> None:
+    found = node(f"plugins: [static_layer, inflation_layer]\n{STATIC}\n{INFLATION}\n{line}")
+    (note,) = found.notes
+    assert said in note
+    assert note.endswith("it has no effect there, nor here.")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("robot_radius: wide", "global_costmap.robot_radius: "),
+        ("inflation_layer.cost_scaling_factor: -1.0", "global_costmap.inflation_layer.cost_scaling_factor: "),
+        ("static_layer: 7", "has a value, and parameters below it"),
+    ],
+)
+def test_a_value_that_is_wrong_is_an_error_with_its_path(line: str, said: str) -> None:
+    with pytest.raises(MapperError, match=said):
+        node(f"plugins: [static_layer, inflation_layer]\nstatic_layer.plugin: a::StaticLayer\n{INFLATION}\n{line}")
+
+
+@pytest.mark.parametrize(("radius", "warns"), [(0.35, True), (0.37, False)])
+def test_an_inflation_radius_below_the_inscribed_radius_has_nav2_s_warning(radius: float, warns: bool) -> None:
+    found = node(
+        f'footprint: "[[0.45,0.35],[0.45,-0.35],[-0.45,-0.35],[-0.45,0.35]]"\n'
+        f"plugins: [static_layer, i]\n{STATIC}\ni: {{plugin: n::InflationLayer, inflation_radius: {radius}}}"
+    )
+    warned = [note for note in found.notes if "smaller than the inscribed radius of the footprint, 0.360 m" in note]
+    assert bool(warned) == warns
+
+
+def test_a_local_costmap_without_the_map_says_so() -> None:
+    found = node("plugins: [v]\nv: {plugin: nav2_costmap_2d::VoxelLayer}\nrolling_window: true", "local_costmap")
+    assert lethal(found) == 0
+    assert "local_costmap has no static layer in use: nothing of the map is in its costs" in found.notes[0]
+
+
+def test_a_file_of_other_nodes_is_refused_with_their_names() -> None:
+    with pytest.raises(MapperError, match="it has amcl, r1/map_server"):
+        parse_nav2_costmap(b"amcl: {ros__parameters: {a: 1}}\n/r1/map_server: {ros__parameters: {b: 1}}")
+
+
+ROOM = "image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+
+
+@pytest.mark.parametrize("unknown", [(), ("--no-unknown",)])
+def test_a_path_over_cells_that_count_as_free_says_so(tmp_path: Path, run: Run, unknown: tuple[str, ...]) -> None:
+    picture = np.full((30, 60), 254, np.uint8)
+    picture[:, 30:40] = 205
+    (tmp_path / "room.pgm").write_bytes(b"P5\n60 30\n255\n" + picture.tobytes())
+    (tmp_path / "room.yaml").write_text(ROOM)
+    params = tmp_path / "nav2.yaml"
+    params.write_text("global_costmap: {ros__parameters: {track_unknown_space: false, robot_radius: 0.1}}")
+    done = run("path", tmp_path / "room.yaml", "--params", params, "--from", "1,1.5", "--to", "5,1.5", *unknown)
+    assert done.status == 0
+    assert "300 cells are unknown in the map and count as free: track_unknown_space is off" in done.out
+    assert "10 of the points are in cells that the map does not know" in done.out
