@@ -48,7 +48,7 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   const now = scene.value;
   const view = useCamera(now.view, still);
   const { width, height } = size.value;
-  const { map, ladder } = layout(width, height, now.history, now.drawing !== null);
+  const { map, ladder } = layout(width, height, (now.history || ownCell.value !== null) && !now.drawing);
   const at = projection(view.value, map);
   useLayoutEffect(
     () =>
@@ -97,12 +97,9 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   );
 }
 
-/**
- * The map with the ladder below it; in a low box beside it, and there only if it is a part of the point. `alone`: a
- * scene with a drawing of its own has no ladder.
- */
-function layout(width: number, height: number, history: boolean, alone: boolean): { map: Rect; ladder: Rect | null } {
-  if (alone || (height < LOW && !history)) return { map: { left: 0, top: 0, width, height }, ladder: null };
+/** The map; with the history of a cell the ladder is below it, in a low box beside it. */
+function layout(width: number, height: number, history: boolean): { map: Rect; ladder: Rect | null } {
+  if (!history) return { map: { left: 0, top: 0, width, height }, ladder: null };
   if (height < LOW) {
     const left = Math.round(width * 0.6);
     return {

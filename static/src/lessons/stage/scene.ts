@@ -43,7 +43,7 @@ export interface Scene {
   readonly bare: boolean;
   /** Another grid in place of the map. */
   readonly grid: OccupancyGrid | null;
-  /** The history of the selected cell is a part of the point: it is drawn also where there is little room. */
+  /** The history of the selected cell is a part of the point. It is also drawn once the reader selects a cell. */
   readonly history: boolean;
   /** Other values in place of the history of the selected cell. */
   readonly ladder: readonly number[] | null;

@@ -260,10 +260,10 @@ export const SCENES = {
       view: { x: 5.6, y: 1.9, width: 8.6, height: 3.8 },
       cell: [7.05, 0.435],
       marks: ["beams"],
-      caption: (now) =>
+      caption: () =>
         polishedOn.value
           ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away, so the map shows only the part that the robot has faced."
-          : `Not polished, the wall scatters the light, and all of it is mapped. ${cellInWords(now)}`,
+          : "Not polished, the wall scatters the light, and all of it is mapped.",
     }),
   people: () =>
     scene({

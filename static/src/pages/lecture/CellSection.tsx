@@ -325,7 +325,7 @@ export function CellSection({ id, number, title }: SectionHead) {
           onInput={(value) => setParameter("log_odds_miss", value)}
           after="."
         />{" "}
-        Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus. How many misses
+        <span class="no-print"> Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus. </span>{" "} How many misses
         cancel four hits?
       </p>
     </Section>
