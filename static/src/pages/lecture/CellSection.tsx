@@ -325,8 +325,11 @@ export function CellSection({ id, number, title }: SectionHead) {
           onInput={(value) => setParameter("log_odds_miss", value)}
           after="."
         />{" "}
-        <span class="no-print"> Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus. </span>{" "} How many misses
-        cancel four hits?
+        <span class="no-print">
+          {" "}
+          Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus.{" "}
+        </span>{" "}
+        How many misses cancel four hits?
       </p>
     </Section>
   );
