@@ -58,7 +58,7 @@ class JointLog(ScanLog):
 
     @classmethod
     def of(cls, logs: Sequence[ScanLog]) -> JointLog:
-        """Return the log of these sensors, each with a topic of its own.
+        """Return the log of these sensors, or of one sensor whose scans have different beams, in parts of one topic.
 
         Raises :class:`ConfigError` for sonars together with lidars, and where no trajectory is that of all sensors.
         """
@@ -66,6 +66,7 @@ class JointLog(ScanLog):
             raise ConfigError(
                 "log.sensors", "Sonars and lidars need different models: map each by itself, and merge the maps."
             )
+        logs = [part for log in logs for part in sensors_of(log)]
         first = logs[0]
         part_of_scan, scan_of_part = scan_order(logs)
         ranges = np.full((len(part_of_scan), max(log.n_beams for log in logs)), np.nan, dtype=np.float32)
@@ -96,7 +97,7 @@ class JointLog(ScanLog):
                 "bearings": bearings,
                 "range_min": min(log.range_min for log in logs),
                 "range_max": max(log.range_max for log in logs),
-                "topic": SEPARATOR.join(log.topic for log in logs),
+                "topic": SEPARATOR.join(dict.fromkeys(log.topic for log in logs)),
                 "notes": tuple(notes),
                 "odometry": None,
                 "mounts": None,
@@ -138,6 +139,16 @@ class JointLog(ScanLog):
 def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
     """Return the logs of a log's sensors: its parts, or itself."""
     return log.parts if isinstance(log, JointLog) else (log,)
+
+
+def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> ScanLog:
+    """Return a log with more notes, behind its own or, with ``first``, before them; a joint log's first part too."""
+    if not notes:
+        return log
+    both = (*notes, *log.notes) if first else (*log.notes, *notes)
+    if not isinstance(log, JointLog):
+        return replace(log, notes=both)
+    return replace(log, notes=both, parts=(with_notes(log.parts[0], notes, first=first), *log.parts[1:]))
 
 
 def sensor_of_scan(log: ScanLog) -> Int64Array:

@@ -19,12 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
-VERSION = 4
+VERSION = 5
 
 _ARRAYS = ("ranges", "stamps_ns", "bearings", "mounts")
 _APART = ("trajectories", "odometry", "topics", "limits")  #: fields of a log that are neither arrays nor plain JSON
@@ -54,7 +54,7 @@ def write_pack(log: RobotLog, path: Path) -> None:
         "version": VERSION,
         "topics": [asdict(topic) for topic in log.topics],
         "transforms": [asdict(edge) for edge in log.transforms],
-        "sensors": [_described(sensor, store) for sensor in log.sensors.values()],
+        "sensors": [_described(part, store) for sensor in log.sensors.values() for part in sensors_of(sensor)],
     }
     fresh = path.with_name(f"{path.name}.{uuid.uuid4().hex}.new")
     try:
@@ -109,16 +109,22 @@ def read_pack(path: Path, topic: str | None = None) -> ScanLog:
     """
     with _opened(path) as (about, load):
         sensors = about["sensors"]
-        found = [one for one in sensors if one["topic"] == topic] if topic is not None else sensors[:1]
+        name = topic if topic is not None or not sensors else sensors[0]["topic"]
+        # A sensor whose scans have different beams has several parts.
+        found = [_log_of(one, about["topics"], load) for one in sensors if one["topic"] == name]
         if not found:
             raise NotPackedError(topic)
-        return _log_of(found[0], about["topics"], load)
+        return _joined(found)
 
 
 def read_whole_pack(path: Path) -> ScanLog:
     """Return all sensors of a packed log, in the pack's order, as one log. Raises :class:`StalePackError`."""
     with _opened(path) as (about, load):
         logs = [_log_of(one, about["topics"], load) for one in about["sensors"]]
+    return _joined(logs)
+
+
+def _joined(logs: list[ScanLog]) -> ScanLog:
     return logs[0] if len(logs) == 1 else JointLog.of(logs)
 
 

@@ -7,13 +7,15 @@ seconds, metres, radians::
     ROBOTLASER1 type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
                 n r1 … rn  m q1 … qm  laser_x laser_y laser_theta  x y theta
                 tv rv forward_safety side_safety turn_axis  stamp host logger_stamp
+    RAWLASER1 type start_angle … m q1 … qm  stamp host logger_stamp                 (as ROBOTLASER1, without poses)
     ODOM x y theta tv rv acceleration  stamp host logger_stamp
     TRUEPOS x y theta odom_x odom_y odom_theta  stamp host logger_stamp
     PARAM name value …
 
-A FLASER line states neither angles nor range: 180 or 181 beams are 1° apart, as a SICK LMS sends them; an even n
-spreads over π in n steps, an odd n in n − 1, from −π/2. Readings of 80 m or more are the SICK's "no return" (81.83 m:
-its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and counted in the notes.
+A FLASER line states neither angles nor range (:func:`mapper.io.logs.carmen_beams.front_laser_beams`). The poses of
+RAWLASER1 to RAWLASER4 are those of the ODOM or TRUEPOS lines at their times. Readings of 80 m or more are the SICK's
+"no return" (81.83 m: its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and
+counted in the notes.
 """
 
 from __future__ import annotations
@@ -44,9 +46,13 @@ from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
 
 NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
-PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2")  #: the sensor that is taken, where there are several
-FRONT = ("ROBOTLASER1", "FLASER")
-WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "RAWLASER1", "VERTEX2", "EDGE2"})
+RAW = ("RAWLASER1", "RAWLASER2", "RAWLASER3", "RAWLASER4")  #: scans without poses
+#: The sensor that is taken, where there are several.
+PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2", *RAW)
+FRONT = ("ROBOTLASER1", "FLASER", "RAWLASER1")
+REAR = ("RLASER", "ROBOTLASER2", "RAWLASER2")
+PLAIN = ("FLASER", "RLASER")  #: lines that state no angles
+WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "VERTEX2", "EDGE2"})
 _MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
 _SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
 _NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
@@ -84,13 +90,14 @@ class CarmenReader:
         self.beams: dict[str, Beams] = {}
         self.odometry = _Messages()
         self.truth = _Messages()
-        self.parameters: dict[str, tuple[float, int]] = {}
+        self.parameters: dict[str, float] = {}
         self.ignored: Counter[str] = Counter()
         self._take: dict[str, Callable[[list[str], int], None]] = {
             "FLASER": self._take_laser,
             "RLASER": self._take_laser,
             "ROBOTLASER1": self._take_robot_laser,
             "ROBOTLASER2": self._take_robot_laser,
+            **dict.fromkeys(RAW, self._take_robot_laser),
             "ODOM": self._take_odometry,
             "TRUEPOS": self._take_truth,
             "PARAM": self._take_parameter,
@@ -146,8 +153,6 @@ class CarmenReader:
         robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
         stamp = fields.stamp(rest[6], line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
-        if word not in self.beams:
-            self.beams[word] = Beams(*front_laser_beams(len(readings)))
 
     def _take_laser(self, tokens: list[str], line: int) -> None:
         word = tokens[0]
@@ -163,15 +168,20 @@ class CarmenReader:
         if len(tokens) < 9:
             raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends before its number of beams.")
         n = fields.count(tokens[8], line, word, "beams", self.limits.max_beams)
+        # Behind the remissions there are the laser's and the robot's pose and five numbers, in all but raw lines.
+        more = 0 if word in RAW else 11
         if len(tokens) < n + 10:
-            fields.require_fields(tokens, (n + 22, n + 24), line, word, f"{n} beams")
+            fields.require_fields(tokens, (n + more + 11, n + more + 13), line, word, f"{n} beams")
         m = fields.count(tokens[n + 9], line, word, "remissions", self.limits.max_beams, least=0)
-        fields.require_fields(tokens, (n + m + 22, n + m + 24), line, word, f"{n} beams and {m} remissions")
+        shortest = n + m + more + 11
+        fields.require_fields(tokens, (shortest, shortest + 2), line, word, f"{n} beams and {m} remissions")
         readings = fields.numbers(tokens[9 : n + 9], line, word)
         rest = tokens[n + m + 10 :]
-        laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
-        robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
-        stamp = fields.stamp(rest[11], line, word)
+        laser = robot = [0.0, 0.0, 0.0]
+        if more:
+            laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
+            robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        stamp = fields.stamp(rest[more], line, word)
         beams = robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
         self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
         if self.beams.setdefault(word, beams) != beams:
@@ -204,9 +214,10 @@ class CarmenReader:
         if len(tokens) < 3 or tokens[1] not in _PARAMETERS:
             return
         (value,) = fields.numbers(tokens[2:3], line, "PARAM")
-        if not abs(value) <= 1000.0 or (tokens[1].endswith("_max") and value <= 0.0):
-            raise ReadError("log.parameter", f"Line {line}: PARAM {tokens[1]} cannot be {tokens[2]!r:.40} m.")
-        self.parameters[tokens[1]] = (value, line)
+        name, unit = _PARAMETERS[tokens[1]]
+        if not abs(value) <= 1000.0 or (name.endswith(("_max", "_fov", "_resolution")) and value <= 0.0):
+            raise ReadError("log.parameter", f"Line {line}: PARAM {tokens[1]} cannot be {tokens[2]!r:.40} {unit}.")
+        self.parameters[name] = value
 
     def log(self, name: str, notes: list[str], topic: str | None = None) -> ScanLog:
         """Return the scans of one sensor, the preferred one where ``topic`` names none.
@@ -218,12 +229,14 @@ class CarmenReader:
         for other, stack in self.sensors.items():
             if other != word:
                 notes.append(f"Took the {sensor.n_scans} {word} scans and left out {stack.n_scans} {other} scans.")
-        stated = self.beams[word].range_max
+        beams = self._beams(word)
+        stated = beams.range_max
         range_max = stated if stated is not None else self._parameter(word, "max")
         ranges, notes_on_ranges = sensor.clean_ranges(NO_RETURN if range_max is None else range_max)
         notes += notes_on_ranges
         if range_max is None:
             notes += note_on_largest_reading(ranges)
+        notes += beams.notes
         notes += sensor.notes_on_time()
         mount = self._mount(sensor, notes)
         if self.ignored:
@@ -231,8 +244,8 @@ class CarmenReader:
         trajectories = self._trajectories(sensor, mount)
         return ScanLog(
             ranges=ranges,
-            angle_min=self.beams[word].angle_min,
-            angle_increment=self.beams[word].angle_increment,
+            angle_min=beams.angle_min,
+            angle_increment=beams.angle_increment,
             range_min=0.0,
             range_max=NO_RETURN if range_max is None else range_max,
             stamps_ns=sensor.stamps_ns,
@@ -269,7 +282,7 @@ class CarmenReader:
         """Return the word of the sensor whose scans are taken. Raises :class:`ReadError` where there is none."""
         if not self.sensors:
             raise ReadError(
-                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER1 or ROBOTLASER2 line."
+                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER or RAWLASER line."
             )
         if topic is not None and topic not in self.sensors:
             raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
@@ -280,7 +293,7 @@ class CarmenReader:
         found = []
         for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
             step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
-            view = math.degrees(abs(self.beams[word].angle_increment)) * (stack.n_beams - 1)
+            view = math.degrees(abs(self._beams(word).angle_increment)) * (stack.n_beams - 1)
             found.append(
                 Topic(
                     word,
@@ -297,18 +310,30 @@ class CarmenReader:
         return (*found, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
 
     def _parameter(self, word: str, which: str) -> float | None:
-        side = "front" if word in FRONT else "rear"
-        value = self.parameters.get(f"robot_{side}laser_{which}")
-        return None if value is None else value[0]
+        side = "front" if word in FRONT else "rear" if word in REAR else "other"
+        return self.parameters.get(f"{side}_{which}")
+
+    def _beams(self, word: str) -> Beams:
+        """Return the beams of a sensor: as its lines state them, or else by their number and the parameters."""
+        if word not in PLAIN:
+            return self.beams[word]
+        fov, resolution = self._parameter(word, "fov"), self._parameter(word, "resolution")
+        # Programs write the field of view in degrees or radians; of both it is less than one turn.
+        in_radians = None if fov is None else fov if fov <= 2.0 * math.pi + 0.01 else math.radians(fov)
+        step = None if resolution is None else math.radians(resolution)
+        first, increment, notes = front_laser_beams(self.sensors[word].n_beams, word, in_radians, step)
+        return Beams(first, increment, notes=tuple(notes))
 
     def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
         """Return ``T_base_laser``: what PARAM states, else the difference of a line's two poses, if always the same."""
-        yaw = 0.0 if sensor.word in FRONT else math.pi
+        yaw = math.pi if sensor.word in REAR else 0.0
         ahead, aside, turned = (
             self._parameter(sensor.word, which) for which in ("offset", "side_offset", "angular_offset")
         )
         if ahead is not None:
             return (ahead, aside or 0.0, yaw if turned is None else turned)
+        if sensor.word in RAW:
+            return (0.0, 0.0, yaw)
         relative = compose(inverse(sensor.robot_poses), sensor.laser_poses)
         away = np.abs(relative - relative[0])
         away[:, 2] = np.abs(wrap_angle(relative[:, 2] - relative[0, 2]))
@@ -325,6 +350,8 @@ class CarmenReader:
         return (float(first[0]), float(first[1]), float(first[2]))
 
     def _trajectories(self, sensor: ScanStack, mount: tuple[float, float, float]) -> dict[str, Trajectory]:
+        if sensor.word in RAW:
+            return self._trajectories_of_raw(sensor)
         scan = compose(sensor.laser_poses, inverse(np.array(mount)))
         found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line")}
         if not _same_pose(scan, sensor.robot_poses):
@@ -340,20 +367,41 @@ class CarmenReader:
             if _is_near(scan, found["wheel"].poses):
                 # Nothing has corrected the scans' poses: they are the odometry.
                 found["scan"] = replace(found["scan"], frame_id="odom")
-        if len(self.truth):
-            found["truepos"] = Trajectory(
-                poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps),
-                "the simulator's true pose at the time of each scan",
-                "map",
-            )
-        return found
+        return found | self._true_trajectory(sensor)
+
+    def _true_trajectory(self, sensor: ScanStack) -> dict[str, Trajectory]:
+        if not len(self.truth):
+            return {}
+        poses = poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps)
+        return {"truepos": Trajectory(poses, "the simulator's true pose at the time of each scan", "map")}
+
+    def _trajectories_of_raw(self, sensor: ScanStack) -> dict[str, Trajectory]:
+        """Return the poses at scans whose lines state none: those of other lines, or zeros."""
+        found = {}
+        if len(self.odometry):
+            poses = poses_at_scans(self.odometry.poses, self.odometry.stamps, sensor.odometry_before, sensor.stamps)
+            found["wheel"] = Trajectory(poses, "the ODOM messages at the time of each scan", "odom")
+        found |= self._true_trajectory(sensor)
+        if found:
+            return found
+        text = f"the {sensor.word} lines state no poses, and the log has no ODOM or TRUEPOS lines"
+        return {"standing still": Trajectory(np.zeros((sensor.n_scans, 3)), text, is_placeholder=True)}
 
 
-_PARAMETERS = frozenset(
-    f"robot_{side}laser_{which}"
-    for side in ("front", "rear")
-    for which in ("offset", "side_offset", "angular_offset", "max")
-)
+#: Name in a log → its name here, and its unit.
+_PARAMETERS = {
+    **{
+        f"robot_{side}laser_{which}": (f"{side}_{which}", "m")
+        for side in ("front", "rear")
+        for which in ("offset", "side_offset", "angular_offset", "max")
+    },
+    **{f"robot_{side}_laser_max": (f"{side}_max", "m") for side in ("front", "rear")},
+    **{
+        f"laser_{side}_laser_{which}": (f"{side}_{which}", "degrees")
+        for side in ("front", "rear")
+        for which in ("fov", "resolution")
+    },
+}
 
 
 def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:

@@ -1,4 +1,8 @@
-"""The beams of CARMEN's lasers, as their scan lines state them."""
+"""The beams of CARMEN's lasers: as their scan lines state them, or else by their number.
+
+Source of the numbers: the readers of gmapping (carmenconfiguration.cpp), MRPT (carmen_log_tools) and CARMEN
+(readlog.c); the manuals of SICK's LMS 200 and of Hokuyo's URG-04LX and UTM-30LX.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +20,87 @@ class Beams:
     angle_min: float
     angle_increment: float
     range_max: float | None = None
+    notes: tuple[str, ...] = ()
 
 
-def front_laser_beams(n_beams: int) -> tuple[float, float]:
-    """Return (angle_min, angle_increment) in radians of a FLASER or RLASER line with ``n_beams``."""
-    if n_beams in (180, 181):
-        step = math.pi / 180.0
-    else:
-        step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
-    return -math.pi / 2.0, step
+HOKUYO_STEP = 360.0 / 1024.0  #: degrees: the step of a Hokuyo URG-04LX
+
+#: Number of beams → degrees from one to the next, and whether every reader agrees on it.
+BY_COUNT: dict[int, tuple[float, bool]] = {
+    101: (1.0, False),
+    180: (1.0, True),
+    181: (1.0, True),
+    201: (0.5, False),
+    360: (0.5, True),
+    361: (0.5, True),
+    401: (0.25, False),
+    540: (0.5, True),
+    541: (0.5, True),
+    682: (HOKUYO_STEP, True),
+    683: (HOKUYO_STEP, True),
+    720: (0.25, False),
+    721: (0.25, False),
+    726: (HOKUYO_STEP, False),
+    768: (HOKUYO_STEP, False),
+    769: (HOKUYO_STEP, True),
+    1080: (0.25, False),
+    1081: (0.25, False),
+}
+FIRST_OF_EVEN = {180: -90.0, 360: -90.0, 540: -135.0, 720: -90.0, 1080: -135.0}  #: degrees: their last beam is missing
+NO_NOTE = (180, 181)  #: what most logs have
+AGREE = 0.05  #: share by which two statements of one angle may differ
+
+
+def front_laser_beams(
+    n_beams: int, word: str, fov: float | None = None, resolution: float | None = None
+) -> tuple[float, float, list[str]]:
+    """Return angle_min and angle_increment in radians of lines ``word`` that state no angles, and notes on them.
+
+    ``fov`` and ``resolution``, radians, are what the log's parameters state. They count where they agree with the
+    number of beams; then lidars count that send so many, then the parameters as they are. Else it is 180°.
+    """
+    by_count = BY_COUNT.get(n_beams)
+    if fov is not None and resolution is not None and _agree(resolution * max(1, n_beams - 1), fov, resolution):
+        return *_around(n_beams, resolution), _note(n_beams, word, resolution, "as PARAM states")
+    if by_count is not None:
+        step, is_agreed = math.radians(by_count[0]), by_count[1]
+        stated = resolution if resolution is not None else None if fov is None else fov / max(1, n_beams - 1)
+        if stated is None or is_agreed or abs(stated - step) <= AGREE * step:
+            first = FIRST_OF_EVEN.get(n_beams)
+            start = _around(n_beams, step)[0] if first is None else math.radians(first)
+            notes = [] if n_beams in NO_NOTE else _note(n_beams, word, step, "as lidars with so many beams send them")
+            if stated is not None and abs(stated - step) > AGREE * step:
+                notes.append(f"PARAM states {math.degrees(stated):.4g}° between the beams, which is not used.")
+            return start, step, notes
+    if resolution is not None and resolution * (n_beams - 1) <= 2.0 * math.pi + resolution:
+        return *_around(n_beams, resolution), _note(n_beams, word, resolution, "as PARAM states")
+    if fov is not None:
+        step = fov / max(1, n_beams - 1)
+        return *_around(n_beams, step), _note(n_beams, word, step, "as PARAM states")
+    step = math.pi / n_beams if n_beams % 2 == 0 else math.pi / max(1, n_beams - 1)
+    note = (
+        f"180° is assumed: {word} lines state no angles, no PARAM does, and {n_beams} beams are of no lidar that is "
+        "known here. If walls are bent or doubled, give the log a line PARAM laser_front_laser_resolution, in degrees."
+    )
+    return -math.pi / 2.0, step, [note]
+
+
+def _agree(a: float, b: float, step: float) -> bool:
+    return abs(a - b) <= max(AGREE * b, 1.5 * step)
+
+
+def _around(n_beams: int, step: float) -> tuple[float, float]:
+    """Return the first of beams that lie alike on both sides of straight ahead, and the step."""
+    return -0.5 * (n_beams - 1) * step, step
+
+
+def _note(n_beams: int, word: str, step: float, why: str) -> list[str]:
+    view = math.degrees(step) * (n_beams - 1)
+    note = (
+        f"The {n_beams} beams of the {word} lines, which state no angles, are taken to be {math.degrees(step):.4g}° "
+        f"apart, {view:.4g}° in all, {why}."
+    )
+    return [note]
 
 
 def robot_laser_beams(n: int, stated: list[float], line: int, word: str) -> Beams:

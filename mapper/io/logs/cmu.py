@@ -116,7 +116,7 @@ def read_cmu(
         poses = poses_at_scans(odometry[:, :3], odometry[:, 3], stack.odometry_before, stack.stamps)
         trajectories["wheel"] = Trajectory(poses, "the O lines at the time of each scan", "odom")
         topics.append(Topic("O", "odometry", reader.n_odometry))
-    angle_min, angle_increment = front_laser_beams(BEAMS)
+    angle_min, angle_increment, _ = front_laser_beams(BEAMS, "L")
     return ScanLog(
         ranges=ranges,
         angle_min=angle_min,

@@ -9,7 +9,7 @@ from mapper.io.logs import sonar
 from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.unpacking import GZIP_MAGIC
 
-KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, BreezySLAM, a sonar ring or CSV"
+KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, gmapping (.gfs), BreezySLAM, a sonar ring or CSV"
 
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (

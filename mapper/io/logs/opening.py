@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, mcap_file, ros1_bag, ros2_db3, sonar
+from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import Member, Source
 from mapper.io.logs.container import Container, in_order
 from mapper.io.logs.foreign import KNOWN, not_a_log
@@ -21,7 +21,9 @@ from mapper.io.logs.lines import BOM
 from mapper.io.logs.packed_archive import archive_members, is_archive
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
+from mapper.io.logs.understanding import understood
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
+from mapper.sensors.joint_log import with_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import OdometryRecords
@@ -49,6 +51,7 @@ BINARY: tuple[tuple[bytes, Container], ...] = (
 
 #: First words of the lines of the text formats.
 TEXT: tuple[tuple[frozenset[str], Reader], ...] = (
+    (gfs.WORDS, gfs.read_gfs),  # before CARMEN's: its lines may be among them
     (carmen.WORDS, carmen.read_carmen),
     (dpslam.WORDS, dpslam.read_dpslam),
 )
@@ -92,7 +95,7 @@ def open_log(
     which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
     :class:`LimitError` for one that is larger than ``limits`` allow.
     """
-    return _reading(Path(path), limits)(limits, progress, Selection.of(topic)).first
+    return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic))).first
 
 
 def open_robot_log(
@@ -107,7 +110,7 @@ def open_robot_log(
 
     ``also`` takes the messages of a recording in the same pass; of a text format it gets none.
     """
-    return _reading(Path(path), limits, also)(limits, progress, selection)
+    return understood(_reading(Path(path), limits, also)(limits, progress, selection))
 
 
 def odometry_records(
@@ -230,7 +233,7 @@ def _noting(notes: Sequence[str], reading: Reading) -> Reading:
 
     def noted(limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
         robot = reading(limits, progress, selection)
-        logs = {name: replace(log, notes=(*notes, *log.notes)) for name, log in robot.sensors.items()}
+        logs = {name: with_notes(log, notes, first=True) for name, log in robot.sensors.items()}
         return replace(robot, sensors=logs)
 
     return noted if notes else reading

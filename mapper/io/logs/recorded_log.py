@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.io.logs.cutting import CLOUD, FLOOR_M, IMAGE
-from mapper.io.logs.mounting import mounting_of
+from mapper.io.logs.mounting import Mounting, mounting_of
 from mapper.io.logs.packing import notes_on_time
 from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
+from mapper.io.logs.scan_groups import ScanGroup, scan_groups
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
+from mapper.sensors.joint_log import JointLog, with_notes
 from mapper.sensors.planar.cloud import first_beam
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.planar.tilted import cut_tilted
@@ -70,7 +72,7 @@ class RecordedLog:
                     raise
                 left_out.append(f"{sensor.topic} is left out: {error.message}")
         if left_out:
-            sensors[chosen[0].topic] = replace(log, notes=(*log.notes, *left_out))
+            sensors[chosen[0].topic] = with_notes(log, left_out)
         timed = {name: one.timed for name, one in log.trajectories.items() if one.timed is not None}
         return RobotLog(sensors, timed, self._tf.transforms())
 
@@ -139,11 +141,8 @@ class RecordedLog:
             if stream.left_out.total
         ]
         notes += more_notes
-        ranges, more = sensor.packed(self._limits)
+        groups, more = scan_groups(sensor, self._limits)
         notes += more
-        angle_min, increment, range_min, range_max, _ = sensor.usual
-        ranges = ranges.copy() if not ranges.flags.writeable else ranges
-        ranges[ranges <= 0.0] = np.nan  # REP 117: −inf is too close to measure; many drivers say 0 instead
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
@@ -153,32 +152,24 @@ class RecordedLog:
         mounting = mounting_of(self._taken, chain[: base + 1], stamps, sensor)
         notes += mounting.notes
         notes += self._note_on_floor(sensor)
-        least, greatest = max(0.0, range_min) if range_min < range_max else 0.0, range_max
-        if mounting.tilting is not None:
-            bearings = angle_min + increment * np.arange(ranges.shape[1], dtype=np.float64)
-            poses = mounting.tilting
-            ranges = cut_tilted(ranges, bearings, (least, greatest), poses.matrices, poses.positions, self._cut)
-            angle_min, increment, least = first_beam(self._cut), self._cut.angle_increment, 0.0
         robot = self._chain_of_robot(chain[base:])
         sources = list(self._pose_sources(robot, sensor))
         trajectories, more = trajectories_at(stamps, sources, robot[0][:MAX_FRAME_NAME], self._limits)
         notes += more
-        return ScanLog(
-            ranges=ranges,
-            angle_min=angle_min,
-            angle_increment=increment,
-            range_min=least,
-            range_max=greatest,
+        whole = ScanLog(
+            ranges=np.empty((len(stamps), 0), dtype=np.float32),
+            angle_min=0.0,
+            angle_increment=0.0,
+            range_min=0.0,
+            range_max=np.inf,
             stamps_ns=stamps,
             trajectories=trajectories,
             mount=mounting.mount,
             mounts=mounting.mounts,
             upside_down=mounting.upside_down,
-            bearings=np.zeros(1) if sensor.beam_width > 0.0 else None,
             beam_width=min(sensor.beam_width, np.pi / 2.0),
             topic=sensor.topic,
             frame_id=sensor.frame[:MAX_FRAME_NAME],
-            time_increment=0.0 if mounting.tilting is not None else sensor.time_increment,
             scan_time=sensor.scan_time,
             name=self._name,
             format=f"{self._form}, {sensor.topic}",
@@ -186,6 +177,40 @@ class RecordedLog:
             notes=tuple(notes),
             odometry=odometry_among(sources, trajectories, stamps),
             limits=self._limits,
+        )
+        parts = [self._with_beams(whole, group, mounting, sensor.beam_width) for group in groups]
+        return parts[0] if len(parts) == 1 else JointLog.of(parts)
+
+    def _with_beams(self, whole: ScanLog, group: ScanGroup, mounting: Mounting, beam_width: float) -> ScanLog:
+        """Return the scans of a group of a log, with their readings."""
+        ranges = group.ranges if group.ranges.flags.writeable else group.ranges.copy()
+        ranges[ranges <= 0.0] = np.nan  # REP 117: −inf is too close to measure; many drivers say 0 instead
+        angle_min, increment, least, time_increment = (
+            group.angle_min, group.angle_increment, group.range_min, group.time_increment,
+        )  # fmt: skip
+        if mounting.tilting is not None:
+            bearings = angle_min + increment * np.arange(ranges.shape[1], dtype=np.float64)
+            poses = mounting.tilting
+            ranges = cut_tilted(
+                ranges,
+                bearings,
+                (least, group.range_max),
+                poses.matrices[group.scans],
+                poses.positions[group.scans],
+                self._cut,
+            )
+            angle_min, increment = first_beam(self._cut), self._cut.angle_increment
+            least = time_increment = 0.0
+        own = whole if len(group.scans) == whole.n_scans else whole.take(group.scans)
+        return replace(
+            own,
+            ranges=ranges,
+            angle_min=angle_min,
+            angle_increment=increment,
+            range_min=least,
+            range_max=group.range_max,
+            time_increment=time_increment,
+            bearings=np.zeros(ranges.shape[1]) if beam_width > 0.0 else None,
         )
 
     def _note_on_floor(self, sensor: SensorScans) -> list[str]:

@@ -221,10 +221,8 @@ class Recording:
 
 
 def _what_is_wrong(beams: Beams) -> str:
-    """Return why no beam of a message points anywhere or measures anything; nothing where they do."""
+    """Return why no beam of a message points anywhere; nothing where they do. Its range limits are judged later."""
     n = len(beams.ranges)
-    if not beams.range_max > 0.0:  # nan too
-        return f"the range_max is {beams.range_max:g} m"
     if n == 0:
         return "they have no readings"
     for name in ("angle_min", "angle_increment", "beam_width"):

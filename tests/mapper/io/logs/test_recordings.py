@@ -195,15 +195,26 @@ def test_poses_outside_the_scans_times_are_left_out_and_poses_that_end_early_not
     assert any("clockless are from another time" in note for note in log.notes)
 
 
-def test_scans_with_other_beams_count_at_the_nearest_of_the_usual_ones(tmp_path):
+def test_scans_with_other_beams_keep_their_own(tmp_path):
     said = [scan(T0 + i, [1.0, 2.0, 3.0, 4.0], angles=(0.0, 0.5)) for i in range(3)]
-    said.append(scan(T0 + 3, [5.0, 6.0], angles=(0.0, 0.5)))  # a shorter sweep
-    said.append(scan(T0 + 4, [7.0, 8.0, 9.0], angles=(0.5, 0.45)))  # another one: at 0.5, 0.95 and 1.4
+    said.append(scan(T0 + 3, [5.0, 6.0], angles=(2 * math.pi, 0.5)))  # a shorter sweep from the same angle
+    said.append(scan(T0 + 4, [7.0, 8.0, 9.0], angles=(0.5, 0.45)))
     log = open_log(written(tmp_path, said, "bag"))
-    assert log.n_beams == 4
+    assert (log.topic, log.n_scans, log.n_beams) == ("/scan", 5, 4)
     np.testing.assert_array_equal(log.ranges[3], np.array([5, 6, np.nan, np.nan], dtype=np.float32))
-    np.testing.assert_array_equal(log.ranges[4], np.array([np.nan, 7, 8, 9], dtype=np.float32))
-    assert any("2 of the 5 scans on /scan have other beams" in note for note in log.notes)
+    np.testing.assert_array_equal(log.scan(4).ranges, np.array([7, 8, 9], dtype=np.float32))
+    np.testing.assert_allclose(log.scan(4).angles, [0.5, 0.95, 1.4], atol=1e-6)
+    np.testing.assert_allclose(log.scan(3).angles[:2], [0.0, 0.5], atol=1e-6)
+    assert any("do not have the same beams" in note for note in log.notes)
+
+
+def test_scans_whose_beams_are_all_different_count_at_the_nearest_of_the_usual_ones(tmp_path):
+    said = [scan(T0 + i, [1.0, 2.0, 3.0, 4.0], angles=(0.0, 0.5)) for i in range(3)]
+    said += [scan(T0 + 3 + i, [7.0, 8.0, 9.0], angles=(0.5 + 0.01 * i - 2 * math.pi, 0.45)) for i in range(9)]
+    log = open_log(written(tmp_path, said, "bag"))
+    assert (log.n_scans, log.n_beams) == (12, 4)
+    np.testing.assert_array_equal(log.ranges[3], np.array([np.nan, 7, 8, 9], dtype=np.float32))
+    assert any("9 of the 12 scans on /scan have other beams" in note for note in log.notes)
 
 
 def test_scans_without_a_time_of_their_own_get_that_of_their_recording(tmp_path):

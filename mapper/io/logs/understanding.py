@@ -1,0 +1,93 @@
+"""What no single message of a log can say: whether its sweeps are possible, and whether it measured anything.
+
+It is asked of every log once it is read, whatever its format, so that one rule and one sentence serve all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.sensors.joint_log import JointLog, sensors_of, with_notes
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.scan import ScanLog
+
+JITTER = 1.25  #: a sweep may last so much longer than the time between scans, or than the stated one
+LEAST_SCANS = 3  #: fewer tell nothing of the time between them
+PAUSE = 5.0  #: times between scans that are longer than so many usual ones are pauses
+
+
+def understood(robot: RobotLog) -> RobotLog:
+    """Return a log without sweeps that cannot be, and with notes on what its readings lack."""
+    sensors = {name: _understood(log) for name, log in robot.sensors.items()}
+    return replace(robot, sensors=sensors)
+
+
+def _understood(log: ScanLog) -> ScanLog:
+    period = time_between_scans(log.stamps_ns)
+    why = [impossible_sweep(part, period) for part in sensors_of(log)]
+    if isinstance(log, JointLog) and any(why):
+        parts = [_at_once(part) if one else part for part, one in zip(log.parts, why, strict=True)]
+        log = JointLog.of(parts)
+    elif why[0]:
+        log = _at_once(log)
+    return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log)])
+
+
+def _at_once(log: ScanLog) -> ScanLog:
+    return replace(log, time_increment=0.0)
+
+
+def time_between_scans(stamps_ns: NDArray[np.int64]) -> float:
+    """Return the usual time from one scan to the next, seconds; 0 where the stamps (n,) do not tell it.
+
+    It is the median or, where scans come in bursts, their mean without pauses.
+    """
+    steps = np.diff(stamps_ns.astype(np.float64)) * 1e-9
+    steps = steps[steps > 0.0]
+    if len(steps) < LEAST_SCANS - 1:
+        return 0.0
+    usual = float(np.median(steps))
+    return max(usual, float(np.mean(steps[steps <= PAUSE * usual])))
+
+
+def impossible_sweep(log: ScanLog, period: float) -> str:
+    """Return why the beams of a scan cannot have been measured at the times that are stated; nothing if they can.
+
+    ``period`` is the usual time between scans, seconds, 0 if unknown. A sweep ends before the next one begins, and
+    before the stated ``scan_time`` has passed.
+    """
+    sweep = abs(log.time_increment) * max(0, log.n_beams - 1)
+    stated = f"A sweep of {log.n_beams} beams takes {sweep:.3g} s by the stated time_increment"
+    so = "the time_increment is not used, and the beams of a scan are taken as measured at once (deskew off)."
+    if period > 0.0 and sweep > JITTER * period:
+        return f"{stated}, and the scans are {period:.3g} s apart: {so}"
+    if log.scan_time > 0.0 and sweep > JITTER * log.scan_time:
+        return f"{stated}, and the stated scan_time is {log.scan_time:.3g} s: {so}"
+    return ""
+
+
+def _notes_on_readings(log: ScanLog) -> list[str]:
+    total = no_return = 0
+    for part in sensors_of(log):
+        with np.errstate(invalid="ignore"):
+            if ((part.ranges >= part.range_min) & (part.ranges <= part.range_max)).any():
+                return []
+            no_return += int(np.count_nonzero(part.ranges > part.range_max))
+        total += part.ranges.size
+    if not total:
+        return []
+    if no_return == total:
+        note = (
+            f"All {total} readings are no return (infinite, or beyond range_max), so the map has no walls. Where "
+            "nothing was in reach, no_return free (--no-return free) clears the cells up to the greatest range."
+        )
+        return [note]
+    rest = f"; {no_return} are no return, with which no_return free clears cells" if no_return else ""
+    note = (
+        f"None of the {total} readings is a measured distance, so the map has no walls: {total - no_return} are not a "
+        f"number, zero, negative, −inf or below range_min{rest}."
+    )
+    return [note]
