@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.io.logs.cloud_messages import Cloud, DepthImage, camera_info, depth_image, point_cloud
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, Cloud, DepthImage, camera_info, depth_image
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.ros_messages import Beams
 from mapper.io.logs.stream import Stream
@@ -24,7 +24,7 @@ from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty
 from mapper.sensors.planar.depth import cut_depth
 from mapper.sensors.planar.options import PlanarCut
 
-CLOUD, IMAGE, CAMERA = "sensor_msgs/PointCloud2", "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
 FLOOR_CLOUDS = 20  #: of a topic: in so many of its first clouds the floor is looked for
 FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
@@ -71,8 +71,8 @@ class Cutter:
         self._held_bytes = 0
 
     def take_cloud(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
-        """Take a sensor_msgs/PointCloud2. Raises :class:`BadMessageError`."""
-        cloud = point_cloud(data, cdr=stream.cdr)
+        """Take a cloud of one of the types :data:`CLOUD_DECODERS`. Raises :class:`BadMessageError`."""
+        cloud = CLOUD_DECODERS[stream.kind](data, cdr=stream.cdr)
         self._take(_Held(stream, recorded_ns, cloud, len(data), stream.count))
 
     def take_image(self, stream: Stream, recorded_ns: int, data: bytes) -> None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.cutting import CLOUD, IMAGE, is_forward
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS
+from mapper.io.logs.cutting import IMAGE, is_forward
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.taken import Taken
 from mapper.io.logs.transforms import Poses3
@@ -38,7 +39,7 @@ class Mounting:
 def mounting_of(taken: Taken, chain: list[str], stamps: Int64Array, sensor: SensorScans) -> Mounting:
     """Return the mount of a sensor, by tf along a chain of frames from the sensor's up to the base's."""
     notes = _notes_on_frames(taken, chain, sensor)
-    if sensor.kind == CLOUD:
+    if sensor.kind in CLOUD_DECODERS:
         mounts = sensor.mounts
         return _mounting(mounts, False, None, [*notes, *_note_on_moving(chain, mounts)])
     poses = taken.tf.lookup(chain, stamps)

@@ -15,7 +15,7 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import Member, Source
-from mapper.io.logs.container import Container, in_order
+from mapper.io.logs.container import Container, are_parts_by_name, in_order
 from mapper.io.logs.foreign import KNOWN, not_a_log
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.packed_archive import archive_members, is_archive
@@ -181,7 +181,8 @@ def _reading_together(files: Sequence[Source], where: str, name: str, also: Mess
     if len(logs) == 1:
         return partial(_reader(kind, also), logs[0])
     if isinstance(kind, Container):
-        return partial(kind.read_split, logs, name, also=also)
+        is_stated = any(file.name == METADATA for file in files)
+        return partial(kind.read_split, logs, name, also=also, by_name=not is_stated)
     return partial(_one_sensor, partial(sonar.read_sonar, poses=logs[1]), logs[0])
 
 
@@ -219,8 +220,8 @@ def _apart(
         return "of different kinds"
     if not all(isinstance(kind, Container) for kind in kinds):
         return "each a log by itself"
-    if (*folders, METADATA) not in places:
-        return f"and no {METADATA} that would make them parts of one"
+    if (*folders, METADATA) not in places and not are_parts_by_name([log.name for log in logs]):
+        return f"and no {METADATA} that would make them parts of one, nor names of one kind, numbered from 0"
     return None
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
-from mapper.io.logs.cutting import CLOUD, FLOOR_M, IMAGE
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS
+from mapper.io.logs.cutting import FLOOR_M, IMAGE
 from mapper.io.logs.mounting import Mounting, mounting_of
 from mapper.io.logs.packing import notes_on_time
 from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
@@ -32,7 +33,7 @@ from mapper.sensors.timed_poses import TimedPoses
 Int64Array = NDArray[np.int64]
 
 #: Which sensor is mapped where none is named: the first of these types.
-PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", CLOUD, IMAGE, SONAR)
+PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", *CLOUD_DECODERS, IMAGE, SONAR)
 FLOOR_SHARE = 0.1  #: of a cloud's beams: where more end at low points, a note says so
 _RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are lidars alike
 
@@ -108,7 +109,9 @@ class RecordedLog:
         if self._bad:
             held = f"messages that could not be read: {listed(self._bad)}"
         elif streams:
-            held = f"it has {listed(sorted({stream.kind for stream in streams}))}"
+            other = " (serialised in a way that is not read)"
+            kinds = {f"{one.kind or 'messages without a type'}{'' if one.readable else other}" for one in streams}
+            held = f"it has {listed(sorted(kinds))}"
         damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
         return ReadError(
             "log.no_scans",

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.cloud_messages import DepthImage, NotDepthError, camera_info, depth_image, point_cloud
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, DepthImage, NotDepthError, camera_info, depth_image
 from mapper.io.logs.compressed_depth import COMPRESSED, compressed_depth_image, image_topic
-from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, topic_folder
+from mapper.io.logs.cutting import CAMERA, IMAGE, topic_folder
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.pulling import Take, pulled
 from mapper.io.logs.ros_messages import imu
@@ -44,10 +44,10 @@ class _Recorded:
     def limits(self) -> Limits:
         return self.taken.limits
 
-    def clouds(self, topic: str) -> Iterator[PointCloud]:
-        for message in pulled(self.files, self.take, topic, CLOUD, self.limits):
+    def clouds(self, topic: str, kind: str) -> Iterator[PointCloud]:
+        for message in pulled(self.files, self.take, topic, kind, self.limits):
             try:
-                cloud = point_cloud(message.data, cdr=message.cdr)
+                cloud = CLOUD_DECODERS[kind](message.data, cdr=message.cdr)
             except BadMessageError:
                 continue
             yield cloud.whole(message.stamp_ns)
@@ -172,12 +172,12 @@ def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
     recorded = _Recorded(files, take, taken)
     counts: dict[tuple[str, str], int] = {}
     for stream in taken.streams:
-        if stream.kind in (CLOUD, IMU, *DEPTH_DECODERS):
+        if stream.kind in (*CLOUD_DECODERS, IMU, *DEPTH_DECODERS):
             counts[stream.topic, stream.kind] = counts.get((stream.topic, stream.kind), 0) + stream.count
     clouds = {
-        topic: CloudStream(topic, count, partial(recorded.clouds, topic), recorded.mounts, recorded.poses)
+        topic: CloudStream(topic, count, partial(recorded.clouds, topic, kind), recorded.mounts, recorded.poses)
         for (topic, kind), count in counts.items()
-        if kind == CLOUD
+        if kind in CLOUD_DECODERS
     }
     depths = {
         topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), recorded.mounts, recorded.poses)

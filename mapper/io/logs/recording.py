@@ -12,8 +12,8 @@ from collections.abc import Callable
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.clocks import Clock
-from mapper.io.logs.cloud_messages import NotDepthError
-from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, Cutter
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, NotDepthError
+from mapper.io.logs.cutting import CAMERA, IMAGE, Cutter
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.names import printable
@@ -78,7 +78,7 @@ class Recording:
         if stream not in self._streams:
             take = self._taker_of(name, kind) if readable else None
             self._has_lidar |= take == self._take_scan and kind != SONAR
-            known = Stream(name, kind, cdr)
+            known = Stream(name, kind, cdr, readable)
             self._taken.streams.append(known)
             self._streams[stream] = (known, take)
         self._channels[key] = self._streams[stream]
@@ -91,7 +91,7 @@ class Recording:
             return self._take_pose
         if kind in TRANSFORMS:
             return self._take_transforms
-        if kind == CLOUD:
+        if kind in CLOUD_DECODERS:
             return self._cutter.take_cloud if self.selection.wants(topic) else None
         if kind == IMAGE:
             return self._cutter.take_image if self.selection.wants(topic) else None
@@ -99,9 +99,14 @@ class Recording:
 
     def _is_passed_over(self, stream: Stream) -> bool:
         """Return whether a stream is not cut: a picture's, and, unless it is named, any where there is a lidar."""
-        if stream.kind not in (CLOUD, IMAGE):
+        if stream.kind != IMAGE and stream.kind not in CLOUD_DECODERS:
             return False
         return stream.topic in self._pictures or (self._has_lidar and not self.selection.names(stream.topic))
+
+    @property
+    def topics_of_file(self) -> set[str]:
+        """Topics of the file that is read."""
+        return {stream.topic for stream, _ in self._channels.values()}
 
     def next_file(self) -> None:
         """Go on with another file of the same recording, in which streams have keys of their own."""

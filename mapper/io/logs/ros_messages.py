@@ -201,6 +201,8 @@ TRANSFORMS = {"tf2_msgs/TFMessage": transforms, "tf/tfMessage": transforms}
 
 
 def plain_type(name: str) -> str:
-    """Return ``sensor_msgs/LaserScan`` for ``sensor_msgs/msg/LaserScan``."""
+    """Return ``sensor_msgs/LaserScan`` for ``sensor_msgs/msg/LaserScan`` and ``sensor_msgs::msg::dds_::LaserScan_``."""
+    if "::" in name:
+        name = name.replace("::", "/").removesuffix("_")
     package, _, rest = name.partition("/")
     return f"{package}/{rest.rsplit('/', 1)[-1]}" if rest else name

@@ -272,7 +272,7 @@ def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
         elif name == "twist":
             part = "geometry_msgs/msg/TwistWithCovariance" if "twist" in value else "geometry_msgs/msg/Twist"
         elif isinstance(value, list):
-            part = part or "sensor_msgs/msg/LaserEcho"
+            part = part or {"points": kind.replace("CustomMsg", "CustomPoint")}.get(name, "sensor_msgs/msg/LaserEcho")
             values[name] = [_made(ros, part, one) for one in value]
             continue
         values[name] = value if part is None else _made(ros, part, value)
