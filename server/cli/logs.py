@@ -15,6 +15,7 @@ from server.cli.clouds import print_cloud, print_depth_folder
 from server.cli.common import (
     AsJson,
     LogPath,
+    TfTopic,
     TopicName,
     TopicNames,
     TumTrajectory,
@@ -49,6 +50,7 @@ TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, w
 def info(
     log: LogPath,
     topic: TopicName = None,
+    tf: TfTopic = None,
     contents: Annotated[
         bool, typer.Option(help="Go through the whole recording for the size, span and rate of every topic.")
     ] = True,
@@ -65,7 +67,7 @@ def info(
 
     if _print_cloud(log, as_json=as_json):
         return
-    read = _read(log, topic, with_contents=contents)
+    read = _read(log, topic, tf, with_contents=contents)
     if isinstance(read, Held):
         print_held(log, read, as_json=as_json)
         return
@@ -107,6 +109,7 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     """Print a cloud, a scan graph or a folder of depth images; return whether it is one."""
     from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - start-up
     from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415 - start-up
+    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
 
     if is_depth_folder(path):
         print_depth_folder(path, as_json=as_json)
@@ -115,13 +118,15 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     if path.is_file():
         with refusing(path):
             kind = format_of(path)
-    if kind is None or (kind == TEXT and not set(path.suffixes) & TEXT_ENDINGS):
+    if kind is None or (kind == TEXT and (not set(path.suffixes) & TEXT_ENDINGS or is_log(path))):
         return False
     print_cloud(path, kind, as_json=as_json)
     return True
 
 
-def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLog, tuple[TopicContents, ...]] | Held:
+def _read(
+    log: Path, topic: str | None, tf: str | None, *, with_contents: bool
+) -> tuple[RobotLog, tuple[TopicContents, ...]] | Held:
     """Return a log, and every topic of a recording if they are wanted, in one pass; end the command where it fails.
 
     Of a recording without scans, what else it holds.
@@ -132,9 +137,9 @@ def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLo
 
     with refusing(log), progress_bar("Reading") as bar:
         if not with_contents:
-            return open_robot_log(log, selection=Selection.of(topic), progress=bar), ()
+            return open_robot_log(log, selection=Selection.of(topic, tf=tf), progress=bar), ()
         try:
-            robot, contents = open_inspected(log, selection=Selection.of(topic), progress=bar)
+            robot, contents = open_inspected(log, selection=Selection.of(topic, tf=tf), progress=bar)
         except ReadError as error:
             held = open_held(log) if error.code == "log.no_scans" and topic is None else None
             if held is None or not held.contents.topics:
@@ -182,6 +187,7 @@ def doctor(
     topic: TopicNames = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
@@ -189,7 +195,7 @@ def doctor(
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
-    scans = read_joint(log, topic or (), tum_trajectory)
+    scans = read_joint(log, topic or (), tum_trajectory, tf)
     with refusing(log), progress_bar("Examining") as bar:
         found = examine(scans, trajectory, bar, time_offset=config.time_offset)
     if as_json:
