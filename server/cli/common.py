@@ -64,6 +64,10 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and 
 #: Codes of files that are no map, or no cloud → what is said where they are logs.
 _A_MAP = "This is a log, and a map is needed here. `gridbloom map {path} --out out/map` makes one: out/map.yaml."
 _A_CLOUD = "This is a log, and a file of a point cloud is needed here, as PCD, PLY or LAS."
+#: Errors of reading that are no fault of it.
+NOT_TO_REPORT = frozenset(
+    {"log.missing", "log.unreadable", "log.empty", "log.topic", "log.folder", "log.archive", "log.poses"}
+)
 NOT_A_LOG = {"map.yaml": _A_MAP, "map.key_missing": _A_MAP, "cloud.format": _A_CLOUD}
 
 
@@ -79,7 +83,15 @@ def refusing(path: Path) -> Iterator[None]:
     try:
         yield
     except MapperError as error:
-        fail(f"{path}: {_instead_of(path, error.code) or error.message}")
+        fail(f"{path}: {_instead_of(path, error.code) or error.message}{_how_to_report(error.code)}")
+
+
+def _how_to_report(code: str) -> str:
+    """Return how to report a log that is not read; nothing where it is no fault of reading."""
+    if not code.startswith("log.") or code in NOT_TO_REPORT:
+        return ""
+    what = "writes what a report of it needs, without readings or names."
+    return f"\nIf it should be read: gridbloom info LOG --report {what}"
 
 
 def _instead_of(path: Path, code: str) -> str | None:
