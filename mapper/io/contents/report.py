@@ -279,7 +279,7 @@ def _shape(line: str) -> str:
             groups[-1][1] = int(groups[-1][1]) + 1
         elif len(groups) < MOST_TOKENS:
             groups.append([kind, 1])
-    joint = {None: " "}.get(separator, separator or " ")
+    joint = separator or " "
     return joint.join(f"{kind}×{n}" if int(n) > 1 else str(kind) for kind, n in groups) or "an empty line"
 
 
