@@ -16,6 +16,7 @@ from server.cli.clouds import print_cloud, print_depth_folder
 from server.cli.common import (
     AsJson,
     LogPath,
+    TfTopic,
     TopicName,
     TopicNames,
     TumTrajectory,
@@ -53,6 +54,7 @@ TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, w
 def info(
     log: LogPath,
     topic: TopicName = None,
+    tf: TfTopic = None,
     contents: Annotated[
         bool, typer.Option(help="Go through the whole recording for the size, span and rate of every topic.")
     ] = True,
@@ -80,7 +82,7 @@ def info(
 
     if _print_cloud(log, as_json=as_json):
         return
-    read = _read(log, topic, with_contents=contents)
+    read = _read(log, topic, tf, with_contents=contents)
     if isinstance(read, Held):
         print_held(log, read, as_json=as_json)
         return
@@ -152,7 +154,9 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     return True
 
 
-def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLog, tuple[TopicContents, ...]] | Held:
+def _read(
+    log: Path, topic: str | None, tf: str | None, *, with_contents: bool
+) -> tuple[RobotLog, tuple[TopicContents, ...]] | Held:
     """Return a log, and every topic of a recording if they are wanted, in one pass; end the command where it fails.
 
     Of a recording without scans, what else it holds.
@@ -163,9 +167,9 @@ def _read(log: Path, topic: str | None, *, with_contents: bool) -> tuple[RobotLo
 
     with refusing(log), progress_bar("Reading") as bar:
         if not with_contents:
-            return open_robot_log(log, selection=Selection.of(topic), progress=bar), ()
+            return open_robot_log(log, selection=Selection.of(topic, tf=tf), progress=bar), ()
         try:
-            robot, contents = open_inspected(log, selection=Selection.of(topic), progress=bar)
+            robot, contents = open_inspected(log, selection=Selection.of(topic, tf=tf), progress=bar)
         except ReadError as error:
             held = open_held(log) if error.code == "log.no_scans" and topic is None else None
             if held is None or not held.contents.topics:
@@ -213,6 +217,7 @@ def doctor(
     topic: TopicNames = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
@@ -220,7 +225,7 @@ def doctor(
     from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
-    scans = read_joint(log, topic or (), tum_trajectory)
+    scans = read_joint(log, topic or (), tum_trajectory, tf)
     with refusing(log), progress_bar("Examining") as bar:
         found = examine(scans, trajectory, bar, time_offset=config.time_offset)
     if as_json:

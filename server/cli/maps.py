@@ -18,6 +18,7 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
+    TfTopic,
     TopicNames,
     TrajectoryName,
     TumTrajectory,
@@ -51,6 +52,7 @@ def map_log(
     topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     mount: Mount = None,
     prior: Prior = None,
     prior_frame: PriorFrame = None,
@@ -74,7 +76,7 @@ def map_log(
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
-    logs = read_sensors(log, topics, tum_trajectory, cut)
+    logs = read_sensors(log, topics, tum_trajectory, cut, tf)
     _check_mount(logs, given)
     scans = logs[0]
     with refusing(log):
@@ -109,7 +111,8 @@ def map_log(
     deskewed, notes_on_times = _deskewed(logs, config, trajectory)
     notes += notes_on_times
     drift = None if quiet else drift_note(scans, trajectory, config)
-    written = save(grid, out, mode, frame) if out is not None else []
+    offset = scans.trajectory(trajectory).offset
+    written = save(grid, out, mode, frame, offset) if out is not None else []
     if mcap is not None or tum is not None:
         with refusing(log):
             whole = _joined(logs)
@@ -127,7 +130,7 @@ def map_log(
         "resolution": geometry.resolution,
         "rows": geometry.rows,
         "cols": geometry.cols,
-        "origin": list(geometry.origin),
+        "origin": [geometry.origin[0] + offset[0], geometry.origin[1] + offset[1], geometry.origin[2]],
         **states(grid),
         "files": [str(path) for path in written],
         "notes": notes,
@@ -144,7 +147,7 @@ def map_log(
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+        f"origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     typer.echo(
@@ -251,7 +254,7 @@ def view(
     geometry = loaded.grid.geometry
     typer.echo(
         f"{map_yaml.name}: {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"{loaded.description.mode}, origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+        f"{loaded.description.mode}, origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
     )
     for note in loaded.notes:
         typer.echo(f"note: {note}")

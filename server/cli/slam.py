@@ -13,6 +13,7 @@ from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
+    TfTopic,
     TopicName,
     TrajectoryName,
     fail,
@@ -44,6 +45,7 @@ def slam(
     ] = None,
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
+    tf: TfTopic = None,
     values: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="A SLAM parameter; given again, another one."),
@@ -56,7 +58,7 @@ def slam(
     from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
 
     config = _configured(values or [])
-    scans = read_log(log, topic)
+    scans = read_log(log, topic, tf=tf)
     with refusing(log):
         expected = estimate(scans, config, trajectory)
         if expected.seconds > WORTH_SAYING_S and not as_json:

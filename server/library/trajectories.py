@@ -316,4 +316,4 @@ def _read(path: Path, log: ScanLog, description: str) -> tuple[int, Trajectory, 
 
     poses = read_tum(path, replace(DEFAULT_LIMITS, max_unpacked_bytes=MAX_BYTES, max_expansion=1))
     at_scans, notes = poses_at_all_scans(log, poses)
-    return len(poses), Trajectory(at_scans, description), [*poses.notes, *notes]
+    return len(poses), Trajectory(at_scans, description, offset=poses.offset), [*poses.notes, *notes]

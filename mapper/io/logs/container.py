@@ -110,6 +110,7 @@ class Container:
         for done, file in enumerate(files):
             self.take(file, sink, limits, _part_of(progress, done, len(files)))
             sink.next_file()
+        recording.finish()
         return streams_of(files, self.take, recording.parts)
 
 

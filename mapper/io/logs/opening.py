@@ -83,6 +83,7 @@ def open_log(
     path: str | os.PathLike[str],
     *,
     topic: str | None = None,
+    tf: str | None = None,
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanLog:
@@ -91,11 +92,12 @@ def open_log(
     Of a folder, or a tar archive of one, plain or packed, the log in it is read: the one file that is a log, the files
     that ROS 2 split a recording into, a ring of sonars' two.
     ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
-    is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
-    which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
-    :class:`LimitError` for one that is larger than ``limits`` allow.
+    is taken. ``tf`` names the topic of transforms, where there are several. ``progress`` is called with the share of
+    the file that has been read, 0 … 1. Raises :class:`ReadError`, which names the place, for a file that is missing, no
+    log, damaged or without scans, or a topic that it lacks, and :class:`LimitError` for one that is larger than
+    ``limits`` allow.
     """
-    return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic))).first
+    return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic, tf=tf))).first
 
 
 def open_robot_log(
