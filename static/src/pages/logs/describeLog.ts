@@ -152,7 +152,7 @@ export function readingText({ state, progress, reading_s }: LogRecord): string {
 }
 
 /** Errors of a log that should perhaps be read, and is not. */
-const REPORTABLE = /^log\.(unknown_format|binary|garbage|no_scans|version|header|beam\w*|not_a_number|angle\w*|range\w*)$/;
+const REPORTABLE = /^log\.(unknown_format|binary|garbage|no_scans|version|header|beam\w*|not_a_number|range\w*)$/;
 
 const HOW_TO_REPORT =
   "If it should be read, report it: gridbloom info LOG --report writes what it is made of, without readings or names.";
