@@ -2,15 +2,19 @@ import "../style/index.css";
 import "./lecture/lecture.css";
 import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
+import { computed } from "@preact/signals";
 import { type ComponentType, render } from "preact";
-import { useEffect, useRef } from "preact/hooks";
-import { fetchLater } from "../lessons/stage/later";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { fetchLater, isLater, later } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
+import { fontsLoaded } from "../ui/fontsLoaded";
 import { SiteHeader } from "../ui/SiteHeader";
+import { anchorScroll } from "../ui/scrollAnchor";
 import { Toasts, toast } from "../ui/Toast";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
+import { renderNearFigures, showSection } from "./lecture/awaitedFigures";
 import { CellSection } from "./lecture/CellSection";
 import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
@@ -112,18 +116,45 @@ const BODIES: Record<LessonId, Part["body"]> = {
   log: LogSection,
 };
 const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
+const FIRST_LATER = PARTS.findIndex(({ id }) => isLater(id));
+
+/**
+ * The sections on the page. Those from the first whose figure is not there yet are added once it is: the page grows at
+ * its end only, so nothing in view moves.
+ */
+const partsNow = computed(() => (later.value || presenting.value ? PARTS : PARTS.slice(0, FIRST_LATER)));
+
+/** Fonts that come after the first text is shown move it; they are smaller than the page's code and load beside it. */
+const FONTS_MS = 1000;
 
 /** Scroll to the section in the address, or show its slide: at the start, and when the address changes. */
 function useAddress(): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     const follow = (): void => {
       readAddress().catch((error: Error) => toast(`${error.message} The slides stay as they are.`, "error"));
-      if (!presenting.peek()) document.getElementById(location.hash.slice(1))?.scrollIntoView();
+      if (!presenting.peek()) showSection(location.hash.slice(1));
     };
     follow(); // the sections were not yet rendered when the browser looked for the anchor
     addEventListener("hashchange", follow);
     return () => removeEventListener("hashchange", follow);
   }, []);
+  const known = useRef(partsNow.peek());
+  const parts = partsNow.value;
+  useLayoutEffect(() => {
+    const added = parts.slice(known.current.length).map(({ id }) => id as string);
+    known.current = parts;
+    if (added.includes(location.hash.slice(1))) showSection(location.hash.slice(1));
+  }, [parts]);
+}
+
+/** Keep what is read where it is while the figures are rendered. */
+function useStillText() {
+  const main = useRef<HTMLElement>(null);
+  useLayoutEffect(() => (main.current ? anchorScroll(main.current, ".lesson > *, .prose > *") : undefined), []);
+  const shown = presenting.value;
+  const parts = partsNow.value;
+  useLayoutEffect(renderNearFigures, [shown, parts]);
+  return main;
 }
 
 /** At the end of the presentation mode, scroll to the section of the last slide. */
@@ -131,7 +162,7 @@ function useReturn(): void {
   const was = useRef(presenting.peek());
   const now = presenting.value;
   useEffect(() => {
-    if (was.current && !now) document.getElementById(sectionOfSlide())?.scrollIntoView();
+    if (was.current && !now) showSection(sectionOfSlide());
     was.current = now;
   }, [now]);
 }
@@ -143,6 +174,7 @@ function Page() {
   usePresentation();
   useAddress();
   useReturn();
+  const main = useStillText();
   return (
     <>
       {presenting.value ? (
@@ -155,7 +187,7 @@ function Page() {
       {!presenting.value && <SectionList />}
       <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
-        <main class="lecture" id="main" tabIndex={-1}>
+        <main class="lecture" id="main" tabIndex={-1} ref={main}>
           {!presenting.value && (
             <div class="lecture-head">
               <h1>Occupancy grid mapping</h1>
@@ -173,7 +205,7 @@ function Page() {
               </div>
             </div>
           )}
-          {PARTS.map(({ id, title, body: Body }, i) => (
+          {partsNow.value.map(({ id, title, body: Body }, i) => (
             <Body key={id} id={id} number={i + 1} title={title} />
           ))}
           <OwnSlide />
@@ -190,4 +222,5 @@ function Page() {
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
 if (speaker === null && !isPreview) attendLecture(PARTS);
+await fontsLoaded(FONTS_MS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);
