@@ -112,7 +112,8 @@ def bag_header() -> bytes:
 def mapped(image: bytes) -> Callable[[Path], bytes]:
     def made(folder: Path) -> bytes:
         (folder / "claims.pgm").write_bytes(image)
-        return b"image: claims.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+        thresholds = b"negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+        return b"image: claims.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n" + thresholds
 
     return made
 
@@ -153,7 +154,7 @@ CASES: dict[str, Callable[[Path], bytes]] = {
     "cloud-graph.graph": lambda _: struct.pack("<IIi", 2**24 - 1, 2**30 - 1, 3) + bytes(200),
     "cloud-nodes.graph": lambda _: struct.pack("<IIi3d", 2**24 - 1, 1, 3, 0, 0, 0) + bytes(200),
     "cloud-scans.pts": lambda _: b"49000000\n1 2 3\n" * 200,
-    "octree-size.bt": lambda _: b"# Octomap OcTree binary file\nid OcTree\nsize 4000000000\nres 0.1\ndata\n" + bytes(40),
+    "octree-size.bt": lambda _: b"# Octomap OcTree binary file\nid OcTree\nsize 4000000000\nres 1\ndata\n" + bytes(40),
     "octree-nodes.ot": lambda _: b"# Octomap OcTree file\nid OcTree\nsize 4000000000\nres 0.1\ndata\n" + b"\xff" * 400,
     "octree-colour.ot": lambda _: b"# Octomap OcTree file\nid ColorOcTree\nsize 9\nres 0.1\ndata\n" + b"\xff" * 400,
     "map-pgm.yaml": mapped(b"P5\n40000 40000\n255\n" + bytes(900)),
@@ -186,10 +187,9 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
     command = [sys.executable, "-c", READER, *map(str, paths)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, preexec_fn=limited)  # noqa: PLW1509
+    done = subprocess.run(command, capture_output=True, text=True, check=False, preexec_fn=limited)
     said = done.stdout.splitlines()
-    found = dict(zip(said[::2], [*said[1::2], f"ended by {done.returncode}: {done.stderr[-300:]}"], strict=False))
-    return found
+    return dict(zip(said[::2], [*said[1::2], f"ended by {done.returncode}: {done.stderr[-300:]}"], strict=False))
 
 
 @pytest.mark.parametrize("name", CASES)
