@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
+from mapper.sensors.georeference import NO_OFFSET
 from server.cli.app import app
 from server.cli.common import (
     AsJson,
@@ -78,7 +79,8 @@ def slam(
         before = None if found.odometry is None else sharpness_of(scans, found.odometry)
         grid = map_of(corrected, SLAM)
         after = wall_contrast(grid)
-    written = [] if out is None else [*save(grid, out, "trinary", "map"), *_write(out, corrected, found)]
+    offset = corrected.trajectory(SLAM).offset
+    written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, found)]
     loops = found.graph.kind == 1
     residuals = found.graph.residual[loops]
     facts: dict[str, Any] = {
@@ -140,7 +142,8 @@ def _configured(values: list[str]) -> SlamConfig:
 def _with_poses(log: ScanLog, found: SlamResult) -> ScanLog:
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
-    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map")
+    offset = NO_OFFSET if found.odometry is None else log.trajectory(found.odometry).offset
+    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map", offset=offset)
     return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
 
 

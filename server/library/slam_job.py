@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
 from server.library.log_pack import StalePackError, read_whole_pack
@@ -102,7 +103,8 @@ def _slam(job: SlamJob) -> SlamOutcome:
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     config = SlamConfig().with_values(job.parameters)
     result = slam_log(log, config, trajectory=job.trajectory, progress=_Reporter(job.out))
-    log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses)})
+    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+    log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses, offset=offset)})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
     Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
     before = log.default_trajectory if result.odometry is None else result.odometry
