@@ -109,6 +109,7 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     """Print a cloud, a scan graph or a folder of depth images; return whether it is one."""
     from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - start-up
     from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415 - start-up
+    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
 
     if is_depth_folder(path):
         print_depth_folder(path, as_json=as_json)
@@ -117,7 +118,7 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     if path.is_file():
         with refusing(path):
             kind = format_of(path)
-    if kind is None or (kind == TEXT and not set(path.suffixes) & TEXT_ENDINGS):
+    if kind is None or (kind == TEXT and (not set(path.suffixes) & TEXT_ENDINGS or is_log(path))):
         return False
     print_cloud(path, kind, as_json=as_json)
     return True
