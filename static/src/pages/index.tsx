@@ -157,8 +157,8 @@ function Model() {
       </div>
       <div class="hero-numbers">
         <Slider
-          label="Range z"
-          sentence="The measured range of the curve. It follows a beam of the robot until you set it."
+          label="Range"
+          sentence="The measured range z of the curve. It follows a beam of the robot until you set it."
           value={Math.min(view.z.value, range_max)}
           initial={Math.min(view.z.value, range_max)}
           low={0}
@@ -171,8 +171,8 @@ function Model() {
           }}
         />
         <Slider
-          label="Window w"
-          sentence="Width of the zone around the reading that counts as hit."
+          label="Window"
+          sentence="Width w of the zone around the reading that counts as hit."
           value={window}
           initial={LIVE_WINDOW}
           low={0}
@@ -357,6 +357,8 @@ function Page() {
 }
 
 showOther();
+const app = document.getElementById("app") as HTMLElement;
+app.replaceChildren(); // the picture that the page showed until this script ran
 render(
   <>
     <SiteHeader current="home">
@@ -368,5 +370,5 @@ render(
     <ClassHost />
     <Toasts />
   </>,
-  document.getElementById("app") as HTMLElement,
+  app,
 );
