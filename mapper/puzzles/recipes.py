@@ -18,7 +18,8 @@ CRATES = tuple(Drawn("box", *corners) for corners in ((560, 140, 680, 220), (360
 class Recipe:
     """A puzzle: ``level`` 1 to 3, what the visitor is told (``title``, ``story``), its cause, and how it is made.
 
-    Title and story do not tell the cause. ``make`` tells how much of its drive is done.
+    Title and story do not tell the cause. ``make`` tells how much of its drive is done. ``choices`` are the causes to
+    choose from, the same in every attempt; all of them where it is empty.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Recipe:
     story: str
     cause: str
     make: Callable[[Step], Spoiled]
+    choices: tuple[str, ...] = ()
 
 
 def _spoiled(world: str, seed: int, n_scans: int, cause: str, *, short: bool = False) -> Callable[[Step], Spoiled]:
@@ -61,13 +63,15 @@ def _low_table(step: Step) -> Spoiled:
 
 _ROWS = (
     Recipe("doorway", 1, "The closed doors", "A robot in an office. Its planner finds no way through any door.",
-           "resolution", _spoiled("office", 1, 250, "resolution")),
+           "resolution", _spoiled("office", 1, 250, "resolution"), ("resolution", "window", "mount_yaw", "people")),
     Recipe("thick", 1, "The thick walls", "A hall with pillars. The map has less free space than the hall.",
-           "window", _spoiled("hall", 2, 250, "window")),
+           "window", _spoiled("hall", 2, 250, "window"), ("resolution", "window", "time_offset", "polished")),
     Recipe("arcs", 1, "Walls in the open", "A cheap laser in a hall. There are obstacles where none were placed.",
-           "max_range", _spoiled("hall", 3, 300, "max_range", short=True)),
+           "max_range", _spoiled("hall", 3, 300, "max_range", short=True),
+           ("window", "max_range", "people", "clamp")),
     Recipe("mirror", 1, "A room that turns", "A robot was rebuilt last week. Since then its map is useless.",
-           "beam_order", _spoiled("office", 4, 250, "beam_order")),
+           "beam_order", _spoiled("office", 4, 250, "beam_order"),
+           ("mount_yaw", "beam_order", "drift", "time_offset")),
     Recipe("worn", 2, "The second building", "A long drive around a corridor. Each wall seems to be there twice.",
            "drift", _spoiled("loop", 5, 400, "drift")),
     Recipe("bumped", 2, "Blurred straight ahead", "The robot hit a door frame yesterday. The map is blurred since.",

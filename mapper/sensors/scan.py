@@ -17,6 +17,7 @@ from mapper.core.errors import ConfigError, LimitError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose
 from mapper.sensors.beam_fields import beam_fields, uneven_fields
+from mapper.sensors.georeference import NO_OFFSET, Offset, note_on_offset, offset_of
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses, check_poses
 
 MAX_STATED_S = 3600.0  #: seconds: no sensor has a longer time between its beams or scans
@@ -146,6 +147,10 @@ def _check_width(width: float) -> None:
         raise ConfigError("scan.beam_width", f"A beam is 0 to π/2 radians wide, not {width!r}.")
 
 
+#: In the note of a reader on poses that a log lacks: who gives it poses leaves that note out.
+FROM_ONE_PLACE = "the map shows all scans as from one place"
+
+
 @dataclass(frozen=True, slots=True)
 class Trajectory:
     """Pose of the robot's base at each scan: ``poses`` (n_scans, 3) float64, ``T_frame_child``, metres and radians.
@@ -155,7 +160,10 @@ class Trajectory:
     (REP 105). ``is_placeholder`` marks poses that no source stated: zeros, so that the scans of a log without poses
     can be mapped. ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
     where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
-    better than between the poses at the scans.
+    better than between the poses at the scans. ``offset`` (x, y), metres, has been subtracted from what the source
+    states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset. ``from_scans`` marks poses
+    that were found from the scans, as by SLAM: they are at the times at which the scans were taken, whatever the clocks
+    of scans and odometry are apart, so that a time offset between the two does not concern them.
     """
 
     poses: NDArray[np.float64]
@@ -164,10 +172,26 @@ class Trajectory:
     child_frame_id: str = "base_link"
     is_placeholder: bool = False
     timed: TimedPoses | None = None
+    offset: Offset = NO_OFFSET
+    from_scans: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))
         check_poses(self.poses, (len(self.poses), 3))
+
+
+def georeferenced(
+    poses: NDArray[np.float64], whose: str, description: str, limits: Limits
+) -> tuple[Trajectory, list[str]]:
+    """Return the trajectory of ``poses`` (n, 3), which may be far from the origin of their frame, and notes on that.
+
+    Raises :class:`ConfigError` where they are farther than ``max_pose`` from each other.
+    """
+    offset = offset_of(poses)
+    near = poses - np.array([*offset, 0.0])
+    check_poses(near, near.shape, limits)
+    notes = [note_on_offset(whose, offset)] if offset != NO_OFFSET else []
+    return Trajectory(near, description, offset=offset), notes
 
 
 @dataclass(frozen=True, slots=True)

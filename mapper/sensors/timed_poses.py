@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import interpolate
+from mapper.sensors.georeference import NO_OFFSET, Offset
 
 Times = NDArray[np.int64] | NDArray[np.float64]
 
@@ -59,13 +60,15 @@ class TimedPoses:
     """Poses of one body in one fixed frame, in the order of the file that they come from.
 
     ``stamps_ns`` (n,) int64, as recorded (they may jump backwards); ``poses`` (n, 3) float64, ``T_frame_child``,
-    metres and radians; ``notes`` one sentence each on what the reader noticed. Raises :class:`ConfigError` for arrays
+    metres and radians, less an ``offset`` (x, y) where they are georeferenced; ``notes`` one sentence each on what the
+    reader noticed. Raises :class:`ConfigError` for arrays
     of other shapes and for poses that are not finite.
     """
 
     stamps_ns: NDArray[np.int64]
     poses: NDArray[np.float64]
     notes: tuple[str, ...] = ()
+    offset: Offset = NO_OFFSET
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stamps_ns", np.ascontiguousarray(self.stamps_ns, dtype=np.int64))
@@ -79,7 +82,7 @@ class TimedPoses:
 
     def take(self, indices: NDArray[np.int64]) -> TimedPoses:
         """Return the poses with these indices, in this order."""
-        return TimedPoses(self.stamps_ns[indices], self.poses[indices], self.notes)
+        return TimedPoses(self.stamps_ns[indices], self.poses[indices], self.notes, self.offset)
 
     def covers(self, stamps_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return which of the times (n,) lie between the earliest and the latest stamp, both included."""

@@ -198,7 +198,9 @@ class Simulation:
         away = math.hypot(pose[0] - x, pose[1] - y)
         # Two digits, unless the place asked for is extremely far away.
         distance = f"{away:.2f}" if away < 1e4 else f"{away:.3g}"
-        why = "Outside the map" if np.isneginf(clearance) else "Inside a wall" if clearance <= 0.0 else "Too tight there"
+        why = (
+            "Outside the map" if np.isneginf(clearance) else "Inside a wall" if clearance <= 0.0 else "Too tight there"
+        )
         return f"{why}, so the robot moved to the nearest free spot, {distance} m away."
 
     def set_sensor(self, sensor: SensorConfig) -> None:

@@ -1,6 +1,6 @@
 """Classes: a lecturer shows a page, and many followers see the same on their own devices. Kept in memory only."""
 
-from server.classes.classes import ClassBudgetError, Classes, ClassNotFoundError, ClassRightError
+from server.classes.classes import ClassBudgetError, Classes, ClassNotFoundError, ClassRightError, unknown_class
 from server.classes.classroom import Classroom, Member
 from server.classes.codes import new_code
 from server.classes.results import results_csv
@@ -14,4 +14,5 @@ __all__ = [
     "Member",
     "new_code",
     "results_csv",
+    "unknown_class",
 ]

@@ -27,7 +27,7 @@ class ClassNotFoundError(MapperError):
 
 
 class ClassRightError(MapperError):
-    """The class belongs to another visitor, or is locked."""
+    """The class is locked, or its lecturer has signed out."""
 
 
 class ClassBudgetError(MapperError):
@@ -68,24 +68,26 @@ class Classes:
         made = self._classes[code] = Classroom(code, owner, self._clock)
         return made
 
+    def find(self, code: str) -> Classroom | None:
+        """Return a class, None if there is none."""
+        return self._classes.get(normalised(code))
+
     def get(self, code: str) -> Classroom:
         """Return a class. Raises :class:`ClassNotFoundError`."""
-        found = self._classes.get(normalised(code))
+        found = self.find(code)
         if found is None:
-            raise ClassNotFoundError("class.unknown", "There is no class with this code; it may have ended.")
+            raise unknown_class()
         return found
 
     def joined(self, code: str, visitor: str) -> Classroom | None:
         """Return a class that a visitor is in, or was; None for any other code."""
-        found = self._classes.get(normalised(code))
+        found = self.find(code)
         return found if found is not None and found.knows(visitor) else None
 
-    def owned(self, code: str, visitor: str) -> Classroom:
-        """Return a class for its lecturer. Raises :class:`ClassRightError` for another visitor."""
-        found = self.get(code)
-        if found.owner != visitor:
-            raise ClassRightError("class.not_yours", "Only the lecturer who opened the class can do that.")
-        return found
+    def owned(self, code: str, visitor: str) -> Classroom | None:
+        """Return a class to its lecturer; None for any other code, and for anybody else."""
+        found = self.find(code)
+        return found if found is not None and found.owner == visitor else None
 
     def of(self, owner: str) -> Classroom | None:
         """Return the class of a visitor."""
@@ -145,6 +147,11 @@ class Classes:
         for one in [*self._classes.values()]:
             if one.owner is not None and not one.has_lecturer and one.lecturer_seen < oldest:
                 self.close(one)
+
+
+def unknown_class() -> ClassNotFoundError:
+    """Return the error for a code that no class has, and for one whose class is not the visitor's."""
+    return ClassNotFoundError("class.unknown", "There is no class with this code; it may have ended.")
 
 
 def _crowded_address() -> ClassBudgetError:

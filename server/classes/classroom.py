@@ -9,6 +9,7 @@ how many numbers each network address was given.
 from __future__ import annotations
 
 import asyncio
+import re
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -31,6 +32,7 @@ from server.stream.class_messages import (
     ClassViewMessage,
     ClassWelcome,
     CloseCommand,
+    CountCommand,
     ExplainCommand,
     HandCommand,
     LockCommand,
@@ -40,10 +42,13 @@ from server.stream.class_messages import (
 )
 
 STATE_EVERY_S = 0.2  #: shortest time between two messages of the state
+AWAY_AFTER_S = 3.0  #: without a page of the lecturer's: it takes less to go from one page to another
 MAX_QUESTIONS = 200
 MAX_NUMBERS = 10_000  #: of followers while the class lasts: who drops the cookie gets another number
 #: Commands with which a follower to whom the robot was handed may drive it.
 DRIVERS_COMMANDS = frozenset({"drive", "teleport", "auto"})
+#: What followers get of the address of the lecturer's page.
+_PLACE = re.compile(r"(\?present)?(#[A-Za-z0-9_-]{0,100}(/[0-9]{1,4})?)?")
 _encoder = msgspec.json.Encoder()
 
 
@@ -74,7 +79,7 @@ class Classroom:
         self.stage = 0  #: number of that session, from 1
         self.stage_over = asyncio.Event()  #: set once that session is not shown any more
         self.view = ClassView("other")
-        self.is_locked = self.has_ended = False
+        self.is_locked = self.has_ended = self.counts_joined_only = False
         self.driver: int | None = None
         self.questions: list[Question] = []
         self.asked: Question | None = None
@@ -91,6 +96,7 @@ class Classroom:
         self._slots: dict[tuple[str, bool], str] = {}
         self._state_at = -STATE_EVERY_S
         self._state_timer: asyncio.TimerHandle | None = None
+        self._away_timer: asyncio.TimerHandle | None = None
         self._set("view", ClassViewMessage(self.view, 0))
         self._set("explained", ClassExplained(None))
         self._publish_state()
@@ -161,6 +167,7 @@ class Classroom:
         self.members.discard(member)
         if not member.number:
             self.lecturer_seen = self._clock()
+            self._look_for_lecturer()
         elif not any(other.number == member.number for other in self.members):
             self._hands.discard(member.number)
         self._changed()
@@ -169,6 +176,24 @@ class Classroom:
     def has_lecturer(self) -> bool:
         """Whether the lecturer is connected."""
         return any(not member.number for member in self.members)
+
+    @property
+    def is_lecturer_away(self) -> bool:
+        """Whether the lecturer has not been connected for :data:`AWAY_AFTER_S`."""
+        return not self.has_lecturer and self._clock() - self.lecturer_seen >= AWAY_AFTER_S
+
+    def _look_for_lecturer(self) -> None:
+        """Tell the followers that the lecturer is away, once that is so."""
+        if self._away_timer is not None:
+            self._away_timer.cancel()
+            self._away_timer = None
+        left_s = AWAY_AFTER_S - (self._clock() - self.lecturer_seen)
+        if self.has_ended or self.has_lecturer:
+            return
+        if left_s > 0.0:
+            self._away_timer = asyncio.get_running_loop().call_later(left_s, self._look_for_lecturer)
+        else:
+            self._changed()
 
     def take(self, member: Member) -> list[str]:
         """Return the messages to send to a member now."""
@@ -212,6 +237,10 @@ class Classroom:
                 self.asked = None
             case LockCommand(value=value):
                 self.is_locked = value
+            case CountCommand(joined_only=value):
+                self.counts_joined_only = value
+                for question in self.questions:
+                    question.joined_only = value
             case HandCommand(number=number):
                 self._hand(number)
         self._changed()
@@ -223,7 +252,7 @@ class Classroom:
             self.stage_over.set()
             self.stage_over = asyncio.Event()
             self._hand(None)
-        self.view = view
+        self.view = view = _for_followers(view)
         if self.asked is not None and self.asked.is_revealed and _page_of(view) not in self._asked_on:
             self.asked = None  # its result would stand before what is shown next
             self._changed()
@@ -232,7 +261,8 @@ class Classroom:
     def _ask(self, asked: AskCommand) -> None:
         if len(self.questions) >= MAX_QUESTIONS:
             raise ConfigError("class.questions", f"A class has at most {MAX_QUESTIONS} questions.")
-        self.asked = Question.of(len(self.questions) + 1, asked)
+        number, newest = len(self.questions) + 1, len(self._numbers)
+        self.asked = Question.of(number, asked, newest, joined_only=self.counts_joined_only)
         self.questions.append(self.asked)
         self._asked_on = {_page_of(self.view)}
 
@@ -274,6 +304,7 @@ class Classroom:
     def end(self) -> None:
         """End the class: everybody is told, and the connections close."""
         self.has_ended = True
+        self._look_for_lecturer()
         self.driver = None
         self.stage_over.set()
         self._publish_state()
@@ -314,9 +345,23 @@ class Classroom:
                 self.driver,
                 None if self.asked is None else self.asked.message(lecturer=lecturer),
                 None if self.puzzle is None else self.puzzle.message(lecturer=lecturer),
+                self.is_lecturer_away,
+                self.counts_joined_only,
             )
             self._slots["class", lecturer] = _encoder.encode(state).decode()
         self._tell("class", to_lecturer=True)
+
+
+def _for_followers(view: ClassView) -> ClassView:
+    """Return a view with nothing in its address but the section, or the slide and its step.
+
+    An older page of a lecturer's has its deck there, with notes, hidden slides and slides to come.
+    """
+    found, slide = _PLACE.match(view.hash), view.slide
+    if slide is not None and slide.address is not None and not slide.address.startswith("/shared/"):
+        # Whoever knows the id of a session, which may be in the address of the lab or of a log, can control it.
+        slide = msgspec.structs.replace(slide, address=None)
+    return msgspec.structs.replace(view, hash=found[0] if found else "", slide=slide)
 
 
 def _page_of(view: ClassView) -> str:

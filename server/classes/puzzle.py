@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from server.stream.class_messages import ClassPuzzle, ClassSolver
 
 BINS = 10  #: parts of the points, 0 to 100, in the results
@@ -14,6 +16,7 @@ class RoomPuzzle:
         self.key = key
         self.title = title
         self.solvers: dict[int, ClassSolver] = {}
+        self.progress: dict[int, Any] = {}  #: by number, the ``server.puzzles.game.Progress`` of all attempts
 
     def message(self, *, lecturer: bool) -> ClassPuzzle:
         """Return the puzzle as the lecturer or a follower sees it."""

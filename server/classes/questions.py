@@ -20,6 +20,9 @@ def part_of(axis: ClassAxis, value: float) -> int:
 class Question:
     """A question and what was answered, by the number of the follower.
 
+    ``newest`` is the greatest number of a follower when it was asked. Numbers are given in turn, so with
+    ``joined_only`` only answers up to it are counted: who joins once more, as somebody else, has no second answer.
+
     Raises :class:`ConfigError` for a question that cannot be asked.
     """
 
@@ -30,9 +33,11 @@ class Question:
     right: float | None = None
     is_revealed: bool = False
     answers: dict[int, float] = field(default_factory=dict)
+    newest: int = 0
+    joined_only: bool = False
 
     @classmethod
-    def of(cls, number: int, asked: AskCommand) -> Question:
+    def of(cls, number: int, asked: AskCommand, newest: int = 0, *, joined_only: bool = False) -> Question:
         """Return the question of a command."""
         options = None if asked.options is None else [one.strip() for one in asked.options]
         if not asked.text.strip():
@@ -46,7 +51,7 @@ class Question:
         if asked.axis is not None and not LEAST_WIDTH <= asked.axis.high - asked.axis.low <= GREATEST_WIDTH:
             # The parts of a wider or narrower axis have no width as a number.
             raise ConfigError("class.axis", f"Guesses may be {LEAST_WIDTH:g} to {GREATEST_WIDTH:g} apart.")
-        question = cls(number, asked.text.strip(), options, asked.axis)
+        question = cls(number, asked.text.strip(), options, asked.axis, newest=newest, joined_only=joined_only)
         question.set_right(asked.right)
         return question
 
@@ -67,15 +72,20 @@ class Question:
         self.answers[follower] = value
 
     @property
+    def counted(self) -> list[float]:
+        """The answers that are counted, one of each number."""
+        return [value for number, value in self.answers.items() if not self.joined_only or number <= self.newest]
+
+    @property
     def counts(self) -> list[int]:
         """The number of answers for each option, or in each of :data:`BINS` equal parts of the axis."""
         if self.axis is None:
             counts = [0] * len(self.options or ())
-            for value in self.answers.values():
+            for value in self.counted:
                 counts[int(value)] += 1
             return counts
         counts = [0] * BINS
-        for value in self.answers.values():
+        for value in self.counted:
             counts[part_of(self.axis, value)] += 1
         return counts
 
@@ -88,7 +98,8 @@ class Question:
             self.options,
             self.axis,
             self.is_revealed,
-            len(self.answers),
+            len(self.counted),
             self.counts if shown else None,
             self.right if shown else None,
+            self.newest if self.joined_only else None,
         )

@@ -51,6 +51,12 @@ TumTrajectory = Annotated[
     Path | None,
     typer.Option("--tum-trajectory", metavar="FILE", help="A TUM file as one more trajectory, 'tum', the log's first."),
 ]
+TfTopic = Annotated[
+    str | None,
+    typer.Option(
+        "--tf", metavar="TOPIC", help="The topic of transforms, where there are several. [tf of the sensor's namespace]"
+    ),
+]
 Mount = Annotated[
     str | None,
     typer.Option("--mount", metavar="X,Y,YAW", help="Correction of the sensor's pose on the robot (m, m, rad)."),
@@ -209,33 +215,38 @@ def progress_bar(what: str) -> Iterator[Callable[[float], None] | None]:
         yield lambda share: bar.update(task, completed=share)
 
 
-def read_log(path: Path, topic: str | None = None, tum: Path | None = None) -> ScanLog:
-    """Return the log at ``path``, with the trajectory of ``tum``, or end the command with an error."""
+def read_log(path: Path, topic: str | None = None, tum: Path | None = None, tf: str | None = None) -> ScanLog:
+    """Return the log at ``path``, with the trajectory of ``tum``, or end the command with an error.
+
+    ``tf`` says which topic's transforms are taken.
+    """
     from mapper.io.logs import open_log  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:
-        log = open_log(path, topic=topic, progress=progress)
+        log = open_log(path, topic=topic, tf=tf, progress=progress)
     return _with_tum(log, tum)
 
 
-def read_sensors(path: Path, topics: Sequence[str], tum: Path | None, cut: PlanarCut) -> tuple[ScanLog, ...]:
+def read_sensors(
+    path: Path, topics: Sequence[str], tum: Path | None, cut: PlanarCut, tf: str | None = None
+) -> tuple[ScanLog, ...]:
     """Return the named sensors of a log, or those that make one map where none is named; otherwise as :func:`read_log`.
 
-    ``cut`` says how scans are cut out of clouds and depth images.
+    ``cut`` says how scans are cut out of clouds and depth images, and ``tf`` which topic's transforms are taken.
     """
     from mapper.io.logs import open_robot_log  # noqa: PLC0415 - start-up
     from mapper.io.logs.selection import Selection  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as progress:
-        robot = open_robot_log(path, selection=Selection(tuple(topics), cut), progress=progress)
+        robot = open_robot_log(path, selection=Selection(tuple(topics), cut, tf), progress=progress)
     return tuple(_with_tum(log, tum) for log in robot.sensors.values())
 
 
-def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None) -> ScanLog:
+def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None, tf: str | None = None) -> ScanLog:
     """Return the sensors that :func:`read_sensors` returns as one log."""
     from mapper.sensors.joint_log import JointLog  # noqa: PLC0415 - start-up
 
-    logs = read_sensors(path, list(dict.fromkeys(topics)), tum, PlanarCut())
+    logs = read_sensors(path, list(dict.fromkeys(topics)), tum, PlanarCut(), tf)
     with refusing(path):
         return logs[0] if len(logs) == 1 else JointLog.of(logs)
 

@@ -12,6 +12,7 @@ from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
+    TfTopic,
     TopicNames,
     TrajectoryName,
     TumTrajectory,
@@ -61,6 +62,7 @@ def localize(
     topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     as_json: AsJson = False,
 ) -> None:
     """Find the robot of a log in a map, by its odometry and its scans (Monte Carlo localization)."""
@@ -84,7 +86,7 @@ def localize(
             fail(f"{out}: the file cannot be written: {error.strerror}.")
     topics = list(dict.fromkeys(topic or ()))
     one = topics[0] if topics else None
-    scans = read_joint(log, topics, tum_trajectory) if len(topics) > 1 else read_log(log, one, tum_trajectory)
+    scans = read_joint(log, topics, tum_trajectory, tf) if len(topics) > 1 else read_log(log, one, tum_trajectory, tf)
     with progress_bar("Localizing") as bar:
         try:
             found = localize_log(
@@ -181,7 +183,9 @@ def _write(path: Path, log: ScanLog, found: Localized, frame: str) -> list[Path]
     from mapper.localization.localize import LOCALIZED, covariance_lines  # noqa: PLC0415 - start-up
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
-    placed = replace(log, trajectories={LOCALIZED: Trajectory(found.poses, "localized in a map", frame)})
+    placed = replace(
+        log, trajectories={LOCALIZED: Trajectory(found.poses, "localized in a map", frame, from_scans=True)}
+    )
     texts = {path: tum_text(placed, LOCALIZED), path.with_suffix(COVARIANCE): "".join(covariance_lines(log, found))}
     for place, text in texts.items():
         try:

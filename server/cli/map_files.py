@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mapper.sensors.georeference import NO_OFFSET, Offset
 from server.cli.common import fail, refusing
 
 if TYPE_CHECKING:
@@ -28,12 +29,16 @@ def save(
     prefix: Path,
     mode: Any,  # noqa: ANN401 - checked by the caller
     frame: str | None = None,
+    offset: Offset = NO_OFFSET,
 ) -> list[Path]:
-    """Write a map, with the name of its frame where that is known; return the paths of its image and its yaml."""
+    """Write a map, with the name of its frame where that is known; return the paths of its image and its yaml.
+
+    ``offset`` (x, y) is added to its origin.
+    """
     from mapper.io.maps import save_map  # noqa: PLC0415 - start-up
 
     with refusing(prefix):
-        yaml_path, image_path = save_map(grid, prefix, mode, frame=frame)
+        yaml_path, image_path = save_map(grid, prefix, mode, frame=frame, offset=offset)
     return [image_path, yaml_path]
 
 

@@ -18,6 +18,7 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
+    TfTopic,
     TopicNames,
     TrajectoryName,
     TumTrajectory,
@@ -31,7 +32,7 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
-from server.cli.drift import Quiet, drift_note
+from server.cli.drift import Quiet, cause_and_drift
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.prior import Prior, PriorFrame, given_prior
 
@@ -51,6 +52,7 @@ def map_log(
     topic: TopicNames = None,
     trajectory: TrajectoryName = None,
     tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     mount: Mount = None,
     prior: Prior = None,
     prior_frame: PriorFrame = None,
@@ -74,7 +76,7 @@ def map_log(
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
-    logs = read_sensors(log, topics, tum_trajectory, cut)
+    logs = read_sensors(log, topics, tum_trajectory, cut, tf)
     _check_mount(logs, given)
     scans = logs[0]
     with refusing(log):
@@ -108,8 +110,9 @@ def map_log(
             seconds = time.perf_counter() - start
     deskewed, notes_on_times = _deskewed(logs, config, trajectory)
     notes += notes_on_times
-    drift = None if quiet else drift_note(scans, trajectory, config)
-    written = save(grid, out, mode, frame) if out is not None else []
+    cause, drift = (None, None) if quiet else cause_and_drift(scans, trajectory, config)
+    offset = scans.trajectory(trajectory).offset
+    written = save(grid, out, mode, frame, offset) if out is not None else []
     if mcap is not None or tum is not None:
         with refusing(log):
             whole = _joined(logs)
@@ -127,7 +130,7 @@ def map_log(
         "resolution": geometry.resolution,
         "rows": geometry.rows,
         "cols": geometry.cols,
-        "origin": list(geometry.origin),
+        "origin": [geometry.origin[0] + offset[0], geometry.origin[1] + offset[1], geometry.origin[2]],
         **states(grid),
         "files": [str(path) for path in written],
         "notes": notes,
@@ -135,7 +138,7 @@ def map_log(
     if len(logs) > 1:
         facts["sensors"] = [{"topic": one.topic, "scans": one.n_scans, "beams": one.n_beams} for one in logs]
     if not quiet:
-        facts["drift"] = drift
+        facts |= {"cause": cause, "drift": drift}
     if as_json:
         print_json(facts)
         return
@@ -144,7 +147,7 @@ def map_log(
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+        f"origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     typer.echo(
@@ -157,7 +160,7 @@ def map_log(
         typer.echo(f"  wrote {path}")
     if quiet:
         return
-    for note in [*notes, *([drift] if drift else [])]:
+    for note in [*notes, *(one for one in (cause, drift) if one)]:
         typer.echo(f"  note: {note}")
 
 
@@ -251,7 +254,7 @@ def view(
     geometry = loaded.grid.geometry
     typer.echo(
         f"{map_yaml.name}: {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"{loaded.description.mode}, origin {', '.join(f'{value:g}' for value in geometry.origin)}"
+        f"{loaded.description.mode}, origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
     )
     for note in loaded.notes:
         typer.echo(f"note: {note}")

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from mapper.core.errors import MapperError
 from mapper.grid import GridGeometry
+from mapper.sensors.georeference import NO_OFFSET, Offset
 from server.downloads.compressed_image import CompressedImage
 
 MAX_KEPT_BYTES = 64 << 20  #: of all sessions
@@ -22,12 +23,16 @@ class MapSnapshotGoneError(MapperError):
 
 @dataclass(frozen=True, slots=True)
 class MapSnapshot:
-    """A map at one instant: the name of its files, its geometry, its image and its frame (None: not known)."""
+    """A map at one instant: the name of its files, its geometry, its image and its frame (None: not known).
+
+    ``offset`` (x, y) is to be added to the geometry's origin.
+    """
 
     stem: str
     geometry: GridGeometry
     image: CompressedImage | None  #: None once it is no longer kept
     frame: str | None = None
+    offset: Offset = NO_OFFSET
 
 
 @dataclass(slots=True, eq=False)

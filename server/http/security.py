@@ -12,6 +12,7 @@ import re
 import secrets
 import socket
 from collections.abc import Sequence
+from contextlib import suppress
 from http.cookies import CookieError, SimpleCookie
 from math import ceil
 from urllib.parse import parse_qsl, urlencode
@@ -27,6 +28,7 @@ from server.http.guests import GuestRight, right_of_request
 from server.http.services import services_of
 from server.http.sign_ins import SIGNED_IN_COOKIE, TOKEN_COOKIE, VALID_S, SignIns
 from server.settings import Settings
+from server.stream.close_codes import SIGNED_OUT
 
 VISITOR_COOKIE = "gridbloom_visitor"
 YEAR_S = 365 * 24 * 3600
@@ -111,7 +113,30 @@ class Security:
                 await body(scope, receive, send_with_headers)
                 return
             receive = _replay(body, receive)
-        await self._app(scope, receive, send_with_headers)
+        cookie = cookies.get(TOKEN_COOKIE, "")
+        if scope["type"] == "websocket" and self._sign_ins.is_valid(cookie):
+            await self._while_valid(cookie, scope, receive, send)
+        else:
+            await self._app(scope, receive, send_with_headers)
+
+    async def _while_valid(self, cookie: str, scope: Scope, receive: Receive, send: Send) -> None:
+        """Forward a WebSocket that was opened with a cookie; close it once the cookie has ended."""
+        with self._sign_ins.watching(cookie) as ended:
+            forwarded = asyncio.ensure_future(self._app(scope, receive, send))
+            ending = asyncio.ensure_future(ended.wait())
+            try:
+                await asyncio.wait((forwarded, ending), return_when=asyncio.FIRST_COMPLETED)
+                if not forwarded.done():
+                    forwarded.cancel()
+                    with suppress(asyncio.CancelledError):
+                        await forwarded
+                    with suppress(OSError, RuntimeError):  # the browser has closed it meanwhile
+                        await send({"type": "websocket.close", "code": SIGNED_OUT.code, "reason": "security.token"})
+            finally:
+                ending.cancel()
+                forwarded.cancel()
+            if not forwarded.cancelled():
+                forwarded.result()
 
     # -- checks ----------------------------------------------------------------------------------------------------
 
@@ -124,9 +149,8 @@ class Security:
         unsafe = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
         if unsafe and not _same_origin(headers.getlist("origin"), host):
             return error_response(403, "security.origin", "Requests from pages of other sites are refused.")
-        if self._token is None:
-            return None
-        refusal = self._token_refusal(scope, headers, cookies)
+        refusal = None if self._token is None else self._token_refusal(scope, headers, cookies)
+        scope.setdefault("state", {})["is_signed_in"] = refusal is None
         return None if refusal is not None and refusal.status_code == 401 and self._guests_may(scope) else refusal
 
     def _host_allowed(self, host: str) -> bool:

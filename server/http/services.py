@@ -11,7 +11,7 @@ from starlette.requests import HTTPConnection
 
 from server.classes import Classes
 from server.downloads import Downloads
-from server.http.brake import Brake
+from server.http.brake import Brake, CodeGuesses
 from server.http.metrics import Metrics
 from server.http.sign_ins import SignIns
 from server.library import Library
@@ -37,8 +37,7 @@ class Services:
     classes: Classes
     sign_ins: SignIns
     request_work: FairLock = field(default_factory=FairLock)  #: computations of requests: one at a time, in rotation
-    #: Wrong codes of classes. All of a lecture hall have one address, and some of them mistype.
-    code_brake: Brake = field(default_factory=lambda: Brake(burst=60, per_minute=60.0))
+    code_brake: CodeGuesses = field(default_factory=CodeGuesses)
     #: Copies of a lecturer's world by one follower: each replays its whole history.
     copy_brake: Brake = field(default_factory=lambda: Brake(burst=6, per_minute=6.0))
 
@@ -92,7 +91,7 @@ async def get_classes(connection: HTTPConnection) -> Classes:
     return services_of(connection.app).classes
 
 
-async def get_code_brake(connection: HTTPConnection) -> Brake:
+async def get_code_brake(connection: HTTPConnection) -> CodeGuesses:
     """Return the brake on guesses of classes' codes."""
     return services_of(connection.app).code_brake
 
@@ -124,13 +123,19 @@ async def get_visitor(connection: HTTPConnection) -> str:
     return visitor
 
 
+async def get_is_signed_in(connection: HTTPConnection) -> bool:
+    """Return whether the request proves the service's token; True without one."""
+    is_signed_in: bool = connection.state.is_signed_in
+    return is_signed_in
+
+
 ServiceSettings = Annotated[Settings, Depends(get_settings)]
 ServiceMetrics = Annotated[Metrics, Depends(get_metrics)]
 Sessions = Annotated[SessionRegistry, Depends(get_sessions)]
 Logs = Annotated[Library, Depends(get_library)]
 FileDownloads = Annotated[Downloads, Depends(get_downloads)]
 OpenClasses = Annotated[Classes, Depends(get_classes)]
-CodeBrake = Annotated[Brake, Depends(get_code_brake)]
+CodeBrake = Annotated[CodeGuesses, Depends(get_code_brake)]
 CopyBrake = Annotated[Brake, Depends(get_copy_brake)]
 OpenScenes = Annotated[Scenes, Depends(get_scenes)]
 RequestWork = Annotated[FairLock, Depends(get_request_work)]
@@ -139,3 +144,4 @@ if TYPE_CHECKING:
 else:
     AllPuzzles = Annotated[Any, Depends(get_puzzles)]
 Visitor = Annotated[str, Depends(get_visitor)]
+IsSignedIn = Annotated[bool, Depends(get_is_signed_in)]

@@ -7,13 +7,15 @@ browser signs out, until all are signed out, or until the service has another to
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import hmac
 import json
 import secrets
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import structlog
@@ -42,6 +44,7 @@ class SignIns:
         self._ended: dict[str, int] = {}  #: by name, the time at which it was given
         self._ended_until = 0  #: all that were given up to this time have ended
         self._ending = threading.Lock()
+        self._watches: dict[object, Callable[[], None]] = {}
         self._read()
 
     def cookie(self) -> str:
@@ -65,6 +68,7 @@ class SignIns:
         given, name = parsed
         with self._ending:
             self._end({name: given})
+            self._look()
             self._write()
 
     def end_all(self) -> None:
@@ -73,6 +77,7 @@ class SignIns:
             # A cookie that was given in the second of an earlier end bears the next second.
             self._ended_until = max(int(self._clock()), self._ended_until + 1)
             self._ended = {}
+            self._look()
             self._write()
 
     @property
@@ -85,6 +90,38 @@ class SignIns:
         with self._ending:
             self._ended_until = max(self._ended_until, ended.get(ALL, 0))
             self._end({name: given for name, given in ended.items() if name != ALL})
+            self._look()
+
+    @contextmanager
+    def watching(self, cookie: str) -> Iterator[asyncio.Event]:
+        """Yield an event that is set once ``cookie`` is not valid: it was ended, or is too old.
+
+        For the event loop of the caller; cookies may be ended by other threads.
+        """
+        loop, over = asyncio.get_running_loop(), asyncio.Event()
+
+        def look() -> None:
+            if not self.is_valid(cookie):
+                over.set()
+
+        def look_soon() -> None:
+            with suppress(RuntimeError):  # the loop is closed
+                loop.call_soon_threadsafe(look)
+
+        parsed, watch = self._parsed(cookie), object()
+        left_s = 0.0 if parsed is None else parsed[0] + VALID_S - self._clock()
+        timer = loop.call_later(max(0.0, left_s), look)
+        self._watches[watch] = look_soon
+        try:
+            look()
+            yield over
+        finally:
+            del self._watches[watch]
+            timer.cancel()
+
+    def _look(self) -> None:
+        for look in [*self._watches.values()]:
+            look()
 
     def _end(self, names: Mapping[str, int]) -> None:
         oldest = max(self._clock() - VALID_S, self._ended_until)

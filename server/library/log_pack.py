@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
+from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.robot_log import RobotLog, TransformEdge
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
@@ -83,6 +84,8 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
             "frame_id": one.frame_id,
             "child_frame_id": one.child_frame_id,
             "is_placeholder": one.is_placeholder,
+            "offset": one.offset,
+            "from_scans": one.from_scans,
             "poses": store(one.poses),
             "timed": None if one.timed is None else _timed_described(one.timed, store),
         }
@@ -175,6 +178,8 @@ def _log_of(about: dict[str, Any], topics: list[dict[str, Any]], load: Load) -> 
                     one["child_frame_id"],
                     one["is_placeholder"],
                     None if one["timed"] is None else _timed_of(one["timed"], load),
+                    tuple(one.get("offset", NO_OFFSET)),
+                    one.get("from_scans", False),
                 )
                 for one in values["trajectories"]
             },

@@ -277,7 +277,8 @@ class Trajectories:
         trajectory: Trajectory | None = None
         try:
             async with self._reading.of(added.owner), self._files.file(f"{added.id}.tum") as path:
-                _, trajectory, _ = await asyncio.to_thread(_read, path, log, added.description)
+                _, read, _ = await asyncio.to_thread(_read, path, log, added.description)
+                trajectory = replace(read, from_scans=added.source != "tum")
         except MapperError as error:
             _log.warning("an added trajectory could not be joined", trajectory=added.id, code=error.code)
             if isinstance(error, StorageError):
@@ -316,4 +317,4 @@ def _read(path: Path, log: ScanLog, description: str) -> tuple[int, Trajectory, 
 
     poses = read_tum(path, replace(DEFAULT_LIMITS, max_unpacked_bytes=MAX_BYTES, max_expansion=1))
     at_scans, notes = poses_at_all_scans(log, poses)
-    return len(poses), Trajectory(at_scans, description), [*poses.notes, *notes]
+    return len(poses), Trajectory(at_scans, description, offset=poses.offset), [*poses.notes, *notes]

@@ -12,20 +12,31 @@ from mapper.puzzles.scoring import HINT_POINTS, REPAIRED, WRONG_POINTS, Measures
 
 
 @dataclass(slots=True)
+class Progress:
+    """What was found of a puzzle and asked for: it outlasts the session of an attempt where a class solves a puzzle."""
+
+    is_named: bool = False
+    hints: int = 0
+    best: float = 0.0  #: share of the repair of the best map so far
+    gave_up: bool = False
+    wrong: set[str] = field(default_factory=set)  #: wrong answers
+
+
+@dataclass(slots=True)
 class Game:
-    """An attempt at ``puzzle``. Used from the event loop only; ``changed`` is called after each step."""
+    """An attempt at ``puzzle``. Used from the event loop only; ``changed`` is called after each step.
+
+    ``choices`` are the causes to choose from.
+    """
 
     title: str
     story: str
     level: int
     puzzle: Puzzle
+    choices: tuple[str, ...] = tuple(CAUSES)
     changed: Callable[[], None] = lambda: None
-    is_named: bool = False
-    hints: int = 0
-    best: float = 0.0  #: share of the repair of the best map so far
+    progress: Progress = field(default_factory=Progress)
     now: Measures | None = None  #: of the map that was checked last
-    gave_up: bool = False
-    wrong: set[str] = field(default_factory=set)  #: wrong answers
 
     @property
     def can_repair(self) -> bool:
@@ -35,57 +46,59 @@ class Game:
     @property
     def is_solved(self) -> bool:
         """Whether the cause is named and, where that is possible, the map repaired."""
-        return self.is_named and (not self.can_repair or self.best >= REPAIRED)
+        found = self.progress
+        return found.is_named and (not self.can_repair or found.best >= REPAIRED)
 
     @property
     def is_over(self) -> bool:
         """Whether the answer is shown."""
-        return self.is_solved or self.gave_up
+        return self.is_solved or self.progress.gave_up
 
     @property
     def points(self) -> int:
         """The points so far, 0 … 100; 0 for who had the answer shown."""
-        if self.gave_up:
+        found = self.progress
+        if found.gave_up:
             return 0
         return points(
-            is_named=self.is_named,
-            repair=1.0 if self.is_solved else self.best,
-            wrong=len(self.wrong),
-            hints=self.hints,
+            is_named=found.is_named,
+            repair=1.0 if self.is_solved else found.best,
+            wrong=len(found.wrong),
+            hints=found.hints,
             can_repair=self.can_repair,
         )
 
     def answer(self, cause: str) -> bool:
         """Take an answer; return whether it is right. Raises :class:`ConfigError` for a cause that there is not."""
-        if cause not in CAUSES:
+        if cause not in self.choices:
             raise ConfigError("puzzle.cause", f"There is no cause {cause!r:.80} to choose.")
         self._check_open()
         if cause == self.puzzle.cause:
-            self.is_named = True
-        elif not self.is_named:
-            self.wrong.add(cause)
+            self.progress.is_named = True
+        elif not self.progress.is_named:
+            self.progress.wrong.add(cause)
         self.changed()
         return cause == self.puzzle.cause
 
     def hint(self) -> None:
         """Show one more hint. Raises :class:`ConfigError` where all are shown."""
         self._check_open()
-        if self.hints >= len(CAUSES[self.puzzle.cause].hints):
+        if self.progress.hints >= len(CAUSES[self.puzzle.cause].hints):
             raise ConfigError("puzzle.hints", "There are no more hints.")
-        self.hints += 1
+        self.progress.hints += 1
         self.changed()
 
     def check(self, now: Measures) -> None:
         """Take what was measured of the map as it is now."""
         self.now = now
         if not self.is_over:
-            self.best = max(self.best, self.puzzle.share(now) if self.can_repair else 0.0)
+            self.progress.best = max(self.progress.best, self.puzzle.share(now) if self.can_repair else 0.0)
         self.changed()
 
     def give_up(self) -> None:
         """Show the answer."""
         self._check_open()
-        self.gave_up = True
+        self.progress.gave_up = True
         self.changed()
 
     def _check_open(self) -> None:
@@ -94,30 +107,35 @@ class Game:
 
     def public(self) -> dict[str, Any]:
         """Return what the page may know now."""
-        puzzle, cause = self.puzzle, CAUSES[self.puzzle.cause]
+        puzzle, cause, found = self.puzzle, CAUSES[self.puzzle.cause], self.progress
         return {
             "title": self.title,
             "story": self.story,
             "level": self.level,
-            "causes": [{"name": one.name, "label": one.label} for one in CAUSES.values()],
-            "is_named": self.is_named,
-            "wrong": sorted(self.wrong),
-            "hints": list(cause.hints[: self.hints]),
-            "hints_left": len(cause.hints) - self.hints,
+            "causes": [{"name": one.name, "label": one.label} for one in CAUSES.values() if one.name in self.choices],
+            "is_named": found.is_named,
+            "wrong": sorted(found.wrong),
+            "hints": list(cause.hints[: found.hints]),
+            "hints_left": len(cause.hints) - found.hints,
             "costs": {"wrong": WRONG_POINTS, "hint": HINT_POINTS},
             "first": asdict(puzzle.spoiled),
             "goal": asdict(puzzle.repaired),
             "now": None if self.now is None else asdict(self.now),
             "measures": sorted(puzzle.shares(puzzle.spoiled)) or sorted(asdict(puzzle.spoiled)),
             "repair": None if self.now is None else puzzle.share(self.now),
-            "best": self.best,
+            "best": found.best,
             "enough": REPAIRED,
-            "can_repair": self.can_repair if self.is_named else None,
+            "can_repair": self.can_repair if found.is_named else None,
+            "repaired_with": self._repaired_with() if found.is_named else None,
             "points": self.points,
             "is_solved": self.is_solved,
-            "gave_up": self.gave_up,
+            "gave_up": found.gave_up,
             "answer": self._answer() if self.is_over else None,
         }
+
+    def _repaired_with(self) -> dict[str, Any]:
+        """Return what repairs the map, without the values: names of parameters, and whether it is other poses."""
+        return {"parameters": list(self.puzzle.repair), "poses": bool(self.puzzle.repair_trajectory)}
 
     def _answer(self) -> dict[str, Any]:
         cause = CAUSES[self.puzzle.cause]

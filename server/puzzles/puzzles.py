@@ -103,7 +103,8 @@ class Puzzles:
         """Return the attempt of a session that was begun by :meth:`plan` with the same key."""
         with self._lock:
             puzzle = self._ready[key]
-        game = self._games[session.id] = Game(title, story, level, puzzle)
+        choices = RECIPES[key].choices if key in RECIPES else ()
+        game = self._games[session.id] = Game(title, story, level, puzzle, choices or tuple(CAUSES))
         session.on_close.append(lambda: self._end(session.id))
         return game
 

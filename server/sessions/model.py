@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from mapper.grid import OccupancyGrid
+from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.scan import ScanLog
 from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.playback import Playback
@@ -100,6 +101,11 @@ class SessionModel(ABC):
     def frame_id(self) -> str | None:
         """The frame of the map, None if it is not known."""
         return "map"
+
+    @property
+    def offset(self) -> Offset:
+        """What a position in :attr:`frame_id` has more than one in the map: x and y, metres."""
+        return NO_OFFSET
 
     @property
     def grid(self) -> OccupancyGrid | None:

@@ -15,7 +15,8 @@ from server.stream.messages import WhyMessage
 
 MAX_OPTIONS = 8
 MAX_TEXT = 300
-MAX_HASH = 20_000  #: of an address: it may hold a deck of slides
+MAX_HASH = 20_000  #: of an address: that of an older page may hold a deck of slides, which no follower gets
+MAX_SLIDE_TEXT = 4000
 Sentence = Annotated[str, Meta(max_length=MAX_TEXT)]
 Name = Annotated[str, Meta(max_length=100)]
 Sentences = Annotated[list[Sentence], Meta(max_length=MAX_OPTIONS)]
@@ -32,6 +33,28 @@ class ClassLook(Struct):
     height: Annotated[float, Meta(description="height of the picture, pixels", gt=0.0, le=1e6)]
 
 
+class ClassSlide(Struct):
+    """The slide that is shown now, without its notes: all that followers get of the lecturer's deck."""
+
+    kind: Annotated[
+        Literal["title", "section", "derivation", "text", "lab", "log"],
+        Meta(
+            description="the title with a map, a section of the lecture, its derivation, a text of the lecturer's, or "
+            "a page in the slide"
+        ),
+    ]
+    section: Annotated[Name | None, Meta(description="name of the section; null for other kinds")] = None
+    title: Annotated[Sentence | None, Meta(description="title; null for a section")] = None
+    text: Annotated[
+        Annotated[str, Meta(max_length=MAX_SLIDE_TEXT)] | None,
+        Meta(description="the paragraphs of a text that are shown so far; null for other kinds"),
+    ] = None
+    address: Annotated[
+        Hash | None,
+        Meta(description="address of a shared view in the slide; null for pages that only the lecturer may open"),
+    ] = None
+
+
 class ClassView(Struct):
     """State of the lecturer's page. Places are map metres."""
 
@@ -39,7 +62,8 @@ class ClassView(Struct):
         Literal["lecture", "lab", "logs", "other"],
         Meta(description="the page; logs: the map of a log; other: no page that can be followed"),
     ]
-    hash: Annotated[Hash, Meta(description="fragment of its address: slide, step, deck")] = ""
+    hash: Annotated[Hash, Meta(description="fragment of its address: section, or slide and step")] = ""
+    slide: Annotated[ClassSlide | None, Meta(description="the slide that is shown; null: none")] = None
     blank: Annotated[bool, Meta(description="whether the screen is blank")] = False
     look: Annotated[ClassLook | None, Meta(description="the visible part of the map; null: all of it")] = None
     pointer: Annotated[Point | None, Meta(description="where the pointer is in the map")] = None
@@ -69,7 +93,7 @@ class ClassQuestion(Struct):
     options: Annotated[list[str] | None, Meta(description="the answers to choose from; null: a number is guessed")]
     axis: Annotated[ClassAxis | None, Meta(description="the axis of the guess; null: an option is chosen")]
     is_revealed: Annotated[bool, Meta(description="whether the result is shown to all")]
-    answered: Annotated[int, Meta(description="how many have answered")]
+    answered: Annotated[int, Meta(description="how many answers are counted")]
     counts: Annotated[
         list[int] | None,
         Meta(description="answers for each option, or in each part of the axis; followers: null before the reveal"),
@@ -77,6 +101,9 @@ class ClassQuestion(Struct):
     right: Annotated[
         float | None, Meta(description="the right option from 0, or number; null: there is none, or not yet")
     ]
+    last_number: Annotated[
+        int | None, Meta(description="answers of followers up to this number are counted; null: of all")
+    ] = None
 
 
 class ClassSolver(Struct):
@@ -109,6 +136,10 @@ class ClassState(Struct, tag_field="type", tag="class"):
     driver: Annotated[int | None, Meta(description="number of the follower who drives the robot; null: the lecturer")]
     question: Annotated[ClassQuestion | None, Meta(description="the question that is asked; null: none")]
     puzzle: Annotated[ClassPuzzle | None, Meta(description="the puzzle that is solved; null: none")] = None
+    is_lecturer_away: Annotated[bool, Meta(description="whether no page of the lecturer's is connected")] = False
+    counts_joined_only: Annotated[
+        bool, Meta(description="whether answers are counted only of who had joined when the question was asked")
+    ] = False
 
 
 class ClassWelcome(Struct, tag_field="type", tag="welcome"):
@@ -180,6 +211,12 @@ class LockCommand(Struct, tag_field="type", tag="lock"):
     value: Annotated[bool, Meta(description="whether it is locked")]
 
 
+class CountCommand(Struct, tag_field="type", tag="count"):
+    """Lecturer: choose whose answers are counted, of all questions of the class."""
+
+    joined_only: Annotated[bool, Meta(description="only of who had joined when the question was asked")]
+
+
 class HandCommand(Struct, tag_field="type", tag="hand"):
     """Lecturer: hand the robot to a follower, or take it back."""
 
@@ -206,6 +243,7 @@ ClassCommand = (
     | RevealCommand
     | CloseCommand
     | LockCommand
+    | CountCommand
     | HandCommand
     | AnswerCommand
     | RaiseCommand
@@ -217,5 +255,6 @@ LECTURERS_COMMANDS = (
     RevealCommand,
     CloseCommand,
     LockCommand,
+    CountCommand,
     HandCommand,
 )

@@ -32,6 +32,11 @@ INTERNAL = CloseCode(
     1011, "a defect of the server", "The server closed the connection because of a defect in the service."
 )
 RESTARTING = CloseCode(1012, "the service stops or restarts", "The server does not answer.")
+SIGNED_OUT = CloseCode(
+    4401,
+    "the cookie of the service's token has ended: its browser signed out, or 30 days have passed",
+    "This browser has signed out: open the address that has the service's token.",
+)
 REFUSED = CloseCode(
     4404,
     "there is no such session, or it takes no further browser; the reason is the error's code",
@@ -47,4 +52,4 @@ ENDED = CloseCode(
     4410, "the session has ended, or its class does not show it any more", "This session has ended.", may_be_over=True
 )
 
-CLOSE_CODES = (POLICY, TOO_LONG, INTERNAL, RESTARTING, REFUSED, NO_ACKS, ENDED)
+CLOSE_CODES = (POLICY, TOO_LONG, INTERNAL, RESTARTING, SIGNED_OUT, REFUSED, NO_ACKS, ENDED)

@@ -140,18 +140,16 @@ def test_the_question_of_a_slide_is_asked_and_a_phone_whose_connection_breaks_is
         page.get_by_role("button", name="Presentation mode").click()
         page.keyboard.press("Home")
         page.goto(f"{server}/lecture.html?present#cell/2")
-        phone.get_by_role("button", name="As many misses as hits").wait_for()
-        page.get_by_role("button", name="Ask the class").click()
         choice = phone.get_by_role("button", name="Misses that sum to what the hits added")
+        expect(choice).to_be_disabled()  # an answer before the question would be lost
+        expect(phone.get_by_text("Wait for the question.")).to_be_visible()
+        page.get_by_role("button", name="Ask the class").click()
+        expect(phone.get_by_text("Tap your answer.")).to_be_visible()
+        choice.click()
+        expect(choice).to_have_attribute("aria-pressed", "true")
         counted = page.get_by_role("complementary", name="Class")
         option = page.get_by_role("button", name="Misses that sum")
-
-        def answered() -> bool:
-            if choice.get_attribute("aria-pressed") == "false":  # it is a guess of one's own until the question comes
-                choice.click()
-            return "1 of 1 answered" in (counted.text_content() or "")
-
-        until("the answer to be counted", answered)
+        expect(counted).to_contain_text("1 of 1 answered")
         expect(option).not_to_contain_text("1 answer")  # before the reveal only when it is wanted
         page.get_by_role("button", name="Show answers").click()
         expect(option).to_contain_text("1 answer")

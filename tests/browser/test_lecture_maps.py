@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import numbers, open_section
-from tests.browser.looking import await_map, drag, frames, until
-from tests.mapper.io.contents.recorded_robot import robot
-from tests.mapper.io.logs import recorded
+from tests.browser.looking import drag, frames, until
 
 # --- no return -------------------------------------------------------------------------------------------------------
 

@@ -31,7 +31,7 @@ def test_the_sections_on_what_is_built_on_the_map(page: Page, server: str) -> No
     section.get_by_role("button", name="From the start").click()
     # KLD sampling counts the bins of these particles: fewer after the draw, and so are the particles that are wanted.
     number = section.get_by_role("figure", name="Number of particles by the number of occupied bins")
-    expect(number.locator("figcaption")).to_contain_text("24 of 24 bins: n = 416 for ε = 0.05")
+    expect(number.locator("figcaption")).to_contain_text("24 of 24 bins: n = 417 for ε = 0.05")
     section.get_by_role("button", name="Resample").click()
     expect(number.locator("figcaption")).not_to_contain_text("24 of 24 bins")
     few = first_number(number.locator("figcaption"), "n =")

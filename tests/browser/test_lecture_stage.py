@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.lecturing import never_idle
+from tests.browser.lecturing import never_idle, open_lecture
 from tests.browser.looking import await_true, centre, still
 from tests.marks import also_long_rows
 
@@ -95,7 +95,7 @@ def to_scene(page: Page, name: str) -> None:
 def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str, every: int) -> None:
     """The reader stops at one scene in ``every``."""
     never_idle(page)
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     stage = stage_of(page)
     caption = stage.locator(".world-stage-caption > p").first
     expect(caption).to_have_text(re.compile(POINTS["start"]))
@@ -113,7 +113,7 @@ def test_who_only_scrolls_sees_the_point_of_each_section(page: Page, server: str
 @pytest.mark.moving
 def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, server: str) -> None:
     never_idle(page)
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     to_scene(page, "grid")
     still(stage_of(page).get_by_role("slider", name="Robot"))
     # The side of the selected cell on the screen, at every frame of the way.
@@ -137,7 +137,7 @@ def test_the_view_goes_from_the_floor_to_one_cell_without_a_jump(page: Page, ser
 
 def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, server: str) -> None:
     never_idle(page)
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     stage = stage_of(page)
     robot = stage.get_by_role("slider", name="Robot")
     back = stage.get_by_role("button", name="Back to the lecture’s path")
@@ -172,7 +172,7 @@ def test_a_reader_leaves_the_path_and_comes_back_with_one_click(page: Page, serv
 
 def test_what_a_hand_sets_in_the_text_changes_the_stage(page: Page, server: str) -> None:
     never_idle(page)
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     caption = stage_of(page).locator(".world-stage-caption > p").first
     to_scene(page, "window")
     for look in ("broken", "thick", "thin"):
@@ -216,7 +216,7 @@ def test_slides_and_paper_contain_the_pictures_of_the_stage(page: Page, server: 
       window.printed = [...document.querySelectorAll(".on-stage")].map(figure =>
         [...figure.querySelectorAll(".world-stage.still canvas")].filter(painted).length);
     })""")
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     expect(stage_of(page).locator("canvas")).to_be_visible()
     page.pdf()
     printed = page.evaluate("printed")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from mapper.core.errors import LimitError
-from mapper.io.logs.transforms import MAX_DEPTH, MAX_WORLDS, Int64Array, Poses3, Timeline
+from mapper.io.logs.poses3 import Poses3
+from mapper.io.logs.timeline import Int64Array, Timeline
+from mapper.io.logs.transforms import MAX_DEPTH, MAX_WORLDS
 from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import T0
 from tests.hostile.damage import opened
@@ -47,7 +49,7 @@ def test_frames_are_sorted_once_for_any_number_of_sensors(tmp_path, monkeypatch:
     orders: list[Timeline] = []
     put_in_order = Timeline._put_in_order
 
-    def counted(line: Timeline) -> tuple[Int64Array, Poses3]:
+    def counted(line: Timeline) -> tuple[Int64Array, Poses3, Int64Array]:
         orders.append(line)
         return put_in_order(line)
 

@@ -27,6 +27,7 @@ from mapper.io.logs.opening import open_robot_log, parts_of
 from mapper.io.logs.ros_messages import TRANSFORMS, plain_type
 from mapper.io.logs.selection import ALL_SENSORS, Selection
 from mapper.io.logs.sink import MessageSink
+from mapper.io.logs.transforms import why_ignored
 from mapper.io.logs.unpacking import Progress
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.streams import CloudStream, ImuStream
@@ -133,6 +134,8 @@ class Inspector(MessageSink):
     def _take_transforms_of(self, topic: _Topic, stamp_ns: int, data: bytes) -> None:
         is_static = topic.name.rsplit("/", 1)[-1] == "tf_static"
         for one in TRANSFORMS[topic.type](data, cdr=topic.cdr):
+            if why_ignored(one.frame, one.child, one.pose):
+                continue
             pair = (printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
             if pair not in self._stamps_of_edge:
                 if len(self._stamps_of_edge) >= MAX_EDGES:

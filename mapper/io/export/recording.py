@@ -33,10 +33,10 @@ from mapper.io.export.exported_sensor import ExportedSensor, exported_sensors
 from mapper.io.export.growing_map import GrowingMap
 from mapper.io.export.ros2 import Pose
 from mapper.io.export.topics import Topics
+from mapper.io.logs.cdr_writer import SECOND
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import LaserScan, ScanLog
 
-SECOND = ros2.SECOND
 LAST_STAMP_NS = ros2.LAST_STAMP_NS
 BETWEEN_NS = SECOND // 10  #: two scans of a log without times
 LATCHED = frozenset({"/map", "/tf_static"})

@@ -7,17 +7,15 @@ after a line of 80 ``=``: mcap.dev/spec/registry, ros2msg.
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.cdr_writer import SECOND, CdrWriter
 from mapper.sensors.scan import LaserScan
 
-SECOND = 1_000_000_000
 LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits
-ENCAPSULATION = b"\0\1\0\0"  #: plain CDR, little-endian
 Pose = tuple[float, float, float]  #: x, y, yaw
 _FLOAT32 = 7  #: as sensor_msgs/PointField counts the types of numbers
 
@@ -79,24 +77,8 @@ def definition(kind: str) -> str:
     return text + "".join(f"\n{'=' * 80}\nMSG: {part}\n{_PARTS[part]}" for part in named) + "\n"
 
 
-class _Bytes:
-    """A message as it grows; each number is aligned to its size, counted from behind the encapsulation."""
-
-    def __init__(self) -> None:
-        self.data = bytearray(ENCAPSULATION)
-
-    def pack(self, code: str, size: int, *values: float) -> _Bytes:
-        self.data += bytes((len(ENCAPSULATION) - len(self.data)) % size) + struct.pack(f"<{len(values)}{code}", *values)
-        return self
-
-    def string(self, text: str) -> _Bytes:
-        raw = text.encode() + b"\0"
-        self.pack("I", 4, len(raw)).data += raw
-        return self
-
-    def header(self, stamp_ns: int, frame: str) -> _Bytes:
-        seconds, nanoseconds = divmod(stamp_ns, SECOND)
-        return self.pack("i", 4, seconds).pack("I", 4, nanoseconds).string(frame)
+class _Bytes(CdrWriter):
+    """A message with planar poses."""
 
     def pose(self, pose: Pose, *, upside_down: bool = False) -> _Bytes:
         x, y, yaw = pose
@@ -104,14 +86,6 @@ class _Bytes:
         # Turned over about its x axis first, then about z.
         turn = (cos, sin, 0.0, 0.0) if upside_down else (0.0, 0.0, sin, cos)
         return self.pack("d", 8, x, y, 0.0, *turn)
-
-    def array(self, values: NDArray[np.float32] | NDArray[np.int8] | NDArray[np.uint8]) -> _Bytes:
-        self.pack("I", 4, len(values)).data += np.ascontiguousarray(values).view(np.uint8).data
-        return self
-
-    @property
-    def message(self) -> bytes:
-        return bytes(self.data)
 
 
 def occupancy_grid(stamp_ns: int, frame: str, resolution: float, origin: Pose, values: NDArray[np.int8]) -> bytes:

@@ -22,9 +22,9 @@ def tum_text(log: ScanLog, trajectory: str | None = None) -> str:
 
 def tum_lines(log: ScanLog, trajectory: str | None = None) -> Iterator[str]:
     """Return the lines of :func:`tum_text`, each made when it is asked for. Raises as that does."""
-    poses = log.trajectory(trajectory).poses
-    half = poses[:, 2] / 2.0
-    rows = zip(log.stamps_ns, poses[:, :2], np.sin(half), np.cos(half), strict=True)
+    way = log.trajectory(trajectory)
+    half = way.poses[:, 2] / 2.0
+    rows = zip(log.stamps_ns, way.poses[:, :2] + np.array(way.offset), np.sin(half), np.cos(half), strict=True)
     return (f"{_seconds(int(ns))} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n" for ns, (x, y), qz, qw in rows)
 
 

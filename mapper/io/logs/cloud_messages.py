@@ -1,12 +1,13 @@
 """Point clouds, depth images and what is known of their cameras, decoded from their serialised bytes.
 
-Source: the message definitions of sensor_msgs/PointCloud2, PointField, Image and CameraInfo; the wiki of
+Source: the message definitions of sensor_msgs/PointCloud2, PointField, Image and CameraInfo, and of CustomMsg of
+livox_ros_driver; the wiki of
 depthimage_to_laserscan (16UC1 is millimetres, 0 no reading; 32FC1 metres).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,6 +26,14 @@ MOST_NAME = 100  #: characters of a field's name that are kept
 TIME_FIELDS = ("t", "time", "offset_time", "timestamp", "time_stamp")
 SINCE_1970_S, SINCE_1970_NS = 1e8, 1e17  #: a time beyond is one since 1970, in seconds or nanoseconds
 DATATYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
+LIVOX_POINT = np.dtype(
+    {
+        "names": ["offset_time", "x", "y", "z", "reflectivity", "tag", "line"],
+        "formats": ["<u4", "<f4", "<f4", "<f4", "u1", "u1", "u1"],
+        "offsets": [0, 4, 8, 12, 16, 17, 18],
+        "itemsize": 19,
+    }
+)
 DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  #: encoding → type, metres
 
 
@@ -121,6 +130,40 @@ def point_cloud(data: bytes, *, cdr: bool) -> Cloud:
         whole, strides = (*shape, *more[0]), (row_step, point_step, *more[1])
         others[printable(name[:MOST_NAME])] = np.ndarray(whole, kind, values, offset if needed else 0, strides)
     return Cloud(stamp, frame, (axes[0], axes[1], axes[2]), others)
+
+
+def livox_cloud(data: bytes, *, cdr: bool) -> Cloud:
+    """Decode a CustomMsg of livox_ros_driver or livox_ros_driver2: points of 19 bytes, which CDR aligns to 20."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    fields.unpack("Q", 8)  # the time of the first point
+    fields.unpack("I", 4)  # the number of points, which stands before them once more
+    fields.unpack("4B", 1)  # the lidar's number, and three bytes for later use
+    n = fields.count(LIVOX_POINT.itemsize)
+    values = data[fields.pos : fields.pos + n * (step := 20 if cdr else LIVOX_POINT.itemsize)]
+    if len(values) < n * step - (step - LIVOX_POINT.itemsize):
+        raise BadMessageError(f"{n} points of {step} bytes do not fit its {len(values)} bytes of points")
+    fields.pos += len(values)
+    fields.end()
+    columns: dict[str, NDArray[np.generic]] = {}
+    for name, stated in (LIVOX_POINT.fields or {}).items():
+        kind, offset = stated[:2]
+        number = kind.newbyteorder("<" if fields.order == "<" else ">")
+        columns[name] = (
+            np.ndarray((1, n), number, values, offset if n else 0, (n * step, step)) if n else np.zeros((0, 0))
+        )
+    x, y, z = (columns.pop(axis) for axis in "xyz")
+    return Cloud(stamp, frame, (x, y, z), columns)
+
+
+CLOUD = "sensor_msgs/PointCloud2"
+#: Types of clouds → their decoders.
+CLOUD_DECODERS: dict[str, Callable[..., Cloud]] = {
+    CLOUD: point_cloud,
+    "livox_ros_driver/CustomMsg": livox_cloud,
+    "livox_ros_driver2/CustomMsg": livox_cloud,
+    "livox_interfaces/CustomMsg": livox_cloud,
+}
 
 
 def times_of(fields: Mapping[str, NDArray[np.generic]], stamp_ns: int) -> NDArray[np.float64] | None:

@@ -56,15 +56,19 @@ class Container:
         selection: Selection,
         *,
         also: MessageSink | None = None,
+        by_name: bool = False,
     ) -> RobotLog:
         """Return the recording ``name`` that was split into ``files``, in the order of their numbers, as one log.
 
-        Files of which nothing can be read are left out, and noted. Raises as :meth:`read`.
+        Files of which nothing can be read are left out, and noted. Raises as :meth:`read`, and with ``by_name``, where
+        nothing but their names says that they belong together, also where they have no topic in common.
         """
         recording = Recording(limits, selection)
         sink = _with(recording, also)
         files = in_order(files)
-        recording.notes.append(f"{len(files)} files are read as one recording.{_missing(files)}")
+        why = ", as their names say" if by_name else ""
+        recording.notes.append(f"{len(files)} files are read as one recording{why}.{_missing(files)}")
+        common: set[str] = set()
         for done, file in enumerate(files):
             before = len(recording.notes)
             try:
@@ -75,6 +79,14 @@ class Container:
                 recording.notes.append(f"It is left out: {error.message}")
             said = recording.notes[before : max(before, MAX_NOTES)]
             recording.notes[before:] = [f"{file.name}: {note}" for note in said]
+            topics = recording.topics_of_file
+            if by_name and common and topics and not common & topics:
+                raise ReadError(
+                    "log.folder",
+                    f"{files[0].name!r:.80} and {file.name!r:.80} are named as parts of one recording, and have no "
+                    "topic in common: open one of them.",
+                )
+            common |= topics
             sink.next_file()
             if progress is not None:
                 progress((done + 1) / len(files))
@@ -98,6 +110,7 @@ class Container:
         for done, file in enumerate(files):
             self.take(file, sink, limits, _part_of(progress, done, len(files)))
             sink.next_file()
+        recording.finish()
         return streams_of(files, self.take, recording.parts)
 
 
@@ -108,6 +121,14 @@ def _with(recording: Recording, also: MessageSink | None) -> MessageSink:
 def in_order(files: Sequence[Source]) -> list[Source]:
     """Return the files of a split recording in the order of the numbers in their names."""
     return sorted(files, key=lambda file: _numbered(file.name))
+
+
+def are_parts_by_name(names: Sequence[str]) -> bool:
+    """Return whether files are numbered from 0 and otherwise of one name, as rosbag2 names a recording's parts."""
+    found = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in names]
+    parts = {(one[1], one[3]) for one in found if one}
+    numbers = {int(one[2]) for one in found if one}
+    return None not in found and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
 
 
 def _part_of(progress: Progress | None, done: int, of: int) -> Progress | None:

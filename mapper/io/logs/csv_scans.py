@@ -33,7 +33,8 @@ from mapper.io.logs.lines import TextLines
 from mapper.io.logs.one_sensor import take_one_sensor
 from mapper.io.logs.packing import ScanStack
 from mapper.io.logs.unpacking import Progress
-from mapper.sensors.scan import ScanLog, Trajectory, is_angle_step
+from mapper.sensors.georeference import FARTHEST_M
+from mapper.sensors.scan import ScanLog, georeferenced, is_angle_step
 
 COLUMNS = ("stamp", "x", "y", "theta")
 NEEDED = ("angle_min", "angle_increment")
@@ -60,6 +61,7 @@ class _Reader:
         self.values = dict(INITIAL)
         self.stack = ScanStack("CSV", limits)
         self._in_rows = False
+        self._first: list[float] | None = None  #: the first scan's pose
 
     def take(self, line: int, text: bytes) -> None:
         """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
@@ -108,7 +110,14 @@ class _Reader:
                 "cannot lie between.",
             )
         stamp = fields.stamp(tokens[0], line, "CSV")
-        pose = fields.pose(tokens[1:4], line, "CSV", "the robot's", self.limits)
+        pose = fields.pose(tokens[1:4], line, "CSV", "the robot's", self.limits, FARTHEST_M)
+        self._first = first = self._first or pose
+        if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
+            raise ReadError(
+                "log.pose",
+                f"Line {line}: the robot's pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is no place: "
+                f"it is more than {self.limits.max_pose:g} m from the first.",
+            )
         readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")
         self.stack.add(line, readings, (pose, pose), stamp)
 
@@ -125,6 +134,7 @@ def read_csv_scans(
     notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)
     stack, v = reader.stack, reader.values
     ranges, notes_on_ranges = stack.clean_ranges(float(np.nextafter(np.float32(v["range_max"]), np.float32(np.inf))))
+    way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan's line", limits)
     return ScanLog(
         ranges=ranges,
         angle_min=v["angle_min"],
@@ -132,11 +142,11 @@ def read_csv_scans(
         range_min=v["range_min"],
         range_max=v["range_max"],
         stamps_ns=stack.stamps_ns,
-        trajectories={"scan": Trajectory(stack.robot_poses, "the pose in each scan's line")},
+        trajectories={"scan": way},
         mount=(v["mount_x"], v["mount_y"], v["mount_yaw"]),
         time_increment=v["time_increment"],
         name=path.name,
         format="CSV",
-        notes=(*notes, *notes_on_ranges, *stack.notes_on_time()),
+        notes=(*notes, *notes_on_ranges, *notes_on_poses, *stack.notes_on_time()),
         limits=limits,
     )

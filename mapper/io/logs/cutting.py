@@ -14,22 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.io.logs.cloud_messages import Cloud, DepthImage, camera_info, depth_image, point_cloud
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, Cloud, DepthImage, camera_info, depth_image
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.ros_messages import Beams
 from mapper.io.logs.stream import Stream
-from mapper.io.logs.transforms import FrameTree
+from mapper.io.logs.tf_topics import TfTopics
+from mapper.io.logs.timeline import Moments
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
 from mapper.sensors.planar.depth import cut_depth
 from mapper.sensors.planar.options import PlanarCut
 
-CLOUD, IMAGE, CAMERA = "sensor_msgs/PointCloud2", "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
 HELD_BYTES = 64 << 20
 FLOOR_CLOUDS = 20  #: of a topic: in so many of its first clouds the floor is looked for
 FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
 
-Emit = Callable[[Stream, int, Beams], None]
+Emit = Callable[[Stream, int, Beams, int], None]
 
 
 @dataclass(slots=True)
@@ -53,32 +54,35 @@ class _Held:
     message: Cloud | DepthImage
     size: int
     number: int  #: of the message in its stream, from 1
+    position: int  #: of the message in the recording
 
 
 class Cutter:
-    """Cuts clouds and images, and hands the scans to ``emit`` with their stream and when they were recorded.
+    """Cuts clouds and images, and hands the scans to ``emit`` with their stream, when they were recorded, and where.
 
-    ``tf`` and ``children`` are those of the recording, which grow while it is read.
+    Where is the number of the message. ``tf`` and ``children`` are those of the recording, which grow while it is read.
     """
 
-    def __init__(self, cut: PlanarCut, tf: FrameTree, children: set[str], emit: Emit) -> None:
-        self._placements: dict[str, Placement] = {}  #: of frames that never move
+    def __init__(self, cut: PlanarCut, tf: TfTopics, children: set[str], emit: Emit) -> None:
+        self.position = 0  #: the number of the message that is taken
+        self._placements: dict[tuple[str, str], Placement] = {}  #: of frames that never move, by topic and frame
         self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
         self.low: dict[str, Low] = {}  #: by topic
         self._cut, self._tf, self._children, self._emit = cut, tf, children, emit
+        self._statics = 0  #: how many static transforms were known when the placements were found
         self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
         self._held: list[_Held] = []
         self._held_bytes = 0
 
     def take_cloud(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
-        """Take a sensor_msgs/PointCloud2. Raises :class:`BadMessageError`."""
-        cloud = point_cloud(data, cdr=stream.cdr)
-        self._take(_Held(stream, recorded_ns, cloud, len(data), stream.count))
+        """Take a cloud of one of the types :data:`CLOUD_DECODERS`. Raises :class:`BadMessageError`."""
+        cloud = CLOUD_DECODERS[stream.kind](data, cdr=stream.cdr)
+        self._take(_Held(stream, recorded_ns, cloud, len(data), stream.count, self.position))
 
     def take_image(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
         """Take a sensor_msgs/Image. Raises :class:`BadMessageError`, and ``NotDepthError`` for a picture."""
         image = depth_image(data, cdr=stream.cdr)
-        self._take(_Held(stream, recorded_ns, image, len(data), stream.count))
+        self._take(_Held(stream, recorded_ns, image, len(data), stream.count, self.position))
 
     def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
         """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
@@ -123,26 +127,22 @@ class Cutter:
     def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
         if isinstance(message, DepthImage):
             return topic_folder(stream.topic) in self._cameras
-        if message.frame in self._placements:
+        if (stream.topic, message.frame) in self._placements:
             return True
-        chain = self._tf.ancestors(message.frame)
-        base = self._base_in(chain)
-        return base is not None and self._tf.reaches(chain[: base + 1], message.stamp_ns)
-
-    def _base_in(self, chain: list[str]) -> int | None:
-        """Return the index of the robot's base in a chain of frames, None where none is named as one."""
-        index = self._tf.base_of(chain, self._children)
-        return index if self._tf.is_base(chain[index], self._children) else None
+        tf = self._tf.tree_of(stream.topic, message.frame)
+        base = tf.base_of(message.frame, self._children)
+        return tf.is_base(base, self._children) and tf.reaches(message.frame, base, message.stamp_ns)
 
     def _cut_one(self, one: _Held) -> None:
         if isinstance(one.message, Cloud):
-            self._emit(one.stream, one.recorded_ns, self._beams_of_cloud(one.message, one.stream.topic))
+            beams = self._beams_of_cloud(one.message, one.stream.topic, one.position)
         else:
-            self._emit(one.stream, one.recorded_ns, self._beams_of_image(one.message, one.stream.topic))
+            beams = self._beams_of_image(one.message, one.stream.topic)
+        self._emit(one.stream, one.recorded_ns, beams, one.position)
 
-    def _beams_of_cloud(self, cloud: Cloud, topic: str) -> Beams:
+    def _beams_of_cloud(self, cloud: Cloud, topic: str, position: int) -> Beams:
         cut = self._cut
-        placement = self._placement(cloud)
+        placement = self._placement(cloud, topic, position)
         ranges = empty_scan(cut)
         for points in cloud.parts():
             add_points(points, placement, cut, ranges)
@@ -165,23 +165,28 @@ class Cutter:
         low.measured += int(np.count_nonzero(np.isfinite(ranges)))
         low.shorter += int(np.count_nonzero(np.isfinite(higher) & (higher > ranges + FLOOR_M)))
 
-    def _placement(self, cloud: Cloud) -> Placement:
+    def _placement(self, cloud: Cloud, topic: str, position: int) -> Placement:
         """Return where a cloud's frame was on the robot at its stamp."""
-        found = self._placements.get(cloud.frame)
+        key = (topic, cloud.frame)
+        if self._statics != self._tf.statics:  # one may have been replaced
+            self._statics = self._tf.statics
+            self._placements = {known: one for known, one in self._placements.items() if one is NOT_PLACED}
+        found = self._placements.get(key)
         if found is not None:
             return found
-        chain = self._tf.ancestors(cloud.frame)
-        base = self._tf.base_of(chain, self._children)
-        if base == 0:
-            if self._base_in(chain) is None:
+        tf = self._tf.tree_of(topic, cloud.frame)
+        base = tf.base_of(cloud.frame, self._children)
+        poses = None
+        if base != cloud.frame:
+            poses = tf.relative(cloud.frame, base, Moments(np.array([cloud.stamp_ns]), np.array([position])))
+        if poses is None:
+            if not tf.is_base(base, self._children):
                 self.unplaced.add(cloud.frame)
-            self._placements[cloud.frame] = NOT_PLACED
+            self._placements[key] = NOT_PLACED
             return NOT_PLACED
-        chain = chain[: base + 1]
-        poses = self._tf.lookup(chain, np.array([cloud.stamp_ns]))
         found = Placement(poses.matrices[0], poses.positions[0])
-        if self._tf.is_fixed(chain):
-            self._placements[cloud.frame] = found
+        if tf.is_fixed(cloud.frame, base):
+            self._placements[key] = found
         return found
 
     def _beams_of_image(self, image: DepthImage, topic: str) -> Beams:

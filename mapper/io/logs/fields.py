@@ -56,16 +56,22 @@ def _is_number(token: str) -> bool:
     return True
 
 
-def pose(tokens: Sequence[str], line: int, word: str, whose: str, limits: Limits) -> list[float]:
-    """Return three tokens as a pose (x, y, theta). Raises :class:`ReadError` if it is not finite or too far."""
+def pose(
+    tokens: Sequence[str], line: int, word: str, whose: str, limits: Limits, farthest: float | None = None
+) -> list[float]:
+    """Return three tokens as a pose (x, y, theta). Raises :class:`ReadError` if it is not finite or too far.
+
+    That is beyond ``max_pose``, or beyond ``farthest`` metres where georeferenced coordinates may be meant.
+    """
     x, y, theta = values = numbers(tokens, line, word)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(theta)):
         raise ReadError("log.pose", f"Line {line}: {whose} pose in this {word} line is not finite: {x}, {y}, {theta}.")
-    if max(abs(x), abs(y), abs(theta)) > limits.max_pose:
+    farthest = farthest or limits.max_pose
+    if max(abs(x), abs(y)) > farthest or abs(theta) > limits.max_pose:
         raise ReadError(
             "log.pose",
             f"Line {line}: {whose} pose in this {word} line, {x:g}, {y:g}, {theta:g}, is no place: it is beyond "
-            f"{limits.max_pose:g}.",
+            f"{farthest:g}.",
         )
     return values
 

@@ -9,6 +9,7 @@ from mapper.io.logs import sonar
 from mapper.io.logs.inflate import ZSTD_MAGIC
 from mapper.io.logs.unpacking import GZIP_MAGIC
 
+OLD_BAGS = (b"#ROSRECORD V", b"#ROSLOG V")  #: first bytes of ROS 1 bags before format 2.0
 KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, gmapping (.gfs), BreezySLAM, a sonar ring or CSV"
 
 #: First bytes of files that are no text log, and what they are.
@@ -50,10 +51,25 @@ def _is_tum_line(line: bytes) -> bool:
     return len(numbers) == 8 and abs(math.hypot(*numbers[4:]) - 1.0) <= TUM_NORM
 
 
+def _old_bag(head: bytes) -> ReadError:
+    """Return the error for a bag of a format before 2.0. Source: wiki.ros.org/Bags/Format; rosbag's own readers."""
+    version = head.split(b"\n")[0][:20].decode("latin-1").strip()
+    convert = "rosbag of ROS 1 converts it: rosbag filter OLD.bag NEW.bag True."
+    if version != "#ROSRECORD V1.2":
+        convert = "The rosbag of ROS C Turtle is the last that reads it: rosbag filter OLD.bag NEW.bag True."
+    return ReadError(
+        "log.version",
+        f"The file is a ROS 1 bag of an old format ({version}), which ROS wrote before 2010; format 2.0 is read here. "
+        f"{convert}",
+    )
+
+
 def not_a_log(head: bytes) -> ReadError:
     """Return the error that says what a file is that begins with ``head`` as no log does."""
     if not head:
         return ReadError("log.empty", "The file is empty.")
+    if head.startswith(OLD_BAGS):
+        return _old_bag(head)
     foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     if foreign is not None:
         return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")

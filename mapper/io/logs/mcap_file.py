@@ -23,9 +23,11 @@ from mcap.records import Channel, DataEnd, Schema
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
+from mapper.io.logs import foxglove
 from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import WORTH_A_JUMP, ByteStream, Section, byte_stream
 from mapper.io.logs.container import Container
+from mapper.io.logs.foxglove import Transcoder, transcoder
 from mapper.io.logs.inflate import inflate
 from mapper.io.logs.mcap_records import (
     AFTER_CRC,
@@ -43,12 +45,18 @@ from mapper.io.logs.mcap_records import (
     decoded,
     records,
 )
+from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.names import printable
+from mapper.io.logs.ros_messages import plain_type
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import Progress, opened
 
 MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
-SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg"})
+#: Encodings of schemas with messages of ROS. Some writers leave the schema empty: its name says which type it is.
+SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg", "omgidl", ""})
+BESIDE = 1 << 16  #: added to a channel's id, of 16 bits: the transforms beside its messages
+TF_TOPIC = "/tf"
 
 MAX_SUMMARY_BYTES = 1 << 24
 MAX_COMPRESSION_NAME = 100  #: bytes
@@ -61,6 +69,8 @@ class _Mcap:
         self.recording = recording
         self.limits = limits
         self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
+        self.transcoders: dict[int, Transcoder] = {}  #: of channels with messages of Foxglove's
+        self.channels: set[int] = set()  #: of which a note was made, if there was any to make
         self.knows_all_channels = False  #: whether the file's summary was taken
         self.expanded = 0
         self.most_expanded = limits.unpacked_bytes(stream.file_size)
@@ -324,20 +334,51 @@ class _Mcap:
                 raise DamagedError
             key, _, time, _ = MESSAGE.unpack_from(data, start)
             at = start + MESSAGE.size
-            self.recording.take(key, time, data[at:end] if self.recording.wants(key) else b"", size=end - at)
+            self._message(key, time, data[at:end] if self.recording.wants(key) else b"", end - at)
         elif opcode == Opcode.SCHEMA:
             # Only its name is of use: what it defines is known, or not read (see ros_messages).
             schema = decoded(Schema.read, data[start:end])
             self.schemas[schema.id] = (schema.name, schema.encoding)
         elif opcode == Opcode.CHANNEL:
-            channel = decoded(Channel.read, data[start:end])
-            name, encoding = self.schemas.get(channel.schema_id, ("", ""))
-            self.recording.channel(
-                channel.id,
-                channel.topic,
-                name,
-                cdr=ENCODINGS.get(channel.message_encoding, True),
-                readable=channel.message_encoding in ENCODINGS and encoding in SCHEMA_ENCODINGS,
+            self._channel(decoded(Channel.read, data[start:end]))
+
+    def _message(self, key: int, time: int, data: bytes, size: int) -> None:
+        found = self.transcoders.get(key)
+        if found is None or not data:
+            self.recording.take(key, time, data, size=size)
+            return
+        try:
+            for is_beside, message in found.messages(data):
+                self.recording.take(key + BESIDE if is_beside else key, time, message, size=size)
+        except BadMessageError:
+            self.recording.take(key, time, data, size=size)  # which refuses it, and counts it
+
+    def _channel(self, channel: Channel) -> None:
+        key, topic, encoding = channel.id, channel.topic, channel.message_encoding
+        schema, stated = self.schemas.get(channel.schema_id, ("", ""))
+        found = transcoder(topic, schema, encoding)
+        is_new = key not in self.channels
+        self.channels.add(key)
+        if found is not None:
+            self.transcoders[key] = found
+            if found.kind == foxglove.TF and topic.rpartition("/")[2] not in ("tf", "tf_static"):
+                topic = TF_TOPIC
+            self.recording.channel(key, topic, found.kind, cdr=True)
+            if found.kind in (foxglove.SCAN, foxglove.CLOUD):
+                self.recording.channel(key + BESIDE, TF_TOPIC, foxglove.TF, cdr=True)
+            if is_new:
+                self._note(
+                    f"{schema} messages in {encoding} on {printable(channel.topic)!s:.100} are read as {found.kind}."
+                )
+            return
+        other = encoding if encoding not in ENCODINGS else stated if stated not in SCHEMA_ENCODINGS else None
+        self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=other is None)
+        if is_new and other is not None and (not schema or foxglove.is_of_use(plain_type(schema))):
+            what = printable(schema[:100]) or "messages without a schema"
+            part = "messages are" if other is encoding else "schema is"
+            self._note(
+                f"{what} on {printable(topic)!s:.100}: the {part} encoded as {other!r:.40}, which is not read: ros1 "
+                "and cdr are, and Foxglove's scans, clouds, transforms and poses in json and protobuf."
             )
 
     def _note_checksum(self, head: ChunkHead) -> None:

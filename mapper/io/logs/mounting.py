@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.cutting import CLOUD, IMAGE, is_forward
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS
+from mapper.io.logs.cutting import IMAGE, is_forward
+from mapper.io.logs.poses3 import Poses3, identity
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.taken import Taken
-from mapper.io.logs.transforms import Poses3
-
-Int64Array = NDArray[np.int64]
+from mapper.io.logs.transforms import FrameTree
 
 #: ``T_optical_scan``: a camera looks along z, with x to the right (REP 103); a scan's x is ahead and its y to the left.
 AHEAD_IN_OPTICAL = Poses3(np.zeros((1, 3)), np.array([[0.5, -0.5, 0.5, 0.5]]))
@@ -35,14 +35,15 @@ class Mounting:
     notes: list[str]
 
 
-def mounting_of(taken: Taken, chain: list[str], stamps: Int64Array, sensor: SensorScans) -> Mounting:
-    """Return the mount of a sensor, by tf along a chain of frames from the sensor's up to the base's."""
-    notes = _notes_on_frames(taken, chain, sensor)
-    if sensor.kind == CLOUD:
+def mounting_of(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -> Mounting:
+    """Return the mount of a sensor on the robot whose frame is ``base``, by the transforms in ``tree``."""
+    notes = _notes_on_frames(taken, tree, base, sensor)
+    when = sensor.moments
+    if sensor.kind in CLOUD_DECODERS:
         mounts = sensor.mounts
-        return _mounting(mounts, False, None, [*notes, *_note_on_moving(chain, mounts)])
-    poses = taken.tf.lookup(chain, stamps)
-    if sensor.kind == IMAGE and len(chain) > 1 and is_forward(poses.up):
+        return _mounting(mounts, False, None, [*notes, *_note_on_moving(tree, base, sensor, mounts)])
+    poses = tree.relative(sensor.frame, base, when) or identity()
+    if sensor.kind == IMAGE and base != sensor.frame and is_forward(poses.up):
         poses = poses @ AHEAD_IN_OPTICAL
     up = poses.up
     if float(np.ptp(up)) > TILTED and sensor.kind != IMAGE and sensor.beam_width == 0.0:
@@ -54,7 +55,7 @@ def mounting_of(taken: Taken, chain: list[str], stamps: Int64Array, sensor: Sens
         )
         return _mounting(level, False, poses, notes)
     planar = poses.planar
-    notes += _note_on_moving(chain, planar)
+    notes += _note_on_moving(tree, base, sensor, planar)
     upright = min(1.0, abs(float(up[0])))
     if upright < LEVEL:
         tilt = np.degrees(np.arccos(upright))
@@ -63,7 +64,7 @@ def mounting_of(taken: Taken, chain: list[str], stamps: Int64Array, sensor: Sens
             f"The sensor is tilted by {tilt:.0f}°, in all scans alike. The map takes it to be level: walls are drawn "
             f"{farther}, and where it looks down the floor is drawn as a wall."
         )
-    missing = int(np.count_nonzero(~taken.tf.covers(chain, stamps))) if _moves(planar) else 0
+    missing = int(np.count_nonzero(~tree.covers_relative(sensor.frame, base, when))) if _moves(planar) else 0
     if missing:
         notes.append(
             f"{missing} scan{'s are' if missing > 1 else ' is'} before the first or after the last transform of the "
@@ -90,17 +91,22 @@ def _greatest_change(mounts: NDArray[np.float64]) -> tuple[float, float]:
     return float(np.hypot(away[:, 0], away[:, 1]).max()), float(turn.max())
 
 
-def _note_on_moving(chain: list[str], mounts: NDArray[np.float64]) -> list[str]:
+def _note_on_moving(tree: FrameTree, base: str, sensor: SensorScans, mounts: NDArray[np.float64]) -> list[str]:
     if not _moves(mounts):
         return []
     far, turn = _greatest_change(mounts)
-    said = f"The frame {chain[0]!r:.100} moves on the robot, by up to {far:.2f} m and {np.degrees(turn):.0f}°"
-    return [f"{said}; each scan has the mount at its stamp."]
+    by = f"by up to {far:.2f} m and {np.degrees(turn):.0f}°"
+    replaced = tree.replaced_statics(tree.path(sensor.frame, base) or ())
+    if replaced:
+        frames = ", ".join(f"{frame!r:.100}" for frame in replaced[:4])
+        said = f"While it was recorded, static transforms were replaced ({frames}), and the sensor's mount changed {by}"
+        return [f"{said}: each scan has the mount that held when it came."]
+    return [f"The frame {sensor.frame!r:.100} moves on the robot, {by}; each scan has the mount at its stamp."]
 
 
-def _notes_on_frames(taken: Taken, chain: list[str], sensor: SensorScans) -> list[str]:
+def _notes_on_frames(taken: Taken, tree: FrameTree, base: str, sensor: SensorScans) -> list[str]:
     notes = []
-    loop = taken.tf.loop_above(chain[0])
+    loop = tree.loop_above(sensor.frame)
     if loop:
         frames = " in ".join(frame[:100] for frame in loop[:8])
         notes.append(f"The transforms form a loop, {frames}: they are followed up to {loop[-2]!r:.100}.")
@@ -109,9 +115,9 @@ def _notes_on_frames(taken: Taken, chain: list[str], sensor: SensorScans) -> lis
             f"tf did not say where the frame {sensor.frame!r} sits on the robot before its clouds were cut: their "
             "heights are those in that frame."
         )
-    if len(chain) == 1 and taken.tf.frames:
+    if base == sensor.frame and tree.frames and not tree.is_base(base, taken.children):
         notes.append(
-            f"tf does not say where the frame {chain[0]!r} sits on the robot; the sensor is taken to be at its centre, "
+            f"tf does not say where the frame {base!r} sits on the robot; the sensor is taken to be at its centre, "
             "looking ahead. If it is not, set mount_x, mount_y and mount_yaw."
         )
     return notes

@@ -15,7 +15,7 @@ from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import Member, Source
-from mapper.io.logs.container import Container, in_order
+from mapper.io.logs.container import Container, are_parts_by_name, in_order
 from mapper.io.logs.foreign import KNOWN, not_a_log
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.packed_archive import archive_members, is_archive
@@ -83,6 +83,7 @@ def open_log(
     path: str | os.PathLike[str],
     *,
     topic: str | None = None,
+    tf: str | None = None,
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanLog:
@@ -91,11 +92,12 @@ def open_log(
     Of a folder, or a tar archive of one, plain or packed, the log in it is read: the one file that is a log, the files
     that ROS 2 split a recording into, a ring of sonars' two.
     ``topic`` names the sensor where there are several (``log.topics`` lists them); without it, the one with most scans
-    is taken. ``progress`` is called with the share of the file that has been read, 0 … 1. Raises :class:`ReadError`,
-    which names the place, for a file that is missing, no log, damaged or without scans, or a topic that it lacks, and
-    :class:`LimitError` for one that is larger than ``limits`` allow.
+    is taken. ``tf`` names the topic of transforms, where there are several. ``progress`` is called with the share of
+    the file that has been read, 0 … 1. Raises :class:`ReadError`, which names the place, for a file that is missing, no
+    log, damaged or without scans, or a topic that it lacks, and :class:`LimitError` for one that is larger than
+    ``limits`` allow.
     """
-    return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic))).first
+    return understood(_reading(Path(path), limits)(limits, progress, Selection.of(topic, tf=tf))).first
 
 
 def open_robot_log(
@@ -181,7 +183,8 @@ def _reading_together(files: Sequence[Source], where: str, name: str, also: Mess
     if len(logs) == 1:
         return partial(_reader(kind, also), logs[0])
     if isinstance(kind, Container):
-        return partial(kind.read_split, logs, name, also=also)
+        is_stated = any(file.name == METADATA for file in files)
+        return partial(kind.read_split, logs, name, also=also, by_name=not is_stated)
     return partial(_one_sensor, partial(sonar.read_sonar, poses=logs[1]), logs[0])
 
 
@@ -219,8 +222,8 @@ def _apart(
         return "of different kinds"
     if not all(isinstance(kind, Container) for kind in kinds):
         return "each a log by itself"
-    if (*folders, METADATA) not in places:
-        return f"and no {METADATA} that would make them parts of one"
+    if (*folders, METADATA) not in places and not are_parts_by_name([log.name for log in logs]):
+        return f"and no {METADATA} that would make them parts of one, nor names of one kind, numbered from 0"
     return None
 
 

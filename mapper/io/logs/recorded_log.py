@@ -5,34 +5,36 @@ Each sensor gets a trajectory from each source of poses: tf, odometry, a localis
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
-from mapper.io.logs.cutting import CLOUD, FLOOR_M, IMAGE
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS
+from mapper.io.logs.cutting import FLOOR_M, IMAGE
 from mapper.io.logs.mounting import Mounting, mounting_of
 from mapper.io.logs.packing import notes_on_time
-from mapper.io.logs.pose_sources import PoseSource, odometry_among, trajectories_at
+from mapper.io.logs.pose_sources import StatedPoses, odometry_among, trajectories_at
+from mapper.io.logs.robot_poses import RobotPoses
+from mapper.io.logs.ros_messages import POSES, TRANSFORMS
 from mapper.io.logs.scan_groups import ScanGroup, scan_groups
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
-from mapper.io.logs.taken import MAX_FRAME_NAME, ODOMETRY, SONAR, Taken
+from mapper.io.logs.taken import MAX_FRAME_NAME, SONAR, Taken
+from mapper.io.logs.transforms import FrameTree
 from mapper.sensors.joint_log import JointLog, with_notes
 from mapper.sensors.planar.cloud import first_beam
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.planar.tilted import cut_tilted
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic
-from mapper.sensors.timed_poses import TimedPoses
 
 Int64Array = NDArray[np.int64]
 
 #: Which sensor is mapped where none is named: the first of these types.
-PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", CLOUD, IMAGE, SONAR)
+PREFERENCE = ("sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan", *CLOUD_DECODERS, IMAGE, SONAR)
 FLOOR_SHARE = 0.1  #: of a cloud's beams: where more end at low points, a note says so
 _RANK = {kind: max(0, number - 1) for number, kind in enumerate(PREFERENCE)}  #: the first two are lidars alike
 
@@ -42,7 +44,7 @@ class RecordedLog:
 
     def __init__(self, taken: Taken, name: str, form: str) -> None:
         self._taken, self._name, self._form = taken, name, form
-        self._tf, self._limits = taken.tf, taken.limits
+        self._limits = taken.limits
         self._cut = PlanarCut()
         self._bad = [
             f"{stream.bad} of {stream.count} on {stream.topic}: {stream.refused.sentence}"
@@ -51,7 +53,8 @@ class RecordedLog:
         ]
         #: All sensors, the one to map where none is named first: the lidar with most scans, or else a cloud's …
         self._sensors = sorted(taken.sensors.values(), key=lambda one: (_RANK[one.kind], -one.n_scans))
-        self._timed: dict[tuple[str, ...], TimedPoses | None] = {}  #: poses with stamps of their own, by source
+        #: Poses with stamps of their own, by the topic of transforms and the source.
+        self._stated: dict[str, dict[tuple[str, ...], StatedPoses | None]] = {}
 
     def robot_log(self, selection: Selection) -> RobotLog:
         """Return the log with the sensors that are selected, the preferred one first.
@@ -60,6 +63,9 @@ class RecordedLog:
         :class:`ReadError` where there are no scans, or none on a topic that is named, and :class:`LimitError`.
         """
         self._cut = selection.cut
+        if selection.tf is not None and not self._taken.tf.has(selection.tf):
+            known = listed(self._taken.tf.moving) or "none"
+            raise ReadError("log.tf", f"The log has no transforms on {selection.tf!r:.80}; it has {known}.")
         chosen = self._chosen(selection)
         log = self._scan_log(chosen[0], () if selection.topics else self._notes_on_others(chosen))
         sensors = {chosen[0].topic: log}
@@ -74,7 +80,8 @@ class RecordedLog:
         if left_out:
             sensors[chosen[0].topic] = with_notes(log, left_out)
         timed = {name: one.timed for name, one in log.trajectories.items() if one.timed is not None}
-        return RobotLog(sensors, timed, self._tf.transforms())
+        tree = self._taken.tf.tree_of(chosen[0].topic, chosen[0].frame)
+        return RobotLog(sensors, timed, tree.transforms())
 
     def _chosen(self, selection: Selection) -> list[SensorScans]:
         if not self._sensors:
@@ -108,7 +115,9 @@ class RecordedLog:
         if self._bad:
             held = f"messages that could not be read: {listed(self._bad)}"
         elif streams:
-            held = f"it has {listed(sorted({stream.kind for stream in streams}))}"
+            other = " (serialised in a way that is not read)"
+            kinds = {f"{one.kind or 'messages without a type'}{'' if one.readable else other}" for one in streams}
+            held = f"it has {listed(sorted(kinds))}"
         damage = "".join(f"; {note[:1].lower()}{note[1:].rstrip('.')}" for note in notes[:1])
         return ReadError(
             "log.no_scans",
@@ -146,15 +155,21 @@ class RecordedLog:
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
         stamps = np.frombuffer(sensor.stamps, dtype=np.int64)
-        notes += notes_on_time(stamps)
-        chain = self._tf.ancestors(sensor.frame)
-        base = self._tf.base_of(chain, self._taken.children)
-        mounting = mounting_of(self._taken, chain[: base + 1], stamps, sensor)
+        notes += self._notes_on_time(sensor)
+        tree = self._taken.tf.tree_of(sensor.topic, sensor.frame)
+        base = tree.base_of(sensor.frame, self._taken.children)
+        notes += self._note_on_tf(sensor)
+        mounting = mounting_of(self._taken, tree, base, sensor)
         notes += mounting.notes
         notes += self._note_on_floor(sensor)
-        robot = self._chain_of_robot(chain[base:])
-        sources = list(self._pose_sources(robot, sensor))
-        trajectories, more = trajectories_at(stamps, sources, robot[0][:MAX_FRAME_NAME], self._limits)
+        robot = self._base_that_moves(tree, base)
+        choice = self._taken.tf.choice(sensor.topic, sensor.frame)
+        others = {topic: self._taken.tf.tree_with(topic, choice.static) for topic in choice.others}
+        stated = self._stated.setdefault(choice.moving, {})
+        sources = RobotPoses(self._taken, tree, others, robot, sensor, notes, stated).sources()
+        trajectories, more = trajectories_at(
+            sensor.moments, sources, robot[:MAX_FRAME_NAME], self._limits, self._refused_poses()
+        )
         notes += more
         whole = ScanLog(
             ranges=np.empty((len(stamps), 0), dtype=np.float32),
@@ -175,9 +190,11 @@ class RecordedLog:
             format=f"{self._form}, {sensor.topic}",
             topics=self._topics(sensor),
             notes=tuple(notes),
-            odometry=odometry_among(sources, trajectories, stamps),
+            odometry=odometry_among(sources, trajectories, sensor.moments),
             limits=self._limits,
         )
+        if _has_runs(sensor):  # a time within a scan would be that of poses of several runs
+            groups = [replace(group, time_increment=0.0) for group in groups]
         parts = [self._with_beams(whole, group, mounting, sensor.beam_width) for group in groups]
         return parts[0] if len(parts) == 1 else JointLog.of(parts)
 
@@ -222,74 +239,45 @@ class RecordedLog:
         advice = f"it is mapped as walls: raise min_height, for example to {lowest + FLOOR_M:g} m."
         return [f"{seen} (min_height), {lowest:g} m, and have others behind. Where that is the floor, {advice}"]
 
-    def _chain_of_robot(self, chain: list[str]) -> list[str]:
-        """Return ``chain``, or the one of the robot's base where tf lacks the sensor's mount, so that nothing moves.
+    def _notes_on_time(self, sensor: SensorScans) -> list[str]:
+        notes = notes_on_time(sensor.moments.stamps_ns if sensor.offsets is not None else np.array(sensor.stamps))
+        if sensor.offsets is None or not _has_runs(sensor):
+            return notes
+        stamps = np.array(sensor.stamps)
+        begins = np.flatnonzero(np.diff(sensor.offsets)) + 1
+        steps = [f"scan {at + 1} ({(int(stamps[at - 1]) - int(stamps[at])) / 1e9:,.1f} s back)" for at in begins[:4]]
+        more = f" and {len(begins) - 4} more" if len(begins) > 4 else ""
+        said = f"The clock of the recording begins again at {' and '.join(steps)}{more}, as where a simulation is reset"
+        return [*notes, f"{said}: as in tf2, each scan has the poses of its own run."]
+
+    def _base_that_moves(self, tree: FrameTree, base: str) -> str:
+        """Return ``base``, or the robot's where tf lacks the sensor's mount, so that nothing moves.
 
         Recorders that start late miss /tf_static; the robot's poses are of use all the same.
         """
-        if self._tf.worlds(chain) or self._tf.is_base(chain[0], self._taken.children):
-            return chain
-        base = self._tf.base_apart(chain[0], self._taken.children)
-        return chain if base is None else self._tf.ancestors(base)
+        if tree.worlds(base) or tree.is_base(base, self._taken.children):
+            return base
+        return tree.base_apart(base, self._taken.children) or base
 
-    def _pose_sources(self, chain: list[str], sensor: SensorScans) -> Iterator[PoseSource]:
-        """Yield each world that the base, ``chain[0]``, moves in, then each topic of poses, odometry first."""
-        base = chain[0][:MAX_FRAME_NAME]
-        taken = self._taken
-        for world in self._tf.worlds(chain):
-            path = chain[: chain.index(world) + 1]
-            yield PoseSource(
-                name=f"tf/{world}",
-                frame_id=world[:MAX_FRAME_NAME],
-                child_frame_id=base,
-                sentence=f"tf from {world} to {chain[0]}, at the time of each scan",
-                at=partial(self._tf.lookup, path),
-                covers=partial(self._tf.covers, path),
-                timed=partial(self._timed_of_path, path),
-                ahead_ns=taken.tf_clock.ahead_of(sensor.clock),
-                is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
-            )
-        if base == sensor.frame[:MAX_FRAME_NAME] and base not in taken.children:
-            # tf does not name the base: an odometry message may.
-            base = min(taken.children, default="base_link")
-        for topic in sorted(taken.poses, key=lambda topic: taken.poses[topic].kind != ODOMETRY):
-            known = taken.poses[topic]
-            if not len(known.timeline):
-                continue
-            yield PoseSource(
-                name=topic.lstrip("/"),
-                frame_id=known.frame or ("odom" if known.kind == ODOMETRY else "map"),
-                child_frame_id=known.child or base,
-                sentence=f"the {known.kind.split('/')[-1]} messages on {topic}, at the time of each scan",
-                at=known.timeline.at,
-                covers=known.timeline.covers,
-                timed=partial(self._timed_of_topic, topic),
-                ahead_ns=known.clock.ahead_of(sensor.clock),
-                is_odometry=known.kind == ODOMETRY,
-            )
+    def _refused_poses(self) -> str:
+        """Return which messages with poses could not be read, and why; nothing where all could be."""
+        poses = (*POSES, *TRANSFORMS)
+        refused = [
+            f"{stream.topic}: {why.sentence}"
+            for stream in self._taken.streams
+            if stream.kind in poses
+            for why in (stream.refused, stream.left_out)
+            if why.total
+        ]
+        return listed(refused, 3)
 
-    def _timed_of_path(self, path: list[str]) -> TimedPoses | None:
-        """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
-        key = tuple(path)
-        if key not in self._timed:
-            stamps = self._tf.stamps(path)
-            stamps = stamps[self._tf.covers(path, stamps)]
-            self._timed[key] = self._timed_poses(stamps, self._tf.lookup(path, stamps).planar) if len(stamps) else None
-        return self._timed[key]
-
-    def _timed_of_topic(self, topic: str) -> TimedPoses | None:
-        key = ("", topic)
-        if key not in self._timed:
-            timeline = self._taken.poses[topic].timeline
-            stamps, poses = timeline.stated
-            self._timed[key] = self._timed_poses(stamps, poses.planar)
-        return self._timed[key]
-
-    def _timed_poses(self, stamps: Int64Array, poses: NDArray[np.float64]) -> TimedPoses | None:
-        """Return poses with stamps; None where they are beyond the limit of coordinates."""
-        if np.abs(poses[:, :2]).max() > self._limits.max_pose:
-            return None
-        return TimedPoses(stamps, poses)
+    def _note_on_tf(self, sensor: SensorScans) -> list[str]:
+        """Return a note on which topic's transforms are taken where several might be."""
+        choice = self._taken.tf.choice(sensor.topic, sensor.frame)
+        if not choice.others:
+            return []
+        others = listed(list(choice.others))
+        return [f"Frames are looked up in {choice.moving}; there are more transforms to choose (tf): {others}."]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._taken.sensors.values()]
@@ -308,11 +296,12 @@ class RecordedLog:
         _, increment, _, _, n = sensor.usual
         stamps = np.sort(np.frombuffer(sensor.stamps, dtype=np.int64))
         step = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
-        chain = self._tf.ancestors(sensor.frame)
-        base = self._tf.base_of(chain, self._taken.children)
+        tree = self._taken.tf.tree_of(sensor.topic, sensor.frame)
+        base = tree.base_of(sensor.frame, self._taken.children)
         mount = None
-        if base > 0:
-            x, y, yaw = (float(v) for v in self._tf.lookup(chain[: base + 1], stamps[:1]).planar[0])
+        poses = None if base == sensor.frame else tree.relative(sensor.frame, base, sensor.moments[:1])
+        if poses is not None:
+            x, y, yaw = (float(v) for v in poses.planar[0])
             mount = (x, y, yaw)
         width = sensor.beam_width if n == 1 else abs(increment) * (n - 1)
         return Topic(
@@ -326,6 +315,10 @@ class RecordedLog:
             mount=mount,
             chosen=chosen,
         )
+
+
+def _has_runs(sensor: SensorScans) -> bool:
+    return sensor.offsets is not None and bool(np.diff(sensor.offsets).any())
 
 
 def listed(names: list[str], most: int = 6) -> str:

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
-from mapper.io.logs.cloud_messages import DepthImage, NotDepthError, camera_info, depth_image, point_cloud
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, DepthImage, NotDepthError, camera_info, depth_image
 from mapper.io.logs.compressed_depth import COMPRESSED, compressed_depth_image, image_topic
-from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, topic_folder
+from mapper.io.logs.cutting import CAMERA, IMAGE, topic_folder
 from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.poses3 import Poses3
 from mapper.io.logs.pulling import Take, pulled
 from mapper.io.logs.ros_messages import imu
 from mapper.io.logs.taken import Taken
-from mapper.io.logs.transforms import Poses3
+from mapper.io.logs.timeline import Moments
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.point_cloud import PointCloud
 from mapper.sensors.robot_log import RobotLog
@@ -44,10 +45,10 @@ class _Recorded:
     def limits(self) -> Limits:
         return self.taken.limits
 
-    def clouds(self, topic: str) -> Iterator[PointCloud]:
-        for message in pulled(self.files, self.take, topic, CLOUD, self.limits):
+    def clouds(self, topic: str, kind: str) -> Iterator[PointCloud]:
+        for message in pulled(self.files, self.take, topic, kind, self.limits):
             try:
-                cloud = point_cloud(message.data, cdr=message.cdr)
+                cloud = CLOUD_DECODERS[kind](message.data, cdr=message.cdr)
             except BadMessageError:
                 continue
             yield cloud.whole(message.stamp_ns)
@@ -71,37 +72,35 @@ class _Recorded:
                     np.array([one.orientation for *_, one in readings]),
                 )
 
-    def mounts(self, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    def mounts(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
         """Return ``T_base_frame`` (n, 4, 4) at n stamps; None where tf does not name the frame's place on a base."""
-        tf, children = self.taken.tf, self.taken.children
-        chain = tf.ancestors(frame)
-        base = tf.base_of(chain, children)
-        if base == 0 and not tf.is_base(frame, children):
+        tree, children = self.taken.tf.tree_of(topic, frame), self.taken.children
+        base = tree.base_of(frame, children)
+        if base == frame and not tree.is_base(frame, children):
             return None
-        poses = tf.lookup(chain[: base + 1], stamps_ns)
+        poses = tree.relative(frame, base, Moments(stamps_ns))
+        if poses is None:
+            return None
         out = np.tile(np.eye(4), (len(stamps_ns), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = poses.matrices, poses.positions
         return out
 
-    def poses(self, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    def poses(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
         """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN where it is not known; None where nothing says it.
 
-        The fixed frame is tf's ``map`` above the frame, else the highest in which it moves, else that of odometry
-        messages, or of others with poses, of a frame above this one.
+        The fixed frame is tf's ``map`` around the frame, else the farthest in which it moves, else that of odometry
+        messages, or of others with poses, of a frame to which this one is connected.
         """
-        tf = self.taken.tf
-        chain = tf.ancestors(frame)
-        worlds = tf.worlds(chain)
+        tree = self.taken.tf.tree_of(topic, frame)
+        when = Moments(stamps_ns)
+        worlds = tree.worlds(frame)
         if worlds:
-            chain = chain[: chain.index(worlds[0]) + 1]
-            return _matrices(tf.lookup(chain, stamps_ns), tf.covers(chain, stamps_ns))
-        bases = [tf.base_of(chain, self.taken.children)]
-        for topic in self.taken.poses.values():
-            up_to = chain.index(topic.child) if topic.child in chain else bases[0] if not topic.child else None
-            if up_to is None or not len(topic.timeline):
-                continue
-            mount = tf.lookup(chain[: up_to + 1], stamps_ns)
-            return _matrices(topic.timeline.at(stamps_ns) @ mount, topic.timeline.covers(stamps_ns))
+            return _matrices(tree.lookup(worlds[0], when), tree.covers(worlds[0], stamps_ns))
+        base = tree.base_of(frame, self.taken.children)
+        for known in self.taken.poses.values():
+            mount = tree.relative(frame, known.child or base, when) if len(known.timeline) else None
+            if mount is not None:
+                return _matrices(known.timeline.at(stamps_ns) @ mount, known.timeline.covers(stamps_ns))
         return None
 
     def depths(self, topic: str, kind: str) -> Iterator[PointCloud]:
@@ -172,21 +171,22 @@ def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
     recorded = _Recorded(files, take, taken)
     counts: dict[tuple[str, str], int] = {}
     for stream in taken.streams:
-        if stream.kind in (CLOUD, IMU, *DEPTH_DECODERS):
+        if stream.kind in (*CLOUD_DECODERS, IMU, *DEPTH_DECODERS):
             counts[stream.topic, stream.kind] = counts.get((stream.topic, stream.kind), 0) + stream.count
+    places = {topic: (partial(recorded.mounts, topic), partial(recorded.poses, topic)) for topic, _ in counts}
     clouds = {
-        topic: CloudStream(topic, count, partial(recorded.clouds, topic), recorded.mounts, recorded.poses)
+        topic: CloudStream(topic, count, partial(recorded.clouds, topic, kind), *places[topic])
         for (topic, kind), count in counts.items()
-        if kind == CLOUD
+        if kind in CLOUD_DECODERS
     }
     depths = {
-        topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), recorded.mounts, recorded.poses)
+        topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), *places[topic])
         for wanted in DEPTH_DECODERS  # images as they are before compressed ones
         for (topic, kind), count in counts.items()
         if kind == wanted
     }
     imus = {
-        topic: ImuStream(topic, count, partial(recorded.imu, topic), recorded.mounts)
+        topic: ImuStream(topic, count, partial(recorded.imu, topic), places[topic][0])
         for (topic, kind), count in counts.items()
         if kind == IMU
     }

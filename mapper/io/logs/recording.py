@@ -8,27 +8,32 @@ A container's reader announces each stream of messages (:meth:`Recording.channel
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.clocks import Clock
-from mapper.io.logs.cloud_messages import NotDepthError
-from mapper.io.logs.cutting import CAMERA, CLOUD, IMAGE, Cutter
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, NotDepthError
+from mapper.io.logs.cutting import CAMERA, IMAGE, Cutter
 from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
 from mapper.io.logs.message_fields import BadMessageError
 from mapper.io.logs.names import printable
 from mapper.io.logs.pose_sources import STAMP_LIMIT_NS
 from mapper.io.logs.recorded_log import RecordedLog
-from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
+from mapper.io.logs.ros_messages import PATH, POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
+from mapper.io.logs.runs import Track, offsets_of_runs
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.stream import Stream
 from mapper.io.logs.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
-from mapper.io.logs.transforms import FrameTree, Timeline
+from mapper.io.logs.tf_topics import TfTopics
+from mapper.io.logs.timeline import Timeline
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import is_angle_step
 
-STATIC = "tf_static"  #: last part of the topic of transforms that never change
+MAX_CHILDREN = 100  #: frames of which messages state the poses
 
 MOST_ANGLE = 100.0  #: radians: what is stated as more is no angle
 
@@ -45,12 +50,14 @@ class Recording:
         self.limits = limits
         self.selection = selection or Selection()
         self.notes: list[str] = []  #: one sentence each on what was noticed; a container's reader adds its own
-        self._taken = Taken(limits, FrameTree(limits), self.notes)
+        self._taken = Taken(limits, TfTopics(limits, self.selection.tf), self.notes)
         self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the file that is read
         self._streams: dict[tuple[str, str, bool, bool], tuple[Stream, Take | None]] = {}
         self._cutter = Cutter(self.selection.cut, self._taken.tf, self._taken.children, self._take_beams)
         self._pictures: set[str] = set()  #: topics of images that are no depth images
         self._has_lidar = False
+        self._paths: dict[str, tuple[Stream, int, bytes]] = {}  #: the last message of each topic of paths
+        self._position = 0  #: the number of the message that is taken
         self._messages = 0
         self._scans = 0
         self._readings = 0
@@ -78,7 +85,7 @@ class Recording:
         if stream not in self._streams:
             take = self._taker_of(name, kind) if readable else None
             self._has_lidar |= take == self._take_scan and kind != SONAR
-            known = Stream(name, kind, cdr)
+            known = Stream(name, kind, cdr, readable)
             self._taken.streams.append(known)
             self._streams[stream] = (known, take)
         self._channels[key] = self._streams[stream]
@@ -87,11 +94,13 @@ class Recording:
         """Return what takes the messages of a stream, None where nothing is made of them."""
         if kind in SENSORS:
             return self._take_scan if self.selection.wants(topic) else None
+        if kind == PATH:
+            return self._keep_path
         if kind in POSES:
             return self._take_pose
         if kind in TRANSFORMS:
             return self._take_transforms
-        if kind == CLOUD:
+        if kind in CLOUD_DECODERS:
             return self._cutter.take_cloud if self.selection.wants(topic) else None
         if kind == IMAGE:
             return self._cutter.take_image if self.selection.wants(topic) else None
@@ -99,9 +108,14 @@ class Recording:
 
     def _is_passed_over(self, stream: Stream) -> bool:
         """Return whether a stream is not cut: a picture's, and, unless it is named, any where there is a lidar."""
-        if stream.kind not in (CLOUD, IMAGE):
+        if stream.kind != IMAGE and stream.kind not in CLOUD_DECODERS:
             return False
         return stream.topic in self._pictures or (self._has_lidar and not self.selection.names(stream.topic))
+
+    @property
+    def topics_of_file(self) -> set[str]:
+        """Topics of the file that is read."""
+        return {stream.topic for stream, _ in self._channels.values()}
 
     def next_file(self) -> None:
         """Go on with another file of the same recording, in which streams have keys of their own."""
@@ -133,6 +147,8 @@ class Recording:
             return
         stream, take = self._channels[key]
         stream.count += 1
+        self._position += 1
+        self._cutter.position = self._position
         if take is None or self._is_passed_over(stream):
             return
         self._messages += 1
@@ -153,9 +169,9 @@ class Recording:
             stream.refuse(error.message)
 
     def _take_scan(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr))
+        self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr), self._position)
 
-    def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams) -> None:
+    def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams, position: int) -> None:
         n = len(beams.ranges)
         why = _what_is_wrong(beams)
         if why:
@@ -176,6 +192,7 @@ class Recording:
         sensor = self._sensor_of(stream, printable(beams.frame), beams.beam_width)
         at = _stamp(beams.stamp_ns, stamp_ns)
         sensor.add(at, beams)
+        sensor.positions.append(position)
         sensor.clock.add(at, _stamp(stamp_ns, 0))
 
     def _sensor_of(self, stream: Stream, frame: str, beam_width: float) -> SensorScans:
@@ -191,32 +208,84 @@ class Recording:
         return sensors[name]
 
     def _take_pose(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        taken = self._taken
         for one in POSES[stream.kind](data, cdr=stream.cdr):
-            child = printable(one.child[:MAX_FRAME_NAME])
-            if stream.topic not in taken.poses:
-                frame = printable(one.frame[:MAX_FRAME_NAME])
-                taken.poses[stream.topic] = PoseTopic(stream.kind, frame, child, Timeline(self.limits), Clock())
-            known = taken.poses[stream.topic]
-            at = _stamp(one.stamp_ns, stamp_ns)
-            known.timeline.add(at, one.pose)
-            known.clock.add(at, _stamp(stamp_ns, 0))
-            if child and len(taken.children) < 100:
-                taken.children.add(child)
+            self._add_pose(stream, stamp_ns, one)
+
+    def _add_pose(self, stream: Stream, stamp_ns: int, one: StampedPose) -> None:
+        taken = self._taken
+        frame, child = printable(one.frame[:MAX_FRAME_NAME]), printable(one.child[:MAX_FRAME_NAME])
+        known = self._poses_of(stream, frame, child)
+        at = _stamp(one.stamp_ns, stamp_ns)
+        known.timeline.add(at, one.pose, self._position)
+        known.clock.add(at, _stamp(stamp_ns, 0))
+        if child and len(taken.children) < MAX_CHILDREN:
+            taken.children.add(child)
+
+    def _poses_of(self, stream: Stream, frame: str, child: str) -> PoseTopic:
+        """Return the poses of a pair of frames on a topic: several bodies may share one."""
+        poses = self._taken.poses
+        name, *longer = stream.topic, f"{stream.topic}#{child[:100]}", f"{stream.topic}#{frame[:100]}#{child[:100]}"
+        while longer and name in poses and (poses[name].frame, poses[name].child) != (frame, child):
+            name, *longer = longer
+        if name not in poses:
+            if len(poses) >= self.limits.max_topics:
+                raise LimitError("log.too_many_topics", f"The log has poses of more than {len(poses)} frames.")
+            poses[name] = PoseTopic(stream.topic, stream.kind, frame, child, Timeline(self.limits), Clock())
+        return poses[name]
+
+    def _keep_path(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
+        """Keep the last path of a topic: one that grows has in it all that came before."""
+        self._paths[stream.topic] = (stream, stamp_ns, data)
+
+    def _take_paths(self) -> None:
+        """Take the paths that are trajectories: the stamps of their poses ascend. Those of plans are all alike."""
+        for stream, stamp_ns, data in self._paths.values():
+            try:
+                poses = POSES[PATH](data, cdr=stream.cdr)
+                stamps = [one.stamp_ns for one in poses]
+                if len(poses) > 1 and stamps[0] > 0 and all(a < b for a, b in pairwise(stamps)):
+                    for one in poses:
+                        self._add_pose(stream, stamp_ns, one)
+            except BadMessageError as error:
+                stream.refuse(str(error))
 
     def _take_transforms(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
-        is_static = stream.topic.rsplit("/", 1)[-1] == STATIC
         for one in TRANSFORMS[stream.kind](data, cdr=stream.cdr):
             at = _stamp(one.stamp_ns, stamp_ns)
             self._taken.tf_clock.add(at, _stamp(stamp_ns, 0))
             pose = StampedPose(at, printable(one.frame), printable(one.child), one.pose)
-            self._taken.tf.add(pose, is_static=is_static)
+            ignored = self._taken.tf.add(stream.topic, pose, self._position)
+            if ignored:
+                stream.leave_out(ignored)
+
+    def _count_on(self) -> None:
+        """Count the stamps on where the clock of the recording began again, so that each run has its own times."""
+        taken = self._taken
+        lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
+        lines = [(topic, line) for topic, line in lines if len(line)]
+        sensors = [sensor for sensor in taken.sensors.values() if sensor.n_scans]
+        tracks = [Track(topic, *line.track) for topic, line in lines]
+        stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)
+        tracks += [Track(sensor.topic, *both) for sensor, both in zip(sensors, stamps, strict=True)]
+        offsets = offsets_of_runs(tracks)
+        if offsets is None:
+            return
+        for (_, line), own in zip(lines, offsets, strict=False):
+            line.count_on(own)
+        for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):
+            sensor.offsets = own
+
+    def finish(self) -> None:
+        """Take what was held until all messages had come."""
+        self._cutter.finish()
+        self._take_paths()
+        self._count_on()
+        self._taken.unplaced = self._cutter.unplaced
+        self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
 
     def robot_log(self, name: str, form: str) -> RobotLog:
         """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
-        self._cutter.finish()
-        self._taken.unplaced = self._cutter.unplaced
-        self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
+        self.finish()
         return RecordedLog(self._taken, name, form).robot_log(self.selection)
 
 

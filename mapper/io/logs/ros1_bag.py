@@ -49,6 +49,7 @@ MAGIC = b"#ROSBAG V"
 MAX_HEADER_BYTES = 1 << 20
 MAX_INDEX_BYTES = 1 << 24  #: of the connections at the end of a bag
 MAX_INDEX_HEADER_BYTES = 1000  #: of an index record behind a chunk
+INDEX_ENTRY_BYTES = 12  #: a time and an offset
 
 
 class _Bag:
@@ -135,9 +136,36 @@ class _Bag:
         else:
             if fields.get(b"encryptor"):
                 raise ReadError("log.encrypted", "The bag is encrypted.")
+            if op == INDEX:
+                n = self._index_bytes(fields, n)
             if self.stream.skip(n) < n:
                 raise CutError
         return True
+
+    def _index_bytes(self, fields: dict[bytes, bytes], stated: int, ahead: int = 0) -> int:
+        """Return how many bytes of entries an index record has, which begin ``ahead`` bytes from here.
+
+        rosbag reads as many entries as the header counts, and never the length before them, which recorders of 2010
+        wrote wrong. Here it is ignored where the next record follows the entries, or where that cannot be looked at.
+        """
+        count = fields.get(b"count", b"")
+        if len(count) != 4 or fields.get(b"ver") != U32.pack(1):
+            return stated
+        counted = INDEX_ENTRY_BYTES * U32.unpack(count)[0]
+        if counted == stated or (self.stream.can_jump and not self._is_record(ahead + counted)):
+            return stated
+        return int(counted)
+
+    def _is_record(self, ahead: int) -> bool:
+        """Return whether a record begins there, or the file ends."""
+        size = self.stream.ahead(ahead, 4)
+        if len(size) < 4:
+            return not size
+        (n,) = U32.unpack(size)
+        try:
+            return n <= MAX_INDEX_HEADER_BYTES and b"op" in fields_of(self.stream.ahead(ahead + 4, n))
+        except DamagedError:
+            return False
 
     def _take_or_skip(self, source: ByteStream | Section, fields: dict[bytes, bytes], n: int) -> None:
         """Take a record with ``n`` bytes of data; pass over those of a large message that nothing is made of."""
@@ -211,7 +239,8 @@ class _Bag:
         key, count = connection_of(fields), fields.get(b"count", b"")
         if len(record) < n + 4 or fields.get(b"op") != INDEX or key is None or len(count) != 4:
             return None
-        return key, U32.unpack(count)[0], n + 8 + U32.unpack_from(record, n)[0]
+        entries = self._index_bytes(fields, U32.unpack_from(record, n)[0], ahead + n + 8)
+        return key, U32.unpack(count)[0], n + 8 + entries
 
     def _chunk_data(self, compression: str, data: bytes, at: int, *, cut: bool) -> None:
         """Take what is in a chunk's data, which is all that the file has of it."""

@@ -146,6 +146,37 @@ def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
     return [StampedPose(stamp, frame, "", pose)]
 
 
+def pose_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/PoseStamped."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    pose = fields.pose()
+    fields.end()
+    return [StampedPose(stamp, frame, "", pose)]
+
+
+def transform_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/TransformStamped."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    child = fields.frame()
+    pose = fields.pose()
+    fields.end()
+    return [StampedPose(stamp, frame, child, pose)]
+
+
+def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a nav_msgs/Path: its poses, in the frame of the whole."""
+    fields = MessageFields(data, cdr=cdr)
+    _, frame = fields.header()
+    found = []
+    for _ in range(fields.count(68)):
+        stamp, _ = fields.header()
+        found.append(StampedPose(stamp, frame, "", fields.pose()))
+    fields.end()
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class ImuReading:
     """One sensor_msgs/Imu: rad/s, m/s², and the quaternion x y z w, NaN where no orientation is stated."""
@@ -187,6 +218,7 @@ def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
     return found
 
 
+PATH = "nav_msgs/Path"
 #: Type, without the ``msg`` that ROS 2 puts in the middle → its decoder.
 SENSORS = {
     "sensor_msgs/LaserScan": laser_scan,
@@ -196,11 +228,16 @@ SENSORS = {
 POSES = {
     "nav_msgs/Odometry": odometry,
     "geometry_msgs/PoseWithCovarianceStamped": pose_with_covariance,
+    "geometry_msgs/PoseStamped": pose_stamped,
+    "geometry_msgs/TransformStamped": transform_stamped,
+    PATH: path,
 }
 TRANSFORMS = {"tf2_msgs/TFMessage": transforms, "tf/tfMessage": transforms}
 
 
 def plain_type(name: str) -> str:
-    """Return ``sensor_msgs/LaserScan`` for ``sensor_msgs/msg/LaserScan``."""
+    """Return ``sensor_msgs/LaserScan`` for ``sensor_msgs/msg/LaserScan`` and ``sensor_msgs::msg::dds_::LaserScan_``."""
+    if "::" in name:
+        name = name.replace("::", "/").removesuffix("_")
     package, _, rest = name.partition("/")
     return f"{package}/{rest.rsplit('/', 1)[-1]}" if rest else name

@@ -18,6 +18,7 @@ from mapper.core.limits import Limits
 from mapper.core.se2 import wrap_angle
 from mapper.io.logs.range_limits import counted, notes_on_limits, usable_limits
 from mapper.io.logs.sensor_scans import Beaming, SensorScans, median_seconds
+from mapper.sensors.planar.options import is_cut
 from mapper.sensors.scan import MAX_STATED_S
 
 MOST_GROUPS = 8  #: of one sensor
@@ -66,7 +67,8 @@ class _Grouping:
         stated: Counter[tuple[float, float]] = Counter()
         for one, count in zip(self.beamings, counts, strict=True):
             stated[one.range_min, one.range_max] += count
-        self.notes += notes_on_limits(sensor.topic, sensor.n_scans, stated)
+        if not is_cut(sensor.kind):  # the limits of what is cut are the cut's
+            self.notes += notes_on_limits(sensor.topic, sensor.n_scans, stated)
 
     def groups(self) -> tuple[list[ScanGroup], list[str]]:
         ranges = self._padded()

@@ -13,16 +13,18 @@ class Selection:
 
     ``topics`` names them; without one, those that make one map by themselves are read: the lidar with most scans, or
     else all sonars. None reads all sensors. Point clouds and depth images are sensors as well, where they are named,
-    or where there is no lidar: ``cut`` says how scans are cut out of them.
+    or where there is no lidar: ``cut`` says how scans are cut out of them. ``tf`` names the topic of transforms that
+    are taken, where there are several (None: see :mod:`mapper.io.logs.tf_topics`).
     """
 
     topics: tuple[str, ...] | None = ()
     cut: PlanarCut = field(default_factory=PlanarCut)
+    tf: str | None = None
 
     @staticmethod
-    def of(topic: str | None, cut: PlanarCut | None = None) -> Selection:
+    def of(topic: str | None, cut: PlanarCut | None = None, tf: str | None = None) -> Selection:
         """Return the selection of one sensor, or of none in particular."""
-        return Selection(() if topic is None else (topic,), cut or PlanarCut())
+        return Selection(() if topic is None else (topic,), cut or PlanarCut(), tf)
 
     def wants(self, topic: str) -> bool:
         """Return whether a sensor may be one of those."""

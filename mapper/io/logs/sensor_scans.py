@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mapper.io.logs.clocks import Clock
 from mapper.io.logs.ros_messages import Beams
 from mapper.io.logs.stream import Stream
+from mapper.io.logs.timeline import Moments
 from mapper.sensors.scan import MAX_STATED_S
 
 
@@ -33,6 +34,8 @@ class SensorScans:
         self.frame = frame
         self.beam_width = max(0.0, beam_width)
         self.stamps = array("q")
+        self.positions = array("q")  #: the number of each scan's message in the recording
+        self.offsets: NDArray[np.int64] | None = None  #: what counts the stamps on where the clock began again
         self.clock = Clock()
         self._numbers: dict[Beaming, int] = {}
         self._of_scan = array("q")  #: the number of each scan's beaming
@@ -73,6 +76,13 @@ class SensorScans:
     def mounts(self) -> NDArray[np.float64]:
         """``T_base_scan`` (n_scans, 3) of scans that were cut out of clouds; of others there is none, (0, 3)."""
         return np.array(self._mounts).reshape(-1, 3)
+
+    @property
+    def moments(self) -> Moments:
+        """When the scans were made, counted on where the clock began again."""
+        stamps = np.frombuffer(self.stamps, dtype=np.int64)
+        counted = stamps if self.offsets is None else stamps + self.offsets
+        return Moments(counted, np.frombuffer(self.positions, dtype=np.int64))
 
     @property
     def n_scans(self) -> int:

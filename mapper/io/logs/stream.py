@@ -56,6 +56,7 @@ class Stream:
     topic: str
     kind: str
     cdr: bool
+    readable: bool = True  #: whether its serialisation is one that is read
     count: int = 0
     refused: Reasons = field(default_factory=Reasons)
     left_out: Reasons = field(default_factory=Reasons)

@@ -8,7 +8,8 @@ from mapper.core.limits import Limits
 from mapper.io.logs.clocks import Clock
 from mapper.io.logs.sensor_scans import SensorScans
 from mapper.io.logs.stream import Stream
-from mapper.io.logs.transforms import FrameTree, Timeline
+from mapper.io.logs.tf_topics import TfTopics
+from mapper.io.logs.timeline import Timeline
 
 MAX_FRAME_NAME = 200  #: characters of a frame's name that a log keeps
 SONAR = "sensor_msgs/Range"
@@ -17,8 +18,9 @@ ODOMETRY = "nav_msgs/Odometry"
 
 @dataclass(frozen=True, slots=True)
 class PoseTopic:
-    """The poses of one topic, ``T_frame_child`` with the frames of its first message."""
+    """The poses of one topic, ``T_frame_child``; of a topic with several pairs of frames, those of one pair."""
 
+    topic: str
     kind: str
     frame: str
     child: str
@@ -35,7 +37,7 @@ class Taken:
     """
 
     limits: Limits
-    tf: FrameTree
+    tf: TfTopics
     notes: list[str]
     streams: list[Stream] = field(default_factory=list)
     sensors: dict[str, SensorScans] = field(default_factory=dict)

@@ -18,6 +18,7 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.maps.writing import FRAME_KEY, Mode
 from mapper.io.untrusted_yaml import UntrustedLoader
+from mapper.sensors.georeference import FARTHEST_M
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
 LONGEST_FRAME = 255  #: characters of a frame's name
@@ -117,8 +118,8 @@ def _origin(node: yaml.Node, limits: Limits) -> tuple[float, float, float]:
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != 3:
         raise ReadError("map.origin", "The key 'origin' of the map's yaml must be a list of three numbers: x, y, yaw.")
     x, y, yaw = (_number(item, "origin") for item in node.value)
-    if max(abs(x), abs(y), abs(yaw)) > limits.max_pose:
-        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} is beyond {limits.max_pose:g}.")
+    if max(abs(x), abs(y)) > FARTHEST_M or abs(yaw) > limits.max_pose:
+        raise ReadError("map.origin", f"The map's origin {x:g}, {y:g}, {yaw:g} is beyond {FARTHEST_M:g} m.")
     return (x, y, yaw)
 
 

@@ -25,6 +25,7 @@ from mapper.core.errors import ConfigError
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD, GridGeometry, OccupancyGrid
 from mapper.io.maps.images import pgm_pieces, png_pieces
 from mapper.io.maps.pixels import PROBABILITY_PALETTE, probability_pixels, raw_pixels, scale_pixels, trinary_pixels
+from mapper.sensors.georeference import NO_OFFSET, Offset
 
 Mode = Literal["trinary", "scale", "raw"]
 
@@ -83,17 +84,20 @@ def yaml_text(
     occupied_thresh: float | None = None,
     free_thresh: float | None = None,
     frame: str | None = None,
+    offset: Offset = NO_OFFSET,
 ) -> str:
     """Return the yaml of an image in its folder: resolution in m, origin as pose (x, y, yaw) of the lower-left corner.
 
     The thresholds are those to read the image with, not those it was made with: :data:`STATED_THRESHOLDS` unless given.
     ``frame`` is the map's frame (None: not stated). It has a key of its own, :data:`FRAME_KEY`; map_server and
-    Nav2 read the keys that they know and ignore others.
+    Nav2 read the keys that they know and ignore others. ``offset`` (x, y) is added to the origin: that of the
+    trajectory of a georeferenced log.
     """
     stated = STATED_THRESHOLDS[mode]
     occupied = stated[0] if occupied_thresh is None else occupied_thresh
     free = stated[1] if free_thresh is None else free_thresh
-    origin = ", ".join(_number(value) for value in geometry.origin)
+    x, y, yaw = geometry.origin
+    origin = ", ".join(_number(value) for value in (x + offset[0], y + offset[1], yaw))
     stated_frame = "" if frame is None else f"{FRAME_KEY}: {_word(frame)}\n"
     return (
         f"image: {_word(image_name)}\nmode: {mode}\nresolution: {_number(geometry.resolution)}\norigin: [{origin}]\n"
@@ -124,11 +128,13 @@ def save_map(
     occupied_threshold: float = OCCUPIED_THRESHOLD,
     free_threshold: float = FREE_THRESHOLD,
     frame: str | None = None,
+    offset: Offset = NO_OFFSET,
 ) -> tuple[Path, Path]:
     """Write ``prefix.yaml`` and its image, ``prefix.pgm`` (``prefix.png`` in mode scale); return both paths.
 
-    ``frame`` is the frame that the map is in, where it is known. Folders are made. Each file appears whole or not at
-    all, the image before the yaml. Raises :class:`ConfigError` where a file cannot be written.
+    ``frame`` is the frame that the map is in, where it is known, and ``offset`` that of its coordinates. Folders are
+    made. Each file appears whole or not at all, the image before the yaml. Raises :class:`ConfigError` where a file
+    cannot be written.
     """
     base = Path(prefix)
     if not base.name:
@@ -139,7 +145,7 @@ def save_map(
         base.parent.mkdir(parents=True, exist_ok=True)
         for path, pieces in (
             (image_path, image_pieces(grid, occupied_threshold, free_threshold, mode)),
-            (yaml_path, [yaml_text(grid.geometry, image_path.name, mode, frame=frame).encode()]),
+            (yaml_path, [yaml_text(grid.geometry, image_path.name, mode, frame=frame, offset=offset).encode()]),
         ):
             with atomic_write(path) as file:
                 file.writelines(pieces)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.scan import FROM_ONE_PLACE, ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 
 TUM = "tum"  #: name of the trajectory that a TUM file is in a log
@@ -22,7 +22,7 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
     Poses as many as the scans and with their stamps, to a microsecond, are taken scan by scan. Others are interpolated
     at the scans' stamps, linear in position and the short way round in angle, and scans before the first or after the
     last pose are left out of the log; a note says how many, and how many scans lie far from any pose. The trajectory's
-    fixed frame is not known (None).
+    fixed frame is not known (None). What stood for the poses that the log lacked is left out, with the note on it.
 
     Raises :class:`ConfigError` where the log has a trajectory of this name, and where no scan lies within the poses'
     time.
@@ -34,8 +34,10 @@ def with_trajectory(log: ScanLog, poses: TimedPoses, name: str = TUM) -> ScanLog
     if not is_scan_by_scan(log, poses):
         log, notes = cut_to(log, poses)
         at_scans = poses.at(log.stamps_ns)
-    added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan")
-    return replace(log, trajectories={name: added, **log.trajectories}, notes=(*log.notes, *poses.notes, *notes))
+    added = Trajectory(at_scans, "the poses of a TUM file at the time of each scan", offset=poses.offset)
+    known = {own: one for own, one in log.trajectories.items() if not one.is_placeholder}
+    kept = [note for note in log.notes if known or FROM_ONE_PLACE not in note]
+    return replace(log, trajectories={name: added, **known}, notes=(*kept, *poses.notes, *notes))
 
 
 def is_scan_by_scan(log: ScanLog, poses: TimedPoses) -> bool:

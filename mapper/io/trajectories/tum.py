@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import fields
-from mapper.io.logs.transforms import Poses3
+from mapper.io.logs.poses3 import Poses3
 from mapper.io.trajectories.lines import rows, stamp_ns
+from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, note_on_offset, offset_of
 from mapper.sensors.timed_poses import TimedPoses
 
 COLUMNS = "timestamp tx ty tz qx qy qz qw"
@@ -36,7 +37,13 @@ def read_tum(path: str | os.PathLike[str], limits: Limits = DEFAULT_LIMITS) -> T
     """
     stamped, table = tum_rows(Path(path), limits)
     poses = Poses3(table[:, :3], table[:, 3:])
-    return TimedPoses(stamped, poses.planar, (*_notes_on_space(poses), *_notes_on_time(stamped)))
+    planar = poses.planar
+    offset = offset_of(planar)
+    planar[:, :2] -= offset
+    notes = [*_notes_on_space(poses), *_notes_on_time(stamped)]
+    if offset != NO_OFFSET:
+        notes.append(note_on_offset("The poses of the TUM file", offset))
+    return TimedPoses(stamped, planar, tuple(notes), offset)
 
 
 def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -49,11 +56,17 @@ def tum_rows(path: Path, limits: Limits) -> tuple[NDArray[np.int64], NDArray[np.
         stamps.append(stamp_ns(tokens[0], line, "TUM"))
         numbers = fields.numbers(tokens[1:], line, "TUM")
         place, rotation = numbers[:3], numbers[3:]
-        if not all(math.isfinite(value) and abs(value) <= limits.max_pose for value in place):
+        if not all(math.isfinite(value) and abs(value) <= FARTHEST_M for value in place):
             raise ReadError(
                 "trajectory.pose",
                 f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it must be "
-                f"finite and within {limits.max_pose:g} m.",
+                f"finite and within {FARTHEST_M:g} m.",
+            )
+        if values and not all(abs(a - b) <= limits.max_pose for a, b in zip(place, values[:3], strict=True)):
+            raise ReadError(
+                "trajectory.pose",
+                f"Line {line}: the position {', '.join(f'{value:g}' for value in place)} is no place: it is more than "
+                f"{limits.max_pose:g} m from the first.",
             )
         norm = math.hypot(*rotation)
         if not abs(norm - 1.0) <= NORM_TOLERANCE:

@@ -50,17 +50,19 @@ PARAMETERS: tuple[Parameter, ...] = (
 )  # fmt: skip
 BY_NAME = {row.name: row for row in PARAMETERS}
 
-CLOUD, IMAGE = "PointCloud2", "Image"  #: types of messages out of which scans are cut, without their package
+#: Types of messages out of which scans are cut, without their package: clouds (CustomMsg is Livox's), depth images.
+CLOUDS, IMAGE = ("PointCloud2", "CustomMsg"), "Image"
 
 
 def is_cut(kind: str) -> bool:
     """Return whether scans are cut out of messages of the type ``kind``."""
-    return kind.rpartition("/")[2] in (CLOUD, IMAGE)
+    return kind.rpartition("/")[2] in (*CLOUDS, IMAGE)
 
 
 def applies(row: Parameter, kind: str) -> bool:
     """Return whether a row of :data:`PARAMETERS` concerns messages of the type ``kind``."""
-    return kind.rpartition("/")[2] == (IMAGE if row.name == "scan_height" else CLOUD)
+    name = kind.rpartition("/")[2]
+    return name == IMAGE if row.name == "scan_height" else name in CLOUDS
 
 
 @dataclass(frozen=True, slots=True)

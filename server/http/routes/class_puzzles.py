@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
-from server.http.routes.classes import joined_class, places_of, puzzle_link_of
+from server.http.routes.classes import joined_class, owned_class, places_of, puzzle_link_of
 from server.http.routes.clients import client_address
 from server.http.routes.puzzles import Name, begin_puzzle, created
 from server.http.services import AllPuzzles, CodeBrake, Logs, OpenClasses, ServiceSettings, Sessions, Visitor
@@ -32,18 +32,25 @@ class Given(BaseModel):
 
 @router.put("/{code}/puzzle", status_code=204)
 async def give(
-    classes: OpenClasses, library: Logs, puzzles: AllPuzzles, visitor: Visitor, code: str, given: Given
+    request: Request,
+    classes: OpenClasses,
+    brake: CodeBrake,
+    library: Logs,
+    puzzles: AllPuzzles,
+    visitor: Visitor,
+    code: str,
+    given: Given,
 ) -> None:
     """Have the class solve a puzzle."""
-    room = classes.owned(code, visitor)
+    room = owned_class(brake, classes, code, request, visitor)
     known = {one["name"]: one["title"] for one in puzzles.described()["puzzles"]}
     room.give_puzzle(given.puzzle, known.get(given.puzzle) or library.puzzles.get(given.puzzle).title)
 
 
 @router.delete("/{code}/puzzle", status_code=204)
-async def close(classes: OpenClasses, visitor: Visitor, code: str) -> None:
+async def close(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> None:
     """End the puzzle of a class; its results are kept until the class ends."""
-    classes.owned(code, visitor).close_puzzle()
+    owned_class(brake, classes, code, request, visitor).close_puzzle()
 
 
 @router.post("/{code}/puzzle/sessions", status_code=201)
@@ -85,10 +92,12 @@ async def begin(
     game: Game = puzzles.game(session.id)
 
     def changed() -> None:
-        room.solver_moved(puzzle, ClassSolver(number, game.is_named, game.best, game.is_solved, game.points))
+        found = game.progress
+        room.solver_moved(puzzle, ClassSolver(number, found.is_named, found.best, game.is_solved, game.points))
 
     if number:  # the lecturer may try it too
+        # What was found, asked for and given up stays with the number: who begins again goes on with it.
+        game.progress = puzzle.progress.setdefault(number, game.progress)
         game.changed = changed
-        if number not in puzzle.solvers:  # an earlier attempt, whose session has ended, stays until this one moves
-            changed()
+        changed()
     return created(session)

@@ -15,14 +15,23 @@ from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import JSONResponse, RedirectResponse, Response
 
 from mapper.core.errors import MapperError
-from server.classes import Classes, ClassNotFoundError, Classroom, results_csv
+from server.classes import Classes, ClassRightError, Classroom, results_csv, unknown_class
 from server.classes.codes import normalised
-from server.http.brake import Brake
+from server.http.brake import CodeGuesses
 from server.http.guests import GuestRight, guests_may
 from server.http.page_files import page_file
 from server.http.routes.clients import chosen_place, client_address, while_connected
 from server.http.routes.sessions import public
-from server.http.services import CodeBrake, CopyBrake, OpenClasses, ServiceSettings, Sessions, Visitor, services_of
+from server.http.services import (
+    CodeBrake,
+    CopyBrake,
+    IsSignedIn,
+    OpenClasses,
+    ServiceSettings,
+    Sessions,
+    Visitor,
+    services_of,
+)
 from server.network_address import reachable
 from server.sessions import Plan, SessionBudgetError, SessionNotFoundError, SessionRegistry, log_plan
 from server.sessions.models.simulation_kind import NewSimulation, simulation_plan
@@ -38,25 +47,35 @@ router = APIRouter(tags=["classes"])
 CLASS_HEADER = "X-Gridbloom-Class"
 
 
-def _guessed(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
-    """Return a class to a visitor who gives its code. Raises :class:`ClassNotFoundError`, and 429 for many guesses.
+def _braked(brake: CodeGuesses, found: Classroom | None, request: Request | WebSocket, visitor: str) -> Classroom:
+    """Return the class of a code that was given. Raises :class:`ClassNotFoundError`, and 429 for many guesses."""
+    address = client_address(request)
+    if brake.wait_s(visitor, address) > 0.0:
+        raise SessionBudgetError(
+            "class.guesses", "Too many wrong codes came from this browser or its network: wait a minute."
+        )
+    if found is None:
+        brake.count(visitor, address)
+        raise unknown_class()
+    return found
+
+
+def _guessed(brake: CodeGuesses, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
+    """Return a class to a visitor who gives its code. Raises as ``_braked``.
 
     Who is in the class does not guess: in a hall with one address, others' wrong codes keep nobody from coming back.
     """
-    mine = classes.joined(code, visitor)
-    if mine is not None:
-        return mine
-    address = client_address(request)
-    if brake.wait_s(address) > 0.0:
-        raise SessionBudgetError("class.guesses", "Too many wrong codes came from this network: wait a minute.")
-    try:
-        return classes.get(code)
-    except ClassNotFoundError:
-        brake.count(address)
-        raise
+    return classes.joined(code, visitor) or _braked(brake, classes.find(code), request, visitor)
 
 
-def joined_class(brake: Brake, classes: Classes, code: str, request: Request | WebSocket, visitor: str) -> Classroom:
+def owned_class(brake: CodeGuesses, classes: Classes, code: str, request: Request, visitor: str) -> Classroom:
+    """Return a class to its lecturer. Raises as ``_braked`` for anybody else, whether there is such a class or not."""
+    return classes.owned(code, visitor) or _braked(brake, None, request, visitor)
+
+
+def joined_class(
+    brake: CodeGuesses, classes: Classes, code: str, request: Request | WebSocket, visitor: str
+) -> Classroom:
     """Return a class to a visitor who has joined it or may join. Raises as ``_guessed`` and :meth:`Classes.check`."""
     room = _guessed(brake, classes, code, request, visitor)
     classes.check(room, visitor, client_address(request))
@@ -93,9 +112,11 @@ async def mine(request: Request, classes: OpenClasses, visitor: Visitor) -> Any:
 
 
 @router.delete("/api/classes/{code}", status_code=204)
-async def end(classes: OpenClasses, sessions: Sessions, visitor: Visitor, code: str) -> None:
+async def end(
+    request: Request, classes: OpenClasses, brake: CodeBrake, sessions: Sessions, visitor: Visitor, code: str
+) -> None:
     """End a class; its results are forgotten, and the sessions of its followers end."""
-    room = classes.owned(code, visitor)
+    room = owned_class(brake, classes, code, request, visitor)
     classes.close(room)
     await sessions.end_linked(link_of(room))
     for number in range(1, len(room.puzzles) + 1):
@@ -103,18 +124,18 @@ async def end(classes: OpenClasses, sessions: Sessions, visitor: Visitor, code: 
 
 
 @router.get("/api/classes/{code}/results.csv")
-async def results(classes: OpenClasses, visitor: Visitor, code: str) -> Response:
+async def results(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
     """Return the counted answers of all questions of a class."""
-    room = classes.owned(code, visitor)
+    room = owned_class(brake, classes, code, request, visitor)
     name = f"gridbloom-class-{room.code}.csv"
     headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
     return Response(results_csv(room.questions, room.puzzles), media_type="text/csv; charset=utf-8", headers=headers)
 
 
 @router.get("/api/classes/{code}/qr.svg")
-async def qr(request: Request, classes: OpenClasses, visitor: Visitor, code: str) -> Response:
+async def qr(request: Request, classes: OpenClasses, brake: CodeBrake, visitor: Visitor, code: str) -> Response:
     """Return the address of a class as a QR code."""
-    room = classes.owned(code, visitor)
+    room = owned_class(brake, classes, code, request, visitor)
     out = io.BytesIO()
     segno.make(_public(request, room)["address"], error="m", micro=False).save(
         out, kind="svg", border=4, dark="#000", light="#fff", xmldecl=False, omitsize=True
@@ -137,11 +158,14 @@ async def stream(
     classes: OpenClasses,
     brake: CodeBrake,
     visitor: Visitor,
+    is_signed_in: IsSignedIn,
     code: str,
     follows: bool = False,
 ) -> None:
     """Exchange messages with a class; ``follows``: a page that follows it, also in its lecturer's browser."""
-    _guessed(brake, classes, code, websocket, visitor)
+    found = _guessed(brake, classes, code, websocket, visitor)
+    if found.owner == visitor and not follows and not is_signed_in:
+        raise ClassRightError("class.signed_out", "The lecturer of this class has signed out.")
     room, member = classes.join(code, visitor, client_address(websocket), follows=follows)
     from server.http.class_connection import attend  # noqa: PLC0415 - what it imports comes with the first session
 

@@ -78,8 +78,9 @@ async def _map_snapshot(downloads: Downloads, session: SessionHost, at: str | No
     async def make() -> MapSnapshot:
         async with session.settled():
             grid, stem, frame = grid_of(session), stem_of(session), session.model.frame_id
+            offset = session.model.offset
             image = await compressed_image(downloads, lambda: (grid.geometry.shape, trinary_pixels(grid)))
-        return MapSnapshot(stem, grid.geometry, image, frame)
+        return MapSnapshot(stem, grid.geometry, image, frame, offset)
 
     return await make() if at is None else await downloads.map_snapshots.get(session, at, make)
 
@@ -95,10 +96,11 @@ async def map_yaml(
     async def make() -> Content:
         if at is None:
             stem, geometry, frame = stem_of(session), grid_of(session).geometry, session.model.frame_id
+            offset = session.model.offset
         else:
             kept = await _map_snapshot(downloads, session, at)
-            stem, geometry, frame = kept.stem, kept.geometry, kept.frame
-        text = yaml_text(geometry, file_name(stem, "pgm", at), frame=frame).encode()
+            stem, geometry, frame, offset = kept.stem, kept.geometry, kept.frame, kept.offset
+        text = yaml_text(geometry, file_name(stem, "pgm", at), frame=frame, offset=offset).encode()
         return Content(file_name(stem, "yaml", at), iter([text]), len(text))
 
     return Download(downloads, requester_of(request, session), make, "application/yaml")

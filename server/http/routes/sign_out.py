@@ -20,8 +20,8 @@ PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <title>Gridbloom: sign out</title></head>
 <body><h1>Sign out</h1>
-<p>This browser, or all browsers, must give the token again afterwards. Open maps go on until their pages are
-closed.</p>
+<p>This browser, or all browsers, must give the token again afterwards. Their open maps and classes are
+disconnected.</p>
 <form method="post"><button>Sign out here</button>
 <button name="everywhere" value="1">Sign out everywhere</button></form>
 <p><a href="/">Back</a></p></body></html>

@@ -14,6 +14,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import MappingConfig
 from mapper.replay import Replay
 from mapper.replay.incremental import CheckpointPrefetcher
+from mapper.sensors.georeference import Offset
 from mapper.sensors.scan import ScanLog
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
 from server.sessions.drawings import Drawing, Path
@@ -145,6 +146,11 @@ class LogModel(SessionModel):
     def frame_id(self) -> str | None:
         """The frame of the poses, None if the log does not state it."""
         return self.recording.log.trajectory(self.recording.trajectory).frame_id
+
+    @property
+    def offset(self) -> Offset:
+        """The offset of the poses, which the map's origin gets again."""
+        return self.recording.log.trajectory(self.recording.trajectory).offset
 
     @property
     def grid(self) -> OccupancyGrid:

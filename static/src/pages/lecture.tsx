@@ -2,15 +2,19 @@ import "../style/index.css";
 import "./lecture/lecture.css";
 import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
+import { computed } from "@preact/signals";
 import { type ComponentType, Fragment, render } from "preact";
-import { useEffect, useRef } from "preact/hooks";
-import { fetchLater } from "../lessons/stage/later";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
+import { fetchLater, isLater, later } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { Button } from "../ui/Button";
+import { fontsLoaded } from "../ui/fontsLoaded";
 import { SiteHeader } from "../ui/SiteHeader";
+import { anchorScroll } from "../ui/scrollAnchor";
 import { Toasts, toast } from "../ui/Toast";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
+import { renderNearFigures, showSection } from "./lecture/awaitedFigures";
 import { CellSection } from "./lecture/CellSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
@@ -105,18 +109,46 @@ const BODIES: Record<LessonId, Entry["body"]> = {
   next: NextSection,
 };
 const ENTRIES: readonly Entry[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
+const FIRST_LATER = ENTRIES.findIndex(({ id }) => isLater(id));
+
+/**
+ * The sections on the page. Those from the first whose figure is not there yet are added once it is: the page grows at
+ * its end only, so nothing in view moves.
+ */
+const entriesNow = computed(() => (later.value || presenting.value ? ENTRIES : ENTRIES.slice(0, FIRST_LATER)));
+
+/** Fonts that come after the first text is shown move it; they are smaller than the page's code and load beside it. */
+const FONTS_MS = 1000;
 
 /** Scroll to the section in the address, or show its slide: at the start, and when the address changes. */
 function useAddress(): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     const follow = (): void => {
       readAddress().catch((error: Error) => toast(`${error.message} The slides stay as they are.`, "error"));
-      if (!presenting.peek()) document.getElementById(sectionOf(location.hash.slice(1)))?.scrollIntoView();
+      if (!presenting.peek()) showSection(sectionOf(location.hash.slice(1)));
     };
     follow(); // the sections were not yet rendered when the browser looked for the anchor
     addEventListener("hashchange", follow);
     return () => removeEventListener("hashchange", follow);
   }, []);
+  const known = useRef(entriesNow.peek());
+  const entries = entriesNow.value;
+  useLayoutEffect(() => {
+    const added = entries.slice(known.current.length).map(({ id }) => id as string);
+    known.current = entries;
+    const wanted = sectionOf(location.hash.slice(1));
+    if (added.includes(wanted)) showSection(wanted);
+  }, [entries]);
+}
+
+/** Keep what is read where it is while the figures are rendered. */
+function useStillText() {
+  const main = useRef<HTMLElement>(null);
+  useLayoutEffect(() => (main.current ? anchorScroll(main.current, ".lesson > *, .prose > *") : undefined), []);
+  const shown = presenting.value;
+  const entries = entriesNow.value;
+  useLayoutEffect(renderNearFigures, [shown, entries]);
+  return main;
 }
 
 /** At the end of the presentation mode, scroll to the section of the last slide. */
@@ -124,7 +156,7 @@ function useReturn(): void {
   const was = useRef(presenting.peek());
   const now = presenting.value;
   useEffect(() => {
-    if (was.current && !now) document.getElementById(sectionOfSlide())?.scrollIntoView();
+    if (was.current && !now) showSection(sectionOfSlide());
     was.current = now;
   }, [now]);
 }
@@ -136,6 +168,7 @@ function Page() {
   usePresentation();
   useAddress();
   useReturn();
+  const main = useStillText();
   return (
     <>
       {presenting.value ? (
@@ -148,7 +181,7 @@ function Page() {
       {!presenting.value && <SectionList />}
       <div class={presenting.value ? "slides" : "lecture-with-stage"}>
         {!presenting.value && <LectureStage />}
-        <main class="lecture" id="main" tabIndex={-1}>
+        <main class="lecture" id="main" tabIndex={-1} ref={main}>
           {!presenting.value && (
             <div class="lecture-head">
               <h1>Occupancy grid mapping</h1>
@@ -167,10 +200,12 @@ function Page() {
           {LECTURE_PARTS.map((part, i) => (
             <Fragment key={part.title}>
               {!presenting.value && <PartHead number={i + 1} part={part} />}
-              {part.lessons.map(({ id, title, index }) => {
-                const Body = BODIES[id];
-                return <Body key={id} id={id} number={index + 1} title={title} />;
-              })}
+              {part.lessons
+                .filter(({ index }) => index < entriesNow.value.length)
+                .map(({ id, title, index }) => {
+                  const Body = BODIES[id];
+                  return <Body key={id} id={id} number={index + 1} title={title} />;
+                })}
             </Fragment>
           ))}
           <OwnSlide />
@@ -187,4 +222,5 @@ function Page() {
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
 if (speaker === null && !isPreview) attendLecture(ENTRIES);
+await fontsLoaded(FONTS_MS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

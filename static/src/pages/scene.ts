@@ -3,6 +3,8 @@
  * chunks of voxels before the client reads the messages that they are in.
  *
  * The client's worker passes messages on; a listener that is added when the worker is made hears them first.
+ *
+ * In a browser without WebGL 2 the client would log errors and leave the view empty: a sentence is shown instead.
  */
 
 import { voxelGlb } from "../render/voxels/voxelGlb";
@@ -26,3 +28,24 @@ window.Worker = class extends window.Worker {
     this.addEventListener("message", expand);
   }
 };
+
+const WITHOUT_WEBGL =
+  "This browser does not offer WebGL 2, with which the 3D view is drawn. Turn on hardware acceleration in the " +
+  "browser’s settings, or open the page in another browser.";
+
+/** Stop before the client begins, and show a sentence in the colours that the address asks for. */
+function showSentence(sentence: string): void {
+  window.stop();
+  const text = Object.assign(document.createElement("p"), { textContent: sentence });
+  const body = document.createElement("body");
+  body.append(text);
+  document.body?.remove();
+  document.documentElement.append(body);
+  document.documentElement.lang = "en";
+  document.documentElement.style.colorScheme = new URLSearchParams(location.search).has("darkMode") ? "dark" : "light";
+  body.style.cssText = "margin: 1rem; font: 1rem/1.5 system-ui, sans-serif; color: CanvasText; background: Canvas";
+}
+
+const context = document.createElement("canvas").getContext("webgl2");
+context?.getExtension("WEBGL_lose_context")?.loseContext();
+if (!context) showSentence(WITHOUT_WEBGL);

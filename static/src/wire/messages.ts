@@ -353,12 +353,14 @@ export interface ClassQuestion {
   readonly axis: ClassAxis | null;
   /** whether the result is shown to all */
   readonly is_revealed: boolean;
-  /** how many have answered */
+  /** how many answers are counted */
   readonly answered: number;
   /** answers for each option, or in each part of the axis; followers: null before the reveal */
   readonly counts: readonly number[] | null;
   /** the right option from 0, or number; null: there is none, or not yet */
   readonly right: number | null;
+  /** answers of followers up to this number are counted; null: of all */
+  readonly last_number?: number | null;
 }
 
 /** Progress of one follower with the puzzle; followers are known by number only. */
@@ -387,6 +389,22 @@ export interface ClassPuzzle {
   readonly board: readonly ClassSolver[];
 }
 
+/** The slide that is shown now, without its notes: all that followers get of the lecturer's deck. */
+export interface ClassSlide {
+  /**
+   * the title with a map, a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide
+   */
+  readonly kind: "derivation" | "lab" | "log" | "section" | "text" | "title";
+  /** name of the section; null for other kinds */
+  readonly section?: string | null;
+  /** title; null for a section */
+  readonly title?: string | null;
+  /** the paragraphs of a text that are shown so far; null for other kinds */
+  readonly text?: string | null;
+  /** address of a shared view in the slide; null for pages that only the lecturer may open */
+  readonly address?: string | null;
+}
+
 /** The part of the map that a picture shows, with the size of the picture. */
 export interface ClassLook {
   /** the place in the middle, m */
@@ -405,8 +423,10 @@ export interface ClassLook {
 export interface ClassView {
   /** the page; logs: the map of a log; other: no page that can be followed */
   readonly page: "lab" | "lecture" | "logs" | "other";
-  /** fragment of its address: slide, step, deck */
+  /** fragment of its address: section, or slide and step */
   readonly hash?: string;
+  /** the slide that is shown; null: none */
+  readonly slide?: ClassSlide | null;
   /** whether the screen is blank */
   readonly blank?: boolean;
   /** the visible part of the map; null: all of it */
@@ -424,6 +444,9 @@ export interface ClassView {
   /** where the pointer is on the slide, as fractions of its width and height */
   readonly on_slide?: readonly [number, number] | null;
 }
+
+/** what happened to the robot */
+export type EventKind = "clock" | "lifted" | "pushed" | "slipped";
 
 /** First message of a connection: description of the session. */
 export interface Hello {
@@ -1360,6 +1383,10 @@ export interface ClassState {
   readonly question: ClassQuestion | null;
   /** the puzzle that is solved; null: none */
   readonly puzzle?: ClassPuzzle | null;
+  /** whether no page of the lecturer's is connected */
+  readonly is_lecturer_away?: boolean;
+  /** whether answers are counted only of who had joined when the question was asked */
+  readonly counts_joined_only?: boolean;
 }
 
 /** The first message: who one is in the class. */
@@ -1446,6 +1473,13 @@ export interface LockCommand {
   readonly value: boolean;
 }
 
+/** Lecturer: choose whose answers are counted, of all questions of the class. */
+export interface CountCommand {
+  readonly type: "count";
+  /** only of who had joined when the question was asked */
+  readonly joined_only: boolean;
+}
+
 /** Lecturer: hand the robot to a follower, or take it back. */
 export interface HandCommand {
   readonly type: "hand";
@@ -1467,6 +1501,40 @@ export interface RaiseCommand {
   readonly type: "raise";
   /** whether one asks for it */
   readonly value: boolean;
+}
+
+/** An event of a log: the robot was moved as its wheels did not measure, or its clock was set. */
+export interface LogEvent {
+  /** what happened to the robot */
+  readonly kind: EventKind;
+  /** begin in recorded time, s */
+  readonly seconds: number;
+  /** end in recorded time, s */
+  readonly until_s: number;
+  /** begin in recorded time, m:ss.mmm */
+  readonly time: string;
+  /** begin in UTC, ISO 8601; null where the log's clock does not tell it */
+  readonly utc: string | null;
+  /** begin on the log's clock, ns */
+  readonly stamp_ns: number | null;
+  /** last scan before it, from 0 */
+  readonly scan: number;
+  /** first scan after it */
+  readonly until_scan: number;
+  /** motion by the scans less that by the wheels: ahead, m */
+  readonly ahead_m: number | null;
+  /** the same to the left, m */
+  readonly left_m: number | null;
+  /** the same, counter-clockwise, rad */
+  readonly turned_rad: number | null;
+  /** length of it, m */
+  readonly distance_m: number | null;
+  /** side of the robot to which it went */
+  readonly direction: "ahead" | "behind" | "left" | "right" | null;
+  /** by how much the clock was set, s */
+  readonly step_s: number;
+  /** what happened, in words */
+  readonly sentence: string;
 }
 
 export type ServerMessage =
@@ -1553,6 +1621,7 @@ export type ClassCommand =
   | RevealCommand
   | CloseCommand
   | LockCommand
+  | CountCommand
   | HandCommand
   | AnswerCommand
   | RaiseCommand;
@@ -1721,6 +1790,7 @@ const isClassQuestion: Check = isObject({
   answered: isInteger,
   counts: oneOf(isListOf(isInteger), isNull),
   right: oneOf(isNumber, isNull),
+  last_number: optional(oneOf(isInteger, isNull)),
 });
 const isClassSolver: Check = isObject({
   number: isInteger,
@@ -1735,6 +1805,13 @@ const isClassPuzzle: Check = isObject({
   solved: isInteger,
   board: isListOf(isClassSolver),
 });
+const isClassSlide: Check = isObject({
+  kind: isLiteral("derivation", "lab", "log", "section", "text", "title"),
+  section: optional(oneOf(isText, isNull)),
+  title: optional(oneOf(isText, isNull)),
+  text: optional(oneOf(isText, isNull)),
+  address: optional(oneOf(isText, isNull)),
+});
 const isClassLook: Check = isObject({
   x: isNumber,
   y: isNumber,
@@ -1745,6 +1822,7 @@ const isClassLook: Check = isObject({
 const isClassView: Check = isObject({
   page: isLiteral("lab", "lecture", "logs", "other"),
   hash: optional(isText),
+  slide: optional(oneOf(isClassSlide, isNull)),
   blank: optional(isFlag),
   look: optional(oneOf(isClassLook, isNull)),
   pointer: optional(oneOf(isPoint, isNull)),
@@ -2062,6 +2140,8 @@ export const CLASS_FIELDS: Readonly<Record<ClassMessage["type"], Readonly<Record
     driver: oneOf(isInteger, isNull),
     question: oneOf(isClassQuestion, isNull),
     puzzle: optional(oneOf(isClassPuzzle, isNull)),
+    is_lecturer_away: optional(isFlag),
+    counts_joined_only: optional(isFlag),
   },
   welcome: {
     role: isLiteral("follower", "lecturer"),
@@ -2087,6 +2167,7 @@ export const CLOSE_SENTENCES: Readonly<Record<number, string>> = {
   1009: "The server closed the connection because this page sent a message that is too long.",
   1011: "The server closed the connection because of a defect in the service.",
   1012: "The server does not answer.",
+  4401: "This browser has signed out: open the address that has the service's token.",
   4404: "The server refused the connection: the session does not exist any more, or too many browsers watch it.",
   4408: "The server closed the connection because this page did not answer for a long time.",
   4410: "This session has ended.",

@@ -16,6 +16,7 @@ export type {
   ClassMessage,
   ClassPuzzle,
   ClassQuestion,
+  ClassSlide,
   ClassSolver,
   ClassState,
   ClassView,

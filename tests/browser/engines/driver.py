@@ -43,8 +43,13 @@ class Driver(Protocol):
 
 
 def environment_of(home: Path) -> dict[str, str]:
-    """Return the environment of an engine that keeps everything in ``home`` and knows neither desktop nor proxy."""
-    inherited = {name: value for name, value in os.environ.items() if not name.lower().endswith("_proxy")}
+    """Return the environment of an engine that keeps everything in ``home`` and knows neither desktop nor proxy.
+
+    It has a visitor's language: where there is none, WebKit names "C" as one, which formats of numbers refuse.
+    """
+    inherited = {
+        name: value for name, value in os.environ.items() if not name.lower().endswith("_proxy") and name != "LC_ALL"
+    }
     folders = {f"XDG_{kind}_HOME": str(home / kind.lower()) for kind in ("CONFIG", "CACHE", "DATA")}
     alone = {"DBUS_SESSION_BUS_ADDRESS": "disabled:", "GSETTINGS_BACKEND": "memory", "NO_AT_BRIDGE": "1"}
-    return inherited | folders | alone | {"HOME": str(home)}
+    return inherited | folders | alone | {"HOME": str(home), "LANG": "en_US.UTF-8"}

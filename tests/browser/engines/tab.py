@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -20,14 +19,17 @@ KEYS = {
     "ArrowRight": "\ue014", "ArrowDown": "\ue015",
 }  # fmt: skip
 
-# Elements on show that a CSS selector selects, with a name or words: whole, or where they begin like "Name…".
+# Elements on show that a CSS selector selects, with a name or words: the whole of them, or as "Map…" those that begin
+# with this word, and not with "Mapping".
 _FOUND = """(css, words) => [...document.querySelectorAll(css)].filter((element) => {
   if (!element.checkVisibility({ visibilityProperty: true })) return false;
   if (words === null) return true;
   const names = [element.getAttribute("aria-label"), element.labels?.[0]?.textContent, element.textContent];
   return names.some((name) => {
     const text = name?.replace(/\\s+/g, " ").trim();
-    return text !== undefined && (words.endsWith("…") ? text.startsWith(words.slice(0, -1)) : text === words);
+    if (!words.endsWith("…")) return text === words;
+    const begin = words.slice(0, -1);
+    return text?.startsWith(begin) && !/^[a-z]/.test(text.slice(begin.length));
   });
 })"""
 # The middle of the first of them once it is at rest and nothing covers it, else what is in the way.
@@ -44,7 +46,8 @@ _MIDDLE = f"""async (css, words, nth) => {{
   const {{ x, y, width, height }} = found.getBoundingClientRect();
   const [middleX, middleY] = [x + width / 2, y + height / 2];
   const hit = document.elementFromPoint(middleX, middleY);
-  const isHit = hit && (found.contains(hit) || hit.contains(found) || found.labels?.[0]?.contains(hit));
+  const control = found.closest("[role=slider], label, button, a") ?? found;
+  const isHit = hit && (control.contains(hit) || hit.contains(found) || found.labels?.[0]?.contains(hit));
   return isHit ? [middleX, middleY] : `covered by ${{hit?.outerHTML.slice(0, 120)}}`;
 }}"""
 
@@ -135,10 +138,13 @@ class Tab:
         pointer = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": list(actions)}
         self.driver.perform([pointer])
 
-    def click_at(self, x: float, y: float) -> None:
-        """Click a place of the window."""
-        down_and_up = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
-        self._mouse(_move(x, y), *down_and_up)
+    def click_at(self, x: float, y: float, key: str | None = None) -> None:
+        """Click a place of the window, with a key held down if one is named."""
+        if key:
+            self._keys(("keyDown", KEYS[key]))
+        self._mouse(_move(x, y), {"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0})
+        if key:
+            self._keys(("keyUp", KEYS[key]))
 
     def click(self, css: str, words: str | None = None, nth: int = 0) -> None:
         """Click the middle of an element."""
@@ -155,36 +161,30 @@ class Tab:
         x, y = self.middle(css, words)
         self.drag_at((x, y), (x + dx, y + dy))
 
+    def _keys(self, *events: tuple[str, str]) -> None:
+        actions = [{"type": kind, "value": key} for kind, key in events]
+        self.driver.perform([{"type": "key", "id": "keyboard", "actions": actions}])
+
     def press(self, *keys: str) -> None:
         """Press keys together, such as ``press("Control", "z")``."""
         codes = [KEYS.get(key, key) for key in keys]
-        actions = [{"type": "keyDown", "value": one} for one in codes]
-        actions += [{"type": "keyUp", "value": one} for one in reversed(codes)]
-        self.driver.perform([{"type": "key", "id": "keyboard", "actions": actions}])
+        self._keys(*(("keyDown", one) for one in codes), *(("keyUp", one) for one in reversed(codes)))
 
     def type(self, text: str) -> None:
         """Type a text where the focus is."""
-        actions = [{"type": kind, "value": one} for one in text for kind in ("keyDown", "keyUp")]
-        self.driver.perform([{"type": "key", "id": "keyboard", "actions": actions}])
-
-    def choose(self, css: str, value: str) -> None:
-        """Choose an option of a ``select``, whose list is the system's and no part of the page."""
-        self.shows(css)
-        self.run(
-            "(css, value) => { const list = document.querySelector(css); list.value = value;"
-            " for (const name of ['input', 'change']) list.dispatchEvent(new Event(name, { bubbles: true })); }",
-            css,
-            value,
-        )
+        self._keys(*((kind, one) for one in text for kind in ("keyDown", "keyUp")))
 
     def open_group(self, title: str) -> None:
         """Open a group of a dock, and before it the section that it is in, whose hint has the titles of its groups."""
-        section = f".dock-tabs [title^={json.dumps(title)}], .dock-tabs [title*={json.dumps(', ' + title)}]"
-        is_there = f"(css, words) => ({_FOUND})(css, words).length > 0"
         tab = ("[role=tab]", f"{title}…")
-        self.until(f"(css, words, other) => ({_FOUND})(css, words)[0] || ({_FOUND})(other, null)[0]", *tab, section)
-        if not self.run(is_there, *tab):
-            self.click(section)
+        self.until(
+            f"""(css, words) => {{
+              if (({_FOUND})(css, words).length > 0) return true;
+              const sections = [...document.querySelectorAll(".dock-tabs [title]")];
+              sections.find(({{ title }}) => title.split(", ").includes(words.slice(0, -1)))?.click();
+            }}""",
+            *tab,
+        )
         self.click(*tab)
 
     def choose_files(self, css: str, files: Sequence[Path]) -> None:

@@ -86,19 +86,16 @@ def request(port: int, method: str, path: str, body: Any = None) -> Any:
 def _screen(xvfb: Path, folder: Path) -> Iterator[str]:
     """Run an X server without a screen until the block ends; yield the name of its display, which it chooses."""
     reading, writing = os.pipe()
-    # One pixel more than the largest window: at the edge of the screen a window is moved.
     command: list[str | Path] = [xvfb, "-displayfd", str(writing), "-screen", "0", "2000x1400x24", "-nolisten", "tcp"]
-    try:
-        with process_group(command, folder / "xvfb.log", dict(os.environ), [writing]):
-            os.close(writing)
-            with os.fdopen(reading, "rb") as told:
-                number = told.readline().decode().strip()
-            assert number, (folder / "xvfb.log").read_text()[-4000:]
-            yield f":{number}"
-    finally:
-        for one in (reading, writing):
-            with suppress(OSError):
-                os.close(one)
+    with (
+        os.fdopen(reading, "rb") as told,
+        os.fdopen(writing, "wb") as telling,
+        process_group(command, folder / "xvfb.log", dict(os.environ), [writing]),
+    ):
+        telling.close()  # so that reading ends when Xvfb does
+        number = told.readline().decode().strip()
+        assert number, (folder / "xvfb.log").read_text()[-4000:]
+        yield f":{number}"
 
 
 def _listens(port: int) -> bool:

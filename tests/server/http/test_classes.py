@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import csv
 import io
 import json
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import httpx
@@ -15,7 +17,8 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
-from server.classes import classes
+from server.classes import classes, classroom
+from server.http.brake import CodeGuesses
 from tests.server.service import PATIENCE_S, Service, Watcher, running, settings_for, stream_at, until_closed
 
 TOKEN = "long enough"
@@ -79,6 +82,17 @@ def guest(service: Service) -> Iterator[Person]:
     person = Person(service, knows_token=False)
     yield person
     person.http.close()
+
+
+def no_guesses_yet(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the service forget the wrong codes so far, and those of the test after it."""
+    for name, brake in vars(CodeGuesses(lambda: 0.0)).items():
+        monkeypatch.setattr(service.state.code_brake, name, brake)
+
+
+def shows_place(place: str, message: dict[str, Any]) -> bool:
+    """Whether a message has this address of the lecturer's page."""
+    return bool(message["view"]["hash"] == place)
 
 
 def lab_of(person: Person) -> str:
@@ -328,10 +342,6 @@ async def test_commands_that_are_not_a_followers_are_refused(lecturer: Person, g
         ("GET", f"/api/sessions/{session}"),
     ):
         assert guest.http.request(method, place).status_code == 401, place
-    # a visitor with the token is no lecturer of another one's class
-    other = Person(lecturer.service, knows_token=True)
-    assert other.http.delete(f"/api/classes/{code}").status_code == 403
-    other.http.close()
 
 
 def test_a_follower_copies_the_world_a_few_times_and_has_one_copy(
@@ -388,22 +398,143 @@ def test_who_asks_for_a_puzzle_that_is_not_there_takes_no_number(lecturer: Perso
     assert not guest.service.state.classes.get(code).knows(guest.http.cookies["gridbloom_visitor"])
 
 
-def test_guesses_of_codes_are_braked_except_for_who_is_in_the_class(lecturer: Person, guest: Person) -> None:
-    """The last test of this file: the service takes no code from here for a minute."""
+def test_who_guesses_is_refused_and_others_of_the_network_still_join(
+    service: Service, lecturer: Person, guest: Person, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    no_guesses_yet(service, monkeypatch)
     code = lecturer.http.post("/api/classes").json()["code"]
+    guest.http.get("/join")  # the service gives a cookie
+    answers = [guest.http.get("/api/classes/BBBBBB").status_code for _ in range(63)]
+    assert answers == [404] * 12 + [429] * 51
+    assert guest.http.get(f"/api/classes/{code}").status_code == 429
+    assert guest.http.get(f"/class/{code}").headers["location"] == "/join?refused=class.guesses"
+    newcomer = Person(service, knows_token=False)  # another one in the same hall
+    assert newcomer.http.get(f"/class/{code}").headers["location"] == f"/class/{code}/other.html"
+    newcomer.http.close()
+
+
+def test_who_drops_the_cookie_is_refused_by_the_network_except_who_is_in_the_class(
+    service: Service, lecturer: Person, guest: Person, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = lecturer.http.post("/api/classes").json()["code"]
+    no_guesses_yet(service, monkeypatch)
 
     async def joins() -> None:
         async with guest.stream(f"/api/classes/{code}/stream") as socket:
             await Seat(socket).until("welcome")
 
     asyncio.run(joins())
-    newcomer = Person(guest.service, knows_token=False)
-    answers: list[int] = []
-    while 429 not in answers:  # a slow machine allows some more
-        answers.append(guest.http.get("/api/classes/BBBBBB").status_code)
-    assert answers == [404] * (len(answers) - 1) + [429]
-    assert len(answers) > 50  # of 60; the tests above gave some wrong codes
+    answers = [httpx.get(f"{service.http.base_url}/api/classes/BBBBBB").status_code for _ in range(310)]
+    assert answers == [404] * 300 + [429] * 10
+    newcomer = Person(service, knows_token=False)
     assert [who.http.get(f"/api/classes/{code}").status_code for who in (guest, newcomer)] == [200, 429]
-    places = [who.http.get(f"/class/{code}").headers["location"] for who in (guest, newcomer)]
-    assert places == [f"/class/{code}/other.html", "/join?refused=class.guesses"]
     newcomer.http.close()
+
+
+@pytest.mark.parametrize("knows_code", [True, False])
+@pytest.mark.parametrize(
+    ("method", "what"),
+    [("GET", "/results.csv"), ("GET", "/qr.svg"), ("DELETE", ""), ("DELETE", "/puzzle"), ("PUT", "/puzzle")],
+)
+def test_what_is_the_lecturers_answers_others_as_if_there_were_no_class(
+    service: Service,
+    lecturer: Person,
+    monkeypatch: pytest.MonkeyPatch,
+    method: str,
+    what: str,
+    *,
+    knows_code: bool,
+) -> None:
+    """Another visitor with the token learns no code by them, and they are counted with the guesses for joining."""
+    no_guesses_yet(service, monkeypatch)
+    code = lecturer.http.post("/api/classes").json()["code"] if knows_code else "BBBBBB"
+    other = Person(service, knows_token=True)
+    other.http.get("/join")  # the service gives a cookie
+    body = {"puzzle": "doorway"} if method == "PUT" else None
+    answers = [other.http.request(method, f"/api/classes/{code}{what}", json=body) for _ in range(13)]
+    assert [answer.status_code for answer in answers] == [404] * 12 + [429]
+    assert answers[0].json()["code"] == "class.unknown"
+    assert other.http.get(f"/api/classes/{code}").status_code == 429
+    if knows_code:
+        assert lecturer.http.get(f"/api/classes/{code}/qr.svg").status_code == 200
+    other.http.close()
+
+
+async def test_a_deck_in_the_lecturers_address_reaches_no_follower(lecturer: Person, guest: Person) -> None:
+    """As a page of an earlier version sends it; and fields of a slide that a follower has no use for."""
+    code = lecturer.http.post("/api/classes").json()["code"]
+    path = f"/api/classes/{code}/stream"
+    deck = base64.urlsafe_b64encode(b"PRIVATE and LATER").decode()
+    slide = {"kind": "text", "title": "Now", "text": "This one", "notes": "PRIVATE", "hidden": True}
+    async with lecturer.stream(path) as front, guest.stream(path) as back:
+        teacher, pupil = Seat(front), Seat(back)
+        for sent, place in (
+            (f"?present#own-text-2/3&deck={deck}", "?present#own-text-2/3"),
+            (f"?present&deck={deck}#own-text", "?present"),
+            (f"?present#own/{deck}", "?present#own"),
+            ("#cell", "#cell"),
+            (f"?deck={deck}", ""),
+        ):
+            await teacher.send("show", view={"page": "lecture", "hash": sent, "slide": slide})
+            seen = (await pupil.until("view", partial(shows_place, place)))["view"]
+            assert seen["slide"] == {
+                "kind": "text",
+                "title": "Now",
+                "text": "This one",
+                "section": None,
+                "address": None,
+            }
+            assert "PRIVATE" not in json.dumps(seen)
+            assert deck not in json.dumps(seen)
+            pupil.newest.clear()
+
+
+async def test_followers_are_told_that_the_lecturer_is_away(
+    lecturer: Person, guest: Person, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(classroom, "AWAY_AFTER_S", 0.1)
+    path = f"/api/classes/{lecturer.http.post('/api/classes').json()['code']}/stream"
+    async with guest.stream(path) as back:
+        pupil = Seat(back)
+        async with lecturer.stream(path):
+            await pupil.until("class", lambda state: not state["is_lecturer_away"])
+        await pupil.until("class", lambda state: state["is_lecturer_away"])
+        async with lecturer.stream(path):
+            await pupil.until("class", lambda state: not state["is_lecturer_away"])
+
+
+async def test_answers_are_counted_of_each_number_or_only_of_who_had_joined(
+    service: Service, lecturer: Person, guest: Person
+) -> None:
+    opened = lecturer.http.post("/api/classes").json()
+    path = f"/api/classes/{opened['code']}/stream"
+    again = [Person(service, knows_token=False) for _ in range(3)]  # the same person with fresh cookies
+    async with lecturer.stream(path) as front, guest.stream(path) as back:
+        teacher, pupil = Seat(front), Seat(back)
+        await teacher.until("class", lambda state: state["present"] == 1)
+        await teacher.send("ask", text="Which?", options=["a", "b"])
+        await pupil.until("class", lambda state: state["question"])
+        await pupil.send("answer", question=1, value=0)
+        for one in again:
+            async with one.stream(path) as socket:
+                seat = Seat(socket)
+                await seat.until("class", lambda state: state["question"])
+                await seat.send("answer", question=1, value=1)
+                await seat.send("raise", value=True)
+                await teacher.until("class", lambda state: state["hands"])
+            await teacher.until("class", lambda state: not state["hands"])
+        state = await teacher.until("class", lambda state: state["question"]["answered"] == 4)
+        assert state["question"]["counts"] == [1, 3]
+        assert state["question"]["last_number"] is None
+        await teacher.send("count", joined_only=True)
+        state = await teacher.until("class", lambda state: state["counts_joined_only"])
+        assert (state["question"]["answered"], state["question"]["counts"]) == (1, [1, 0])
+        assert (await pupil.until("class", lambda state: state["question"]["last_number"]))["question"][
+            "last_number"
+        ] == 1
+        rows = list(csv.DictReader(io.StringIO(lecturer.http.get(opened["results"]).text)))
+        assert [row["answers"] for row in rows] == ["1", "0"]
+        await pupil.send("count", joined_only=False)
+        assert (await pupil.until("refused"))["code"] == "class.lecturer"
+    for one in again:
+        one.http.close()

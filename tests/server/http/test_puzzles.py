@@ -178,6 +178,61 @@ def test_a_class_solves_a_puzzle_and_its_results_have_no_names(
     assert guest.get(f"/api/sessions/{session}").status_code in (401, 404)
 
 
+def test_what_a_follower_gave_up_stays_given_up_in_another_attempt(
+    service: Service, owner: httpx.Client, of_log: str
+) -> None:
+    """They have the token here: without it nobody ends a session to begin another one."""
+    path = f"/api/classes/{owner.post('/api/classes').json()['code']}"
+    assert owner.put(f"{path}/puzzle", json={"puzzle": of_log}).status_code == 204
+    first, second = (person(service, knows_token=True) for _ in range(2))
+    for one in (first, second):
+        one.get("/join")  # the service gives a cookie
+    sessions = [begun(one, f"{path}/puzzle/sessions") for one in (first, second)]
+    state(first, sessions[0], "/hint")
+    state(first, sessions[0], "/answer", cause="drift")
+    assert state(first, sessions[0], "/solution")["answer"]["cause"] == "beam_order"
+    state(second, sessions[1], "/answer", cause="window")
+
+    for one, session in zip((first, second), sessions, strict=True):
+        assert one.delete(f"/api/sessions/{session}").status_code == 204
+    sessions = [begun(one, f"{path}/puzzle/sessions") for one in (first, second)]
+    again = state(first, sessions[0])
+    assert (again["gave_up"], again["points"], len(again["hints"]), again["wrong"]) == (True, 0, 1, ["drift"])
+    refused = first.post(f"/api/sessions/{sessions[0]}/puzzle/answer", json={"cause": "beam_order"})
+    assert refused.json()["code"] == "puzzle.over"
+    assert state(second, sessions[1])["wrong"] == ["window"]
+    assert state(second, sessions[1], "/answer", cause="beam_order")["points"] == 40 - 10
+    rows = list(csv.DictReader(io.StringIO(owner.get(f"{path}/results.csv").text)))
+    assert {row["option"]: row["answers"] for row in rows if row["option"]} == {
+        "begun": "2", "cause named": "1", "solved": "0"
+    }  # fmt: skip
+    assert owner.delete(path).status_code == 204
+    first.close()
+    second.close()
+
+
+@pytest.mark.parametrize("name", [recipe.name for recipe in RECIPES.values()])
+def test_a_puzzle_of_the_first_level_has_four_causes_and_each_has_its_own(name: str) -> None:
+    recipe = RECIPES[name]
+    assert len(recipe.choices or CAUSES) == (4 if recipe.level == 1 else 16)
+    assert recipe.cause in (recipe.choices or CAUSES)
+    assert set(recipe.choices) <= set(CAUSES)
+
+
+def test_a_cause_that_a_puzzle_does_not_offer_is_refused(owner: httpx.Client) -> None:
+    session = begun(owner, "/api/puzzles/doorway/sessions")
+    first = state(owner, session)
+    offered = [one["name"] for one in first["causes"]]
+    assert len(offered) == 4
+    assert first["repaired_with"] is None
+    refused = owner.post(f"/api/sessions/{session}/puzzle/answer", json={"cause": "sonar"})
+    assert (refused.status_code, refused.json()["code"]) == (422, "puzzle.cause")
+    assert [one["name"] for one in state(owner, session)["causes"]] == offered
+    named = state(owner, session, "/answer", cause="resolution")
+    assert named["repaired_with"] == {"parameters": ["resolution"], "poses": False}
+    owner.delete(f"/api/sessions/{session}")
+
+
 def pixels(client: httpx.Client, path: str) -> NDArray[np.uint8]:
     answer = client.get(path)
     assert answer.status_code == 200, answer.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +15,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
 from server.settings import Settings
-from tests.server.service import PATIENCE_S, Service, running, settings_for, until
+from tests.server.service import PATIENCE_S, Service, running, settings_for, stream_at, until, until_closed
 
 TOKEN = "correct-horse-battery"
 
@@ -136,6 +137,45 @@ def test_a_browser_that_signs_out_must_give_the_token_again(guarded: Service, br
     other.get("/", params={"token": TOKEN})
     assert other.get("/api/worlds").status_code == 200
     other.close()
+
+
+@pytest.mark.parametrize("everywhere", [False, True])
+async def test_the_sockets_of_a_browser_that_signs_out_close(guarded: Service, *, everywhere: bool) -> None:
+    clients = [httpx.Client(base_url=guarded.http.base_url, timeout=PATIENCE_S) for _ in range(2)]
+    leaving, staying = clients
+    for one in clients:
+        one.get("/", params={"token": TOKEN})
+    session = leaving.post("/api/sessions", json={"kind": "simulation", "world": "room"}).json()["id"]
+    code = leaving.post("/api/classes").json()["code"]
+    of_class = f"ws://127.0.0.1:{guarded.port}/api/classes/{code}/stream"
+
+    def cookies(client: httpx.Client) -> dict[str, str]:
+        return {"Cookie": "; ".join(f"{name}={value}" for name, value in client.cookies.items())}
+
+    ended, going_on = cookies(leaving), cookies(staying)
+    async with (
+        guarded.connect(session, additional_headers=ended) as own,
+        stream_at(of_class, additional_headers=ended) as lecturing,
+        guarded.connect(session, additional_headers=going_on) as another,
+        stream_at(of_class, additional_headers=going_on) as following,
+    ):
+        data = {"everywhere": "1"} if everywhere else {}
+        assert (await asyncio.to_thread(leaving.post, "/sign-out", data=data)).status_code == 303
+        for socket in (own, lecturing, *((another, following) if everywhere else ())):
+            await until_closed(socket)
+            assert socket.close_code == 4401
+        if not everywhere:
+            await another.send('{"type":"ping","id":7}')
+            while json.loads(message if isinstance(message := await another.recv(), str) else "{}").get("id") != 7:
+                pass
+            assert following.state.name == "OPEN"
+        async with stream_at(
+            of_class, additional_headers=ended
+        ) as again:  # the visitor's cookie alone does not lecture
+            await until_closed(again)
+            assert again.close_code == 4404
+    for one in clients:
+        one.close()
 
 
 def test_the_way_from_the_token_leads_nowhere_else(browser: httpx.Client) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 
 import pytest
 
 from server.http.sign_ins import MAX_ENDED, VALID_S, SignIns
+from tests.server.service import PATIENCE_S
 
 
 class Clock:
@@ -67,3 +69,25 @@ def test_the_record_is_bounded_and_forgets_nothing(
         ours.end(cookies[-1])
     assert not any(map(ours.is_valid, cookies))
     assert ours.is_valid(ours.cookie())
+
+
+async def test_who_watches_a_cookie_learns_that_it_has_ended_also_by_another_service_or_by_its_age(
+    tmp_path: Path, clock: Clock
+) -> None:
+    ours = SignIns("long enough", tmp_path / "ended", clock)
+    cookies = [ours.cookie() for _ in range(3)]
+    with ours.watching(cookies[0]) as first, ours.watching(cookies[1]) as second, ours.watching(cookies[2]) as third:
+        await asyncio.to_thread(ours.end, cookies[0])
+        await asyncio.wait_for(first.wait(), PATIENCE_S)
+        elsewhere = SignIns("long enough", tmp_path / "ended of another service", clock)
+        elsewhere.end(cookies[1])
+        ours.take_over(elsewhere.ended)
+        await asyncio.wait_for(second.wait(), PATIENCE_S)
+        assert not third.is_set()
+    clock.now += VALID_S - 0.05
+    with ours.watching(cookies[2]) as old:
+        assert not old.is_set()
+        clock.now += 0.05
+        await asyncio.wait_for(old.wait(), PATIENCE_S)
+    with ours.watching(cookies[2]) as ended:
+        assert ended.is_set()

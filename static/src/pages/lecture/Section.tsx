@@ -61,9 +61,7 @@ export function Section({ id, number, title, figure, children, after, predict, s
       {shown === "section" && <SlideQuestion id={id} />}
       <div class="lesson-room">
         <div class="lesson-figure" ref={frame}>
-          <LazyFigure now={shown === "section"} id={id}>
-            {figure}
-          </LazyFigure>
+          <LazyFigure now={shown === "section"}>{figure}</LazyFigure>
         </div>
       </div>
       {!shown && predict}

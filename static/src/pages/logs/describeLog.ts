@@ -116,7 +116,7 @@ const isScanned = (log: LogRecord): boolean => log.costmaps === 0 && log.clouds 
 
 /** Whether a recording has point clouds, of which a map in 3D can be made. */
 export const hasClouds = (log: LogRecord): boolean =>
-  log.topics.some(({ type, count }) => type.endsWith("/PointCloud2") && count > 0);
+  log.topics.some(({ type, count }) => /\/(PointCloud2|CustomMsg)$/.test(type) && count > 0);
 
 /** A topic in a line. */
 export function topic(one: Topic): string {

@@ -23,7 +23,16 @@ function splitRecording(files: readonly File[]): readonly File[] | null {
   const described = files.find((file) => file.name === "metadata.yaml");
   const parts = files.filter((file) => RECORDING.test(file.name));
   const endings = new Set(parts.map((file) => RECORDING.exec(file.name)?.[0]));
-  return described && parts.length > 1 && endings.size === 1 ? [described, ...parts] : null;
+  if (parts.length < 2 || endings.size > 1) return null;
+  if (described) return [described, ...parts];
+  return arePartsByName(parts) ? parts : null;
+}
+
+/** Whether files are numbered from 0 and otherwise of one name, as ROS 2 names the parts of a recording. */
+function arePartsByName(parts: readonly File[]): boolean {
+  const names = parts.map(({ name }) => /^(.+)_(\d+)$/.exec(name.replace(RECORDING, "")));
+  const numbers = names.map((found) => Number(found?.[2] ?? -1));
+  return new Set(names.map((found) => found?.[1])).size === 1 && names[0] !== null && Math.min(...numbers) === 0;
 }
 
 function ring(files: readonly File[]): readonly File[] | null {

@@ -2,13 +2,15 @@
 
 import { type Signal, useSignal } from "@preact/signals";
 import type { Store } from "../../store/store";
+import { ParameterRows } from "../../tools/parameters/ParameterRows";
 import { Button } from "../../ui/Button";
 import { confirm } from "../../ui/Dialog";
 import { Icon } from "../../ui/Icon";
 import { written } from "../../ui/numbers";
 import { Panel } from "../../ui/Panel";
+import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { Answer } from "./Answer";
-import type { Attempt, Measure, Offered } from "./attempt";
+import { type Attempt, MEASURE_NAMES, type Measure, type Offered, percent, progressText } from "./attempt";
 import { ask, nameCause } from "./puzzles";
 
 interface CaseProps {
@@ -65,7 +67,7 @@ export function CaseGroup(props: CaseProps) {
         <Causes attempt={now} onAnswer={(cause) => void step(nameCause(session, cause))} key={now.wrong.join()} />
       )}
       {now.can_repair !== false && (
-        <Repair attempt={now} onCheck={onCheck} isChecking={isChecking} openGroup={openGroup} />
+        <Repair store={store} attempt={now} onCheck={onCheck} isChecking={isChecking} openGroup={openGroup} />
       )}
       {!now.answer && (
         <Panel title="Help">
@@ -156,26 +158,49 @@ function Causes({ attempt, onAnswer }: CausesProps) {
   );
 }
 
-const MEASURES: readonly (readonly [Measure, string, string])[] = [
-  ["agreement", "Agreement of the walls", "Share of walls within 10 cm of where they should be (F-score)"],
-  ["sharpness", "Sharpness of the walls", "Mean difference of p across the edges of walls"],
-  ["entropy", "Entropy", "Mean entropy of the observed cells, bits"],
+const MEASURES: readonly (readonly [Measure, string])[] = [
+  ["agreement", "Share of walls within 10 cm of where they should be (F-score)"],
+  ["sharpness", "Mean difference of p across the edges of walls"],
+  ["entropy", "Mean entropy of the observed cells, bits"],
 ];
 
+/** What the named cause is repaired with: the parameters as controls, or the choice of poses. */
+function RepairedWith({ store, attempt }: { readonly store: Store; readonly attempt: Attempt }) {
+  const found = attempt.answer ? null : attempt.repaired_with;
+  const table = store.hello.value?.parameters.table;
+  if (!found || !table) return null;
+  return (
+    <div class="case-with">
+      <ParameterRows
+        rows={table.filter(({ name }) => found.parameters.includes(name))}
+        values={store.mapping.values}
+        set={(name, value) => store.setParameter(name, value)}
+      />
+      {found.poses && <TrajectoryChoice store={store} />}
+    </div>
+  );
+}
+
 interface RepairProps {
+  readonly store: Store;
   readonly attempt: Attempt;
   readonly onCheck: () => void;
   readonly isChecking: boolean;
   readonly openGroup: Signal<string>;
 }
 
-function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
+function Repair({ store, attempt, onCheck, isChecking, openGroup }: RepairProps) {
   const { first, now, goal } = attempt;
   return (
     <Panel title="2. Repair the map" note={`solved at ${percent(attempt.enough)}`}>
       {!attempt.answer && (
-        <p class="quiet">Change the settings or the poses until the map is as it should be, then check it.</p>
+        <p class="quiet">
+          {attempt.repaired_with
+            ? "Set this until the map is as it should be, then check it."
+            : "Change the settings or the poses until the map is as it should be, then check it."}
+        </p>
       )}
+      <RepairedWith store={store} attempt={attempt} />
       <table class="case-measures">
         <thead>
           <tr>
@@ -188,10 +213,10 @@ function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
           </tr>
         </thead>
         <tbody>
-          {MEASURES.filter(([name]) => attempt.measures.includes(name)).map(([name, label, title]) => (
+          {MEASURES.filter(([name]) => attempt.measures.includes(name)).map(([name, title]) => (
             <tr key={name}>
-              <th scope="row" title={title}>
-                {label}
+              <th scope="row" title={title} class="case-measure">
+                {MEASURE_NAMES[name]}
               </th>
               <td class="number">{written(first[name], 2)}</td>
               <td class="number">{now ? written(now[name], 2) : "–"}</td>
@@ -201,9 +226,7 @@ function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
         </tbody>
       </table>
       <p role="status" class="case-repair">
-        {attempt.repair === null
-          ? "Not checked yet."
-          : `Repaired: ${percent(attempt.repair)}. Best: ${percent(attempt.best)}.`}
+        {progressText(attempt)}
       </p>
       <div class="actions">
         <Button kind="primary" disabled={isChecking} onClick={onCheck}>
@@ -227,5 +250,3 @@ function Repair({ attempt, onCheck, isChecking, openGroup }: RepairProps) {
     </Panel>
   );
 }
-
-const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)} %`;

@@ -14,7 +14,7 @@ import { Settings } from "../logs/Settings";
 import { TrajectoryChoice } from "../logs/trajectories/TrajectoryChoice";
 import { SessionEnded } from "../SessionEnded";
 import { useConnected } from "../useConnected";
-import { type Attempt, leadsToCase, type Offered } from "./attempt";
+import { type Attempt, leadsToCase, type Offered, percent, progressText } from "./attempt";
 import { CaseGroup } from "./CaseGroup";
 import { ask } from "./puzzles";
 
@@ -88,7 +88,12 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
     </Button>
   );
   // On a phone the head of the page is out of sight while a value is set.
-  const checkBelow = checkButton && <div class="case-check">{checkButton}</div>;
+  const checkBelow = checkButton && (
+    <div class="case-check">
+      {checkButton}
+      <p role="status">{now.repair !== null && progressText(now)}</p>
+    </div>
+  );
   const groups: readonly DockGroup[] = [
     {
       id: "case",
@@ -154,7 +159,12 @@ export function PuzzleViewer({ session, onClose, onGone, onSolved, next, onNext 
           </output>
         )}
         {checkButton}
-        {now && now.repair !== null && <output class="viewer-badge">repaired {Math.floor(100 * now.repair)} %</output>}
+        {now && now.repair !== null && (
+          <output class="viewer-badge">
+            repaired {percent(now.repair)}
+            {!now.answer && `, solved at ${percent(now.enough)}`}
+          </output>
+        )}
       </header>
       <MapStage
         store={store}

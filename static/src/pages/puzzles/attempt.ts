@@ -37,6 +37,8 @@ export interface Attempt {
   readonly best: number;
   readonly enough: number;
   readonly can_repair: boolean | null;
+  /** What repairs the map, without the values, once the cause is named: names of parameters, and whether other poses. */
+  readonly repaired_with: { readonly parameters: readonly string[]; readonly poses: boolean } | null;
   readonly points: number;
   readonly is_solved: boolean;
   readonly gave_up: boolean;
@@ -53,6 +55,27 @@ export interface Attempt {
 /** Whether what a check found is for the group Case: the answer, or the question for the cause of a repaired map. */
 export const leadsToCase = ({ answer, best, enough, is_named }: Attempt): boolean =>
   answer !== null || (best >= enough && !is_named);
+
+export const MEASURE_NAMES: Readonly<Record<Measure, string>> = {
+  agreement: "agreement of the walls",
+  sharpness: "sharpness of the walls",
+  entropy: "entropy",
+};
+
+export const percent = (share: number): string => `${Math.floor(100 * share + 1e-9)} %`;
+
+/** What a check has found, in words: how far the repair is, and what of it is missing most. Empty at the end. */
+export function progressText({ answer, repair, best, enough, is_named, measures, first, goal, now }: Attempt): string {
+  if (answer !== null) return "";
+  if (repair === null || now === null) return "Not checked yet.";
+  if (best >= enough && !is_named) return `Repaired ${percent(repair)}. What was the cause?`;
+  const shares = measures.map((name) => [name, (now[name] - first[name]) / (goal[name] - first[name] || 1)] as const);
+  const [least] = shares.sort(([, a], [, b]) => a - b);
+  const done = repair < 0.005 ? "Repaired 0 %: no better than at first" : `Repaired ${percent(repair)}`;
+  const missing = least && shares.length > 1 ? ` Farthest from its goal: ${MEASURE_NAMES[least[0]]}.` : "";
+  const better = best > repair + 0.005 ? ` The best so far was ${percent(best)}.` : "";
+  return `${done}; it is solved at ${percent(enough)}.${missing}${better}`;
+}
 
 /** The first puzzle after the one of this name, else the first of all, that is not solved; null for none. */
 export function nextPuzzle(

@@ -26,6 +26,7 @@ function shown(question: ClassQuestion, given: number | null, isConnected = true
     state: signal({ question }),
     answer: signal(given === null ? null : { question: question.id, value: given }),
     isConnected: signal(isConnected),
+    welcome: signal({ number: 4 }),
   };
   act(() => render(h(AnswerCard, { room: room as unknown as Classroom }), document.body));
   return document.body;
@@ -40,6 +41,13 @@ test("a guess begins in the middle of its axis, also of a short one", () => {
 test("the error of a guess has no rounding errors", () => {
   const revealed = { ...GUESS, is_revealed: true, answered: 1, counts: [1], right: 0.3 };
   expect(status(shown(revealed, 0.35))).toBe("1 answered. Yours was 0.05 too high.");
+});
+
+test("who joined after the question is told where such answers are not counted", () => {
+  const question = { ...GUESS, axis: null, options: ["Yes", "No"] };
+  expect(status(shown(question, null))).toBe("Tap your answer. It is counted without your name.");
+  expect(status(shown({ ...question, last_number: 4 }, null))).toContain("Tap your answer.");
+  expect(status(shown({ ...question, last_number: 3 }, 1))).toContain("your answer is not counted");
 });
 
 test("an answer that could not be sent yet is not called answered", () => {

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { type Classroom, questionInHeading } from "../../store/classroom";
 import { Button } from "../../ui/Button";
 import type { ClassAxis, ClassQuestion } from "../../wire/protocol";
+import { answerHint } from "./answerHint";
 import { Histogram } from "./Histogram";
 import { letterOf } from "./histogram";
 
@@ -23,18 +24,12 @@ export function AnswerCard({ room }: { readonly room: Classroom }) {
           {question.options && <Options room={room} options={question.options} given={given} />}
           {question.axis && <Guess key={question.id} room={room} axis={question.axis} given={given} />}
           <p role="status" class="quiet">
-            {progress(given !== null, room.isConnected.value)}
+            {answerHint(question, given !== null, room)}
           </p>
         </>
       )}
     </section>
   );
-}
-
-function progress(isGiven: boolean, isConnected: boolean): string {
-  if (!isGiven) return "Your answer is counted without your name.";
-  if (!isConnected) return "Your answer is sent as soon as the class can be reached again.";
-  return "Answered. You can change it until the result is shown.";
 }
 
 function verdict(question: ClassQuestion, given: number | null): string {

@@ -9,9 +9,9 @@ import { FollowerBar } from "./FollowerBar";
 afterEach(() => render(null, document.body));
 
 /** Show the line of a follower below the view that the lecturer controls; returns the view and a second place. */
-function shown(drives: boolean): readonly HTMLElement[] {
+function shown(drives: boolean, isLecturerAway = false): readonly HTMLElement[] {
   const room = {
-    state: signal({ question: null, present: 1, puzzle: null }),
+    state: signal({ question: null, present: 1, puzzle: null, is_lecturer_away: isLecturerAway }),
     welcome: signal({ number: 1 }),
     shown: signal({ stage: 1, view: { page: "lab" } }),
     own: signal(null),
@@ -39,6 +39,12 @@ test("a follower who clicks what the lecturer controls is told of the copy", () 
   expect(status()).toContain("“Try it yourself” gives you a copy.");
   act(() => elsewhere?.click());
   expect(status()).toContain("Following the lecturer.");
+});
+
+test("a follower reads that the lecturer is away", () => {
+  shown(false, true);
+  expect(status()).toContain("The lecturer is away.");
+  expect(status()).not.toContain("Following");
 });
 
 test("who drives the robot is not told so", () => {

@@ -114,6 +114,7 @@ function described(room: Classroom, isOwn: boolean): string {
   if (!room.isConnected.value) return "Connecting to the class …";
   if (isPuzzlePage) return "The puzzle of the class.";
   if (isOwn) return hasRobot(room) ? "Your own world." : "Your own copy of the map.";
+  if (room.state.value?.is_lecturer_away) return "The lecturer is away.";
   if (room.drives.value) return "You drive the robot: click into a map, drag the robot, or use the arrow keys.";
   return "Following the lecturer.";
 }

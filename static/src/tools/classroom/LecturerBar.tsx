@@ -152,6 +152,7 @@ function Robot({ room }: { readonly room: Classroom }) {
 /** The question that is asked, and how many have answered; the answers once they are revealed or looked at. */
 function Result({ room, question }: { readonly room: Classroom; readonly question: ClassQuestion }) {
   const present = room.state.value?.present ?? 0;
+  const joinedOnly = room.state.value?.counts_joined_only ?? false;
   const isHeading = questionInHeading.value === question.text;
   const isLookedAt = room.lookedAt.value === question.id;
   return (
@@ -165,8 +166,16 @@ function Result({ room, question }: { readonly room: Classroom; readonly questio
       <div class="class-line">
         <p role="status">
           {question.answered} of {Math.max(present, question.answered)} answered
+          {joinedOnly && <span class="quiet"> · of who had joined before</span>}
         </p>
         <div class="actions">
+          <Button
+            pressed={joinedOnly}
+            label="Joined before: count only who had joined before the question, one answer of each number"
+            onClick={() => room.send({ type: "count", joined_only: !joinedOnly })}
+          >
+            Joined before
+          </Button>
           {!question.is_revealed && (
             <>
               <Button

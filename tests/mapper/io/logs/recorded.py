@@ -102,12 +102,21 @@ def _pose(x: float, y: float, yaw: float) -> dict[str, Any]:
     return {"position": {"x": x, "y": y, "z": 0.0}, "orientation": quaternion(yaw)}
 
 
-def odometry(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/odom") -> Said:
+def odometry(
+    stamp_ns: int,
+    x: float,
+    y: float,
+    yaw: float,
+    topic: str = "/odom",
+    *,
+    frame: str = "odom",
+    child: str = "base_link",
+) -> Said:
     zeros = np.zeros(36)
     nothing = {"x": 0.0, "y": 0.0, "z": 0.0}
     fields = {
-        "header": header(stamp_ns, "odom"),
-        "child_frame_id": "base_link",
+        "header": header(stamp_ns, frame),
+        "child_frame_id": child,
         "pose": {"pose": _pose(x, y, yaw), "covariance": zeros},
         "twist": {"twist": {"linear": nothing, "angular": nothing}, "covariance": zeros},
     }
@@ -117,6 +126,25 @@ def odometry(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/odom"
 def estimate(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/amcl_pose") -> Said:
     fields = {"header": header(stamp_ns, "map"), "pose": {"pose": _pose(x, y, yaw), "covariance": np.zeros(36)}}
     return Said(topic, "geometry_msgs/msg/PoseWithCovarianceStamped", stamp_ns, fields)
+
+
+def pose_stamped(stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/pose", frame: str = "map") -> Said:
+    fields = {"header": header(stamp_ns, frame), "pose": _pose(x, y, yaw)}
+    return Said(topic, "geometry_msgs/msg/PoseStamped", stamp_ns, fields)
+
+
+def transform_stamped(
+    stamp_ns: int, x: float, y: float, yaw: float, topic: str = "/vicon/robot", child: str = "robot"
+) -> Said:
+    place = {"translation": {"x": x, "y": y, "z": 0.0}, "rotation": quaternion(yaw)}
+    fields = {"header": header(stamp_ns, "world"), "child_frame_id": child, "transform": place}
+    return Said(topic, "geometry_msgs/msg/TransformStamped", stamp_ns, fields)
+
+
+def path(stamp_ns: int, poses: Iterable[Said], topic: str = "/trajectory", frame: str = "map") -> Said:
+    """The nav_msgs/Path of poses as :func:`pose_stamped` makes them."""
+    fields = {"header": header(stamp_ns, frame), "poses": [one.fields for one in poses]}
+    return Said(topic, "nav_msgs/msg/Path", stamp_ns, fields)
 
 
 def transform(
@@ -256,6 +284,7 @@ _PLAIN = {
     "linear_acceleration": "geometry_msgs/msg/Vector3",
     "transform": "geometry_msgs/msg/Transform",
     "transforms": "geometry_msgs/msg/TransformStamped",
+    "poses": "geometry_msgs/msg/PoseStamped",
 }
 
 
@@ -272,7 +301,7 @@ def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
         elif name == "twist":
             part = "geometry_msgs/msg/TwistWithCovariance" if "twist" in value else "geometry_msgs/msg/Twist"
         elif isinstance(value, list):
-            part = part or "sensor_msgs/msg/LaserEcho"
+            part = part or {"points": kind.replace("CustomMsg", "CustomPoint")}.get(name, "sensor_msgs/msg/LaserEcho")
             values[name] = [_made(ros, part, one) for one in value]
             continue
         values[name] = value if part is None else _made(ros, part, value)

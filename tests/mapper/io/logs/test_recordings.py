@@ -234,7 +234,7 @@ def test_a_recording_without_scans_names_its_message_types(tmp_path, kind):
 def test_interpolated_poses_are_those_of_the_textbook(knots):
     """Planar poses through the 3D machinery = linear in x, the short way round in the angle."""
     from mapper.core.limits import DEFAULT_LIMITS
-    from mapper.io.logs.transforms import Timeline
+    from mapper.io.logs.timeline import Timeline
 
     line = Timeline(DEFAULT_LIMITS)
     by_time = dict.fromkeys(sorted({t for t, _, _ in knots}))

@@ -115,9 +115,11 @@ def test_unreadable_files_are_left_out(tmp_path):
 def test_several_recordings_are_not_taken_for_one(tmp_path):
     folder, _ = split(tmp_path, "mcap", 2)
     (folder / "metadata.yaml").rename(tmp_path / "metadata.yaml")
+    (folder / "run_1.mcap").rename(folder / "other_1.mcap")
     for path in (folder, packed(folder)):
-        with pytest.raises(ReadError, match=r"holds 2 recordings, and no metadata\.yaml .*: 'run_0\.mcap', 'run_1"):
+        with pytest.raises(ReadError, match=r"holds 2 recordings, and no metadata\.yaml .*: 'other_1\.mcap', 'run_0"):
             open_log(path)
+    (folder / "other_1.mcap").rename(folder / "run_1.mcap")
     (tmp_path / "metadata.yaml").rename(folder / "metadata.yaml")
     bag = recorded.write_bag(folder / "run.bag", run())
     with pytest.raises(ReadError, match="holds 3 recordings, of different kinds"):
@@ -125,6 +127,19 @@ def test_several_recordings_are_not_taken_for_one(tmp_path):
     bag.unlink()
     (folder / "run_1.mcap").unlink()
     assert open_log(folder).notes == ()
+
+
+def test_parts_without_metadata_are_one_recording_by_their_names(tmp_path):
+    folder, whole = split(tmp_path, "mcap", 3)
+    (folder / "metadata.yaml").unlink()
+    for path in (folder, packed(folder)):
+        log = open_log(path)
+        np.testing.assert_array_equal(log.ranges, open_log(whole).ranges)
+        assert "3 files are read as one recording, as their names say." in log.notes
+    other = [recorded.text(1, "hello")]
+    (folder / "run_2.mcap").write_bytes(recorded.mcap_bytes(other))
+    with pytest.raises(ReadError, match="have no topic in common"):
+        open_log(folder)
 
 
 def test_of_two_recordings_in_one_archive_none_is_taken(tmp_path):

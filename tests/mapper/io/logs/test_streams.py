@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from mapper.core.errors import ConfigError, ReadError
 from mapper.io.clouds import open_clouds
 from mapper.io.logs import open_robot_log
+from mapper.io.logs.cloud_messages import CLOUD_DECODERS, Cloud
 from mapper.io.logs.selection import Selection
 from mapper.sensors.point_cloud import PointCloud
 from tests.mapper.io.contents.recorded_robot import imu
@@ -98,9 +99,15 @@ def test_clouds_of_a_robot_without_a_lidar_are_opened_without_being_cut(
     said = [one for one in run() if one.topic != "/scan"]
     path = written(tmp_path, said, kind)
     decoded: list[object] = []
-    monkeypatch.setattr("mapper.io.logs.cutting.point_cloud", lambda *args, **_: decoded.append(args))
+    decode = CLOUD_DECODERS["sensor_msgs/PointCloud2"]
+
+    def counted(data: bytes, *, cdr: bool) -> Cloud:
+        decoded.append(data)
+        return decode(data, cdr=cdr)
+
+    monkeypatch.setitem(CLOUD_DECODERS, "sensor_msgs/PointCloud2", counted)
     (stream,) = open_clouds(path).values()
-    assert decoded == []
+    assert decoded == []  # none is decoded until they are asked for
     assert [one.stamp_ns for one in stream] == [T0 + i * TENTH + 5 for i in range(8)]
     mounts = stream.mounts("velodyne", np.array([T0 + 2 * TENTH]))
     assert mounts is not None

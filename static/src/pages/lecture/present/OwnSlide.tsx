@@ -75,6 +75,7 @@ function Framed({ address, title }: { address: string; title: string }) {
       stop();
     };
   }, []);
+  if (!address) return <p class="slide-frame-place">This page is on the lecturer’s screen.</p>;
   if (isPreview) return <p class="slide-frame-place">{address.split(/[?#]/)[0]}</p>;
   return <iframe class="slide-frame" src={address} title={title} ref={frame} />;
 }

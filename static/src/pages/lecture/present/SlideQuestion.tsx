@@ -1,5 +1,6 @@
 import { useEffect } from "preact/hooks";
 import { askedAs, classroom, showsAnswers } from "../../../store/classroom";
+import { answerHint } from "../../../tools/classroom/answerHint";
 import { barsOf, letterOf } from "../../../tools/classroom/histogram";
 import { Icon } from "../../../ui/Icon";
 import type { LessonId } from "../lessons";
@@ -43,40 +44,50 @@ function SlideOptions({ id, text, options }: SlideOptionsProps) {
   const given = asked && answer?.question === asked.id ? answer.value : undefined;
   const chosen = asked ? given : predicted.value[id];
   const bars = asked ? barsOf(asked) : [];
+  const isFollowed = room?.isFollowed ?? false;
   const choose = (option: number): void => {
     if (!asked) predicted.value = { ...predicted.peek(), [id]: option };
     else if (room?.isFollowed) room.give(option);
   };
   return (
-    <ol class="slide-options">
-      {options.map((option, i) => (
-        <li key={option}>
-          <button
-            type="button"
-            class="slide-option"
-            aria-pressed={chosen === i}
-            disabled={asked?.is_revealed ?? false}
-            onClick={() => choose(i)}
-          >
-            {bars[i] && <span class="slide-option-bar" style={`width: ${100 * bars[i].length}%`} aria-hidden="true" />}
-            <span class="slide-option-letter">{letterOf(i)}</span>
-            {option}
-            <span class="slide-option-mark">
-              {chosen === i && (
-                <>
-                  <Icon name="check" /> chosen
-                </>
-              )}{" "}
+    <>
+      <ol class="slide-options">
+        {options.map((option, i) => (
+          <li key={option}>
+            <button
+              type="button"
+              class="slide-option"
+              aria-pressed={chosen === i}
+              disabled={asked ? asked.is_revealed : isFollowed}
+              onClick={() => choose(i)}
+            >
               {bars[i] && (
-                <>
-                  <b class="number">{bars[i].count}</b>
-                  <span class="visually-hidden">{bars[i].count === 1 ? " answer" : " answers"}</span>
-                </>
+                <span class="slide-option-bar" style={`width: ${100 * bars[i].length}%`} aria-hidden="true" />
               )}
-            </span>
-          </button>
-        </li>
-      ))}
-    </ol>
+              <span class="slide-option-letter">{letterOf(i)}</span>
+              {option}
+              <span class="slide-option-mark">
+                {chosen === i && (
+                  <>
+                    <Icon name="check" /> chosen
+                  </>
+                )}{" "}
+                {bars[i] && (
+                  <>
+                    <b class="number">{bars[i].count}</b>
+                    <span class="visually-hidden">{bars[i].count === 1 ? " answer" : " answers"}</span>
+                  </>
+                )}
+              </span>
+            </button>
+          </li>
+        ))}
+      </ol>
+      {isFollowed && (
+        <p class="slide-ask" role="status">
+          {asked ? answerHint(asked, given !== undefined, room) : "Wait for the question."}
+        </p>
+      )}
+    </>
   );
 }

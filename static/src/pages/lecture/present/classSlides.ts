@@ -5,16 +5,18 @@ import { askedAs, type Classroom, classroom } from "../../../store/classroom";
 import { followPages } from "../../../tools/classroom/pages";
 import { throttled } from "../../../tools/classroom/session";
 import type { ClassView } from "../../../wire/protocol";
+import { showSection } from "../awaitedFigures";
+import { shownSlide, slideOfMessage } from "./shownSlide";
 import {
   blank,
   deck,
-  hashOf,
   place,
+  placeHashOf,
   presenting,
   questionOf,
-  readAddress,
   sectionInSight,
   setPresenting,
+  showOnly,
   slide,
   stage,
 } from "./state";
@@ -56,9 +58,14 @@ function show(room: Classroom, sections: readonly { readonly id: string }[]): ()
   addEventListener("scroll", onScroll, { passive: true });
   const stop = effect(() => {
     void deck.value;
-    const hash = presenting.value ? PRESENT + hashOf(place.value) : `#${sections[section.value]?.id ?? ""}`;
-    const on_slide = presenting.value ? pointerAt.value : null;
-    send({ page: "lecture", hash, blank: blank.value, on_slide });
+    const now = presenting.value ? slide.value : undefined;
+    send({
+      page: "lecture",
+      hash: now ? PRESENT + placeHashOf(place.value) : `#${sections[section.value]?.id ?? ""}`,
+      slide: now ? shownSlide(now, place.value.step) : null,
+      blank: blank.value,
+      on_slide: now ? pointerAt.value : null,
+    });
   });
   // The answer of a slide reveals what the class has answered.
   const stopRevealing = effect(() => {
@@ -80,20 +87,22 @@ function follow(room: Classroom): () => void {
     const view = room.shown.value?.view;
     if (view?.page !== "lecture" || !room.isFollowing.value) return;
     shownPointer.value = view.on_slide ?? null;
-    if (view.hash !== before) {
-      before = view.hash ?? "";
-      void goTo(before);
+    const now = JSON.stringify([view.hash, view.slide]);
+    if (now !== before) {
+      before = now;
+      goTo(view);
     }
     blank.value = view.blank ?? false;
   });
 }
 
-async function goTo(hash: string): Promise<void> {
+function goTo({ hash = "", slide: shown }: ClassView): void {
   const isSlide = hash.startsWith(PRESENT);
   if (presenting.peek() !== isSlide) setPresenting(isSlide);
   history.replaceState(null, "", location.pathname + hash);
-  await readAddress().catch(() => undefined); // a deck that this page cannot read: it stays where it is
-  if (!isSlide) document.getElementById(hash.slice(1))?.scrollIntoView();
+  const only = shown ? slideOfMessage(shown) : null;
+  if (only) showOnly(only, Math.max(0, Number.parseInt(hash.split("/")[1] ?? "1", 10) - 1));
+  if (!isSlide) showSection(hash.slice(1));
 }
 
 /** Take part in a class, whatever one's role is. */

@@ -10,9 +10,22 @@ export const SLIDE = { width: 1392, height: 783 } as const;
 /** Smaller windows are not projectors: their slides keep the sizes of the page, and may scroll. */
 const SMALLEST = 1120;
 
+const isProjector = (width: number, preview: boolean): boolean => width >= SMALLEST || preview;
+
+/** Whether figures are fitted to the slide: not on a phone, where a slide scrolls and figures are as in the lecture. */
+export const fitsFigures = (): boolean => isProjector(innerWidth, isPreview);
+
 export function scaleOf(width: number, height: number, preview: boolean): number {
-  if (width < SMALLEST && !preview) return 1;
+  if (!isProjector(width, preview)) return 1;
   return Math.min(width / SLIDE.width, height / SLIDE.height);
+}
+
+/**
+ * The share of its size at which a slide is shown where the line of a class takes part of the height: what fitted
+ * without the line fits above it. `taken` is the height of the line, `left` what the slide has beside it, pixels.
+ */
+export function shareOf(width: number, left: number, taken: number): number {
+  return isProjector(width, false) && left > 0 ? left / (left + taken) : 1;
 }
 
 /** Keep the slides enlarged as far as the window allows; the returned function stops it. */
@@ -23,10 +36,36 @@ export function keepScale(): () => void {
     root.classList.toggle("presenting", on);
     root.style.zoom = on ? String(scaleOf(innerWidth, innerHeight, isPreview)) : "";
   };
-  const stop = effect(settle);
+  const share = (): void => {
+    const slide = document.querySelector<HTMLElement>("#main");
+    const line = document.querySelector(".class-bar-box");
+    if (!slide) return;
+    const height = (element: Element | null): number => element?.getBoundingClientRect().height ?? 0;
+    const on = presenting.peek() && line !== null;
+    slide.style.zoom = on ? String(shareOf(innerWidth, height(slide), height(line))) : "";
+  };
+  // The line of a class comes and goes, and grows with a question.
+  const sizes = new ResizeObserver(share);
+  const app = document.getElementById("app") as HTMLElement;
+  const watch = (): void => {
+    sizes.disconnect();
+    for (const one of app.querySelectorAll(":scope > :is(.presenter, .class-bar-box)")) sizes.observe(one);
+    share();
+  };
+  const children = new MutationObserver(watch);
+  children.observe(app, { childList: true });
+  const stop = effect(() => {
+    settle();
+    share();
+  });
   addEventListener("resize", settle);
+  addEventListener("resize", share);
+  watch();
   return () => {
     removeEventListener("resize", settle);
+    removeEventListener("resize", share);
+    sizes.disconnect();
+    children.disconnect();
     stop();
   };
 }

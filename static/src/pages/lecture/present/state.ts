@@ -108,10 +108,11 @@ export const count = computed(() => {
 /** The letters of the deck, for the address; empty for the whole lecture. */
 let letters = "";
 
-export const hashOf = (at: Place): string => {
-  const id = ids.peek()[at.index] ?? "";
-  return `#${id}${at.step > 0 ? `/${at.step + 1}` : ""}${letters ? `&deck=${letters}` : ""}`;
-};
+/** The fragment that names a slide and its step, without the deck. */
+export const placeHashOf = (at: Place): string =>
+  `#${ids.peek()[at.index] ?? ""}${at.step > 0 ? `/${at.step + 1}` : ""}`;
+
+export const hashOf = (at: Place): string => placeHashOf(at) + (letters ? `&deck=${letters}` : "");
 
 /** The section whose text belongs to the present slide. */
 export function sectionOfSlide(): string {
@@ -133,6 +134,13 @@ export async function takeDeck(next: Deck, at: Place = endOf(next.slides, true))
   letters = next === WHOLE_LECTURE ? "" : await pack(writtenDeck(next));
   deck.value = next;
   goTo(at);
+}
+
+/** Show one slide at a step, as a follower of a class, who has no other slide of the lecturer's deck. */
+export function showOnly(only: Slide, step: number): void {
+  letters = "";
+  deck.value = { title: "", slides: [only] };
+  place.value = { index: 0, step };
 }
 
 /** The link that opens a deck at its beginning. */

@@ -1,5 +1,6 @@
 import { useEffect, useRef } from "preact/hooks";
 import { later } from "../../../lessons/stage/later";
+import { fitsFigures } from "./scale";
 import { stage } from "./state";
 
 /** Least width of a figure as a fraction of the available width. */
@@ -36,7 +37,7 @@ export function useFittedFigure(on: boolean) {
   useEffect(() => {
     const element = frame.current;
     const room = element?.parentElement;
-    if (!element || !room || !on) return;
+    if (!element || !room || !on || !fitsFigures()) return;
     const controls = element.querySelector<HTMLElement>(".on-stage-controls");
     const fits = (): boolean => heightOf(element) <= heightOf(room) + 0.5;
     const resize = (): void => {

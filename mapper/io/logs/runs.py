@@ -1,0 +1,159 @@
+"""Where the clock of a recording begins again: a simulation was reset, a recording was played in a loop.
+
+tf2 clears its buffer when the time of ROS jumps back (tf2_ros/buffer.cpp: Buffer::onTimeJump), so that no transform of
+one run is ever applied to a scan of another. A recording has no such signal, only stamps, and its messages come from
+many publishers: stamps of one may be behind those of another by a second, as those of amcl's transform are ahead
+(transform_tolerance), and messages of one publisher may come late. So each topic is judged by its own stamps alone:
+
+- It steps back where a stamp is more than :data:`LEAST_STEP_NS` behind the latest before it and the next
+  :data:`STAYS` messages stay behind as well; a message that is late is followed by one that is not.
+- The clock began again where, of all topics that go on there, more have stepped back than not. A driver that sets its
+  own clock does not begin another run.
+
+A frame of tf is judged by itself, as each may have a publisher of its own; of the frames of one topic the majority
+counts as the topic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Int64Array = NDArray[np.int64]
+
+#: A step back by less is none: threads and buffers of one publisher put its messages into another order by so much, tf2
+#: puts late transforms in order, and topics of 2 Hz and more all notice a step by more.
+LEAST_STEP_NS = 500_000_000
+STAYS = 3
+NEAR_S = 5.0  #: within which all topics have noticed that the clock began again
+BETWEEN_NS = 1_000_000_000_000  #: between the last stamp of a run and the first of the next, counted on
+MAX_RUNS = 200
+_FARTHEST_NS = 4_000_000_000_000_000_000  #: beyond which stamps that are counted on would not fit 64 bits
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """The stamps (n,) of one publisher of a topic, as far as it is known, and the numbers of their messages (n,)."""
+
+    topic: str
+    stamps_ns: Int64Array
+    positions: Int64Array
+
+
+def steps_back(stamps_ns: Int64Array) -> list[int]:
+    """Return the indices at which stamps (n,) step back and stay behind."""
+    found: list[int] = []
+    start = 0
+    while len(stamps_ns) - start > 1 and len(found) < MAX_RUNS:
+        part = stamps_ns[start:]
+        latest = np.maximum.accumulate(part)[:-1]
+        after = part[1:]
+        highest = after.copy()  # of each stamp and the next ones
+        for ahead in range(1, STAYS + 1):
+            highest[:-ahead] = np.maximum(highest[:-ahead], after[ahead:])
+        back = np.flatnonzero((after < latest - LEAST_STEP_NS) & (highest < latest))
+        if not len(back):
+            break
+        start += int(back[0]) + 1
+        found.append(start)
+    return found
+
+
+def offsets_of_runs(tracks: Sequence[Track]) -> list[Int64Array] | None:
+    """Return what to add to the stamps of each track, so that those of a later run follow those of the one before.
+
+    None where the clock never began again.
+    """
+    steps = [steps_back(track.stamps_ns) for track in tracks]
+    if not any(steps):
+        return None
+    resets = [reset for reset in _clustered(tracks, steps) if _is_agreed(tracks, reset)][:MAX_RUNS]
+    if not resets:
+        return None
+    starts = [_starts(track, number, resets) for number, track in enumerate(tracks)]
+    ahead = [0]
+    for run in range(1, len(resets) + 1):
+        needed = 0
+        for track, bounds in zip(tracks, starts, strict=True):
+            before, after = (
+                track.stamps_ns[bounds[run - 1] : bounds[run]],
+                track.stamps_ns[bounds[run] : bounds[run + 1]],
+            )
+            if len(before) and len(after):
+                needed = max(needed, int(before.max()) - int(after.min()) + BETWEEN_NS)
+        ahead.append(ahead[-1] + needed)
+        if ahead[-1] > _FARTHEST_NS:
+            return None
+    return [np.repeat(np.array(ahead, dtype=np.int64), np.diff(np.array(bounds))) for bounds in starts]
+
+
+@dataclass(frozen=True, slots=True)
+class _Reset:
+    """A place, by the number of its message, at which some tracks (by their index) step back, at these of theirs."""
+
+    position: int
+    steps: dict[int, int]
+    step_ns: int
+    near: int  #: messages within which others have noticed
+
+
+def _clustered(tracks: Sequence[Track], steps: Sequence[Sequence[int]]) -> list[_Reset]:
+    """Return the steps of different tracks that are near to each other, in the order of the recording."""
+    events = sorted(
+        (int(track.positions[index]), number, index)
+        for number, (track, found) in enumerate(zip(tracks, steps, strict=True))
+        for index in found
+    )
+    near = _messages_in(tracks, NEAR_S)
+    groups: list[list[tuple[int, int, int]]] = []
+    for event in events:
+        is_next = not groups or event[0] - groups[-1][0][0] > near or event[1] in (known[1] for known in groups[-1])
+        if is_next:
+            groups.append([])
+        groups[-1].append(event)
+    found = []
+    for group in groups:
+        back = [
+            int(tracks[number].stamps_ns[:index].max()) - int(tracks[number].stamps_ns[index])
+            for _, number, index in group
+        ]
+        position = group[len(group) // 2][0]
+        found.append(_Reset(position, {number: index for _, number, index in group}, int(np.median(back)), near))
+    return found
+
+
+def _messages_in(tracks: Sequence[Track], seconds: float) -> int:
+    """Return the number of messages that usually come in a time."""
+    positions = np.concatenate([track.positions for track in tracks])
+    steps = np.concatenate([np.diff(track.stamps_ns) for track in tracks])
+    passed_s = float(max((np.clip(np.diff(track.stamps_ns), 0, None).sum() for track in tracks), default=0)) * 1e-9
+    if passed_s <= 0.0 or not len(steps):
+        return 1
+    return max(20, int(seconds * float(np.ptp(positions)) / passed_s))
+
+
+def _is_agreed(tracks: Sequence[Track], reset: _Reset) -> bool:
+    """Return whether, of the topics that go on at a place, more step back there than not."""
+    for_it: dict[str, int] = {}
+    for number, track in enumerate(tracks):
+        at = int(np.searchsorted(track.positions, reset.position))
+        if number in reset.steps:
+            for_it[track.topic] = for_it.get(track.topic, 0) + 1
+        elif 0 < at < len(track.positions) and track.positions[at] - reset.position <= reset.near:
+            usual = float(np.median(np.abs(np.diff(track.stamps_ns)))) if len(track.stamps_ns) > 1 else 0.0
+            if (STAYS + 2) * usual < reset.step_ns:  # else it cannot tell
+                for_it[track.topic] = for_it.get(track.topic, 0) - 1
+    return sum((votes > 0) - (votes < 0) for votes in for_it.values()) > 0
+
+
+def _starts(track: Track, number: int, resets: Sequence[_Reset]) -> list[int]:
+    """Return the index of a track's first stamp of each run, and at the end the number of its stamps."""
+    starts = [0]
+    for reset in resets:
+        at = reset.steps.get(number)
+        at = int(np.searchsorted(track.positions, reset.position)) if at is None else at
+        starts.append(max(starts[-1], at))
+    return [*starts, len(track.stamps_ns)]

@@ -1,0 +1,232 @@
+"""The slides of a class in Chromium: what followers receive of a deck, the room above the line, slides on phones."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import BrowserContext, Error, FilePayload, Page, Request, WebSocket, expect
+
+from tests.browser.conftest import standing_world
+from tests.browser.lecturing import never_idle
+from tests.browser.slides import cut_off, settle
+from tests.browser.test_class import ended
+from tests.marks import also_long
+
+MARKS = ("NOTE-OF-MINE", "HIDDEN-SLIDE", "LATER-SLIDE", "LATER-PARAGRAPH", "PAST-SLIDE")
+
+
+def deck_with(session: str) -> dict[str, object]:
+    """Return a deck of which only the slide *Now* may be received; ``session`` is that of a lab in it."""
+    slides = [
+        {"kind": "text", "title": "Before", "text": "PAST-SLIDE"},
+        {
+            "kind": "text",
+            "title": "Now",
+            "text": "Shown first\n\nShown second\n\nLATER-PARAGRAPH",
+            "notes": "NOTE-OF-MINE",
+        },
+        {"kind": "section", "section": "cell", "notes": "NOTE-OF-MINE"},
+        {"kind": "text", "title": "HIDDEN-SLIDE", "text": "HIDDEN-SLIDE", "hidden": True},
+        {"kind": "lab", "title": "The lab", "address": f"/lab.html?session={session}"},
+        {"kind": "text", "title": "LATER-SLIDE", "text": "LATER-SLIDE"},
+    ]
+    return {"gridbloom_deck": 1, "title": "NOTE-OF-MINE in the title", "slides": slides}
+
+
+def opened_on_slides(page: Page, server: str, path: str) -> str:
+    """Open a class on slides; return its code."""
+    page.goto(f"{server}{path}")
+    page.get_by_role("button", name=re.compile("^Open a class")).click()
+    code = page.locator(".class-code-small").text_content() or ""
+    page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    return code
+
+
+def letters_of(deck: object) -> str:
+    """Return a deck as a lecturer's link has it: JSON, DEFLATE, base64 for addresses."""
+    packing = zlib.compressobj(wbits=-15)
+    packed = packing.compress(json.dumps(deck).encode()) + packing.flush()
+    return base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def unpacked(text: str) -> Iterator[str]:
+    """Yield a text, and what every part of it holds that is packed as decks and worlds are in addresses."""
+    yield text
+    for part in re.findall(r"[A-Za-z0-9_+/-]{24,}", text):
+        letters = part.replace("+", "-").replace("/", "_")[: len(part) - (len(part) % 4 == 1)]
+        data = base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4))
+        yield data.decode("latin-1")
+        for wbits in (-15, 15, 31):
+            try:
+                yield zlib.decompressobj(wbits).decompress(data, 1 << 22).decode("latin-1")
+            except zlib.error:
+                continue
+
+
+class Received:
+    """Everything that a page receives: the addresses it is led to, answers over HTTP, messages of its sockets."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        self.texts: list[str] = []
+        self._requests: list[Request] = []
+        page.on("framenavigated", lambda frame: self.texts.append(frame.url))
+        page.on("websocket", self._watch)
+        page.on("requestfinished", lambda request: self._requests.append(request))  # noqa: PLW0108 - no builtin
+
+    def read(self) -> None:
+        """Read the answers so far; the browser forgets them when the page is loaded again."""
+        while self._requests:
+            answer = self._requests.pop().response()
+            assert answer
+            self.texts.extend((answer.url, *(f"{name}: {value}" for name, value in answer.headers.items())))
+            if answer.ok:
+                try:
+                    body = answer.body()
+                except Error:  # of a file that the browser has kept it tells nothing: it is asked for again
+                    body = self._page.context.request.get(answer.url).body()
+                self.texts.append(body.decode("latin-1"))
+
+    def _watch(self, socket: WebSocket) -> None:
+        self.texts.append(socket.url)
+        socket.on("framereceived", self._hear)
+
+    def _hear(self, data: str | bytes) -> None:
+        self.texts.append(data if isinstance(data, str) else data.decode("latin-1"))
+
+    def found(self, secrets: tuple[str, ...]) -> set[str]:
+        """Return those of the secrets that were received in any form."""
+        self.read()
+        return {secret for text in self.texts for one in unpacked(text) for secret in secrets if secret in one}
+
+
+@pytest.mark.parametrize("makes_link", [False, True], ids=["link", "arranged"])
+def test_followers_receive_the_present_slide_and_nothing_else_of_the_deck(
+    page: Page, context: BrowserContext, visitor: BrowserContext, server: str, *, makes_link: bool
+) -> None:
+    never_idle(page)
+    never_idle(visitor)
+    session = standing_world(context, server)
+    written, secrets = deck_with(session), (*MARKS, session)
+    deck = letters_of(written)
+    assert MARKS[0] in [*unpacked(f"#&deck={deck}")][2]  # what is looked for would be found
+    link = f"/lecture.html?present#own-text-2/2&deck={deck}"
+    if makes_link:  # loaded as a file, by which the page itself makes the link
+        code = opened_on_slides(page, server, "/lecture.html?present")
+        page.get_by_role("button", name="Arrange the slides").click()
+        file: FilePayload = {
+            "name": "deck.json",
+            "mimeType": "application/json",
+            "buffer": json.dumps(written).encode(),
+        }
+        page.get_by_label("File of a deck").set_input_files(file)
+        expect(page.get_by_text("“deck.json” is loaded.")).to_be_visible()
+        page.get_by_role("button", name="Close").click()
+        page.keyboard.press("PageDown")
+        page.keyboard.press("PageDown")
+    else:
+        code = opened_on_slides(page, server, link)
+    phone = visitor.new_page()
+    received = Received(phone)
+    phone.goto(f"{server}/class/{code}")
+    now = phone.get_by_role("region", name="Now")
+    expect(now).to_contain_text("Shown second")
+    expect(page.get_by_role("region", name="Now")).to_contain_text("LATER-PARAGRAPH")  # the lecturer's deck works
+    expect(now).not_to_contain_text("LATER")
+    assert "deck=" in page.url
+    received.read()
+    phone.reload()
+    expect(now).to_contain_text("Shown second")
+    page.keyboard.press("Shift+ArrowRight")
+    expect(phone.get_by_role("heading", name="One cell").first).to_be_visible()
+    page.keyboard.press("Shift+ArrowRight")
+    expect(phone.get_by_text("This page is on the lecturer’s screen.")).to_be_visible()
+    expect(phone.locator("iframe")).to_have_count(0)
+    assert phone.url.endswith("?present#own-lab")
+    expect(phone.get_by_role("complementary", name="Class")).to_contain_text("Following the lecturer.")
+    assert received.found(secrets) == set()
+    page.keyboard.press("Shift+ArrowRight")
+    expect(phone.get_by_role("region", name="LATER-SLIDE")).to_be_visible()
+    assert received.found(secrets) == {"LATER-SLIDE"}  # what is received is found
+    ended(page)
+
+
+def test_a_slide_is_scaled_to_the_room_above_the_line_of_the_class(page: Page, server: str) -> None:
+    never_idle(page)
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    opened_on_slides(page, server, "/lecture.html?present#cell/2")
+    page.get_by_role("button", name="Ask the class").click()
+    line = page.get_by_role("complementary", name="Class")
+    for place in ("#model/3", "#rays/3", "#algorithm/3"):  # with the question of another slide open, and of its own
+        page.evaluate("place => { location.hash = place; }", place)
+        expect(page.locator(f"{place.split('/')[0]} figure").first).to_be_visible()
+        settle(page)
+        assert cut_off(page) == []
+        slide, below = page.locator("main").bounding_box(), line.bounding_box()
+        assert slide
+        assert below
+        assert slide["y"] + slide["height"] <= below["y"] + 1
+    page.evaluate("() => { location.hash = '#rays/3'; }")
+    settle(page)
+    dot = page.get_by_role("slider", name="Last cell of the line").locator("circle").last
+    before = dot.bounding_box()
+    assert before
+    x, y = before["x"] + before["width"] / 2, before["y"] + before["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 100, y + 40, steps=4)
+    page.mouse.up()
+    after = dot.bounding_box()
+    assert after
+    cell = page.locator("#rays .stage").evaluate("e => e.getBoundingClientRect().width") / 26
+    assert after["x"] - before["x"] == pytest.approx(-100, abs=cell)
+    ended(page)
+
+
+#: Overlapping labels of drawings, and words in a column that is narrower than most of them.
+_CRAMPED = """() => {
+  const found = [];
+  const shown = [...document.querySelectorAll(".on-slide .lesson-room")][0];
+  const isLabel = (one) => one.checkVisibility() && one.textContent.trim();
+  const labels = [...shown.querySelectorAll("svg text")].filter(isLabel);
+  const boxes = labels.map((one) => [one.textContent, one.getBoundingClientRect()]);
+  boxes.forEach(([text, a], i) => {
+    for (const [other, b] of boxes.slice(i + 1)) {
+      const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+      const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+      if (wide > 2 && high > 0.45 * Math.min(a.height, b.height)) found.push(`${text} / ${other}`);
+    }
+  });
+  const paper = document.createElement("canvas").getContext("2d");
+  for (const one of shown.querySelectorAll("p, td, .layer-text, .field-hint")) {
+    const words = [...one.childNodes].filter((n) => n.nodeType === 3).map((n) => n.data).join(" ").split(/\\s+/);
+    paper.font = getComputedStyle(one).font;
+    const narrow = words.filter((word) => paper.measureText(word).width > one.clientWidth + 2);
+    if (one.clientWidth > 1 && words.length > 6 && (narrow.length > 0 || one.clientHeight > 4 * one.clientWidth))
+      found.push(one.textContent.slice(0, 60));
+  }
+  const room = shown.getBoundingClientRect();
+  for (const one of shown.querySelectorAll("table, .choice, .stage, .plot, .field"))
+    if (one.checkVisibility() && one.getBoundingClientRect().right > room.right + 1) found.push(one.className);
+  return found;
+}"""
+NARROW = ("model", "grid", "layers", "sensor-models")
+
+
+@pytest.mark.parametrize("context", ["phone"], indirect=True)
+@pytest.mark.parametrize(
+    "sections", [NARROW, *also_long(("matching", "graph", "rays", "sonar", "algorithm", "log-odds"))]
+)
+def test_slides_on_a_phone_are_legible(page: Page, server: str, sections: tuple[str, ...]) -> None:
+    never_idle(page)
+    page.goto(f"{server}/lecture.html?present#{sections[0]}/99")
+    for section in sections:
+        page.evaluate("place => { location.hash = place; }", f"#{section}/99")
+        expect(page.locator(f"#{section} figure").first).to_be_visible()
+        settle(page)
+        assert page.evaluate(_CRAMPED) == [], section

@@ -1,0 +1,540 @@
+"""Logs whose messages and containers people in the field have stumbled over: the map must be that of the room.
+
+A case is a kind of log that public reports describe, made here: a robot drives through a room whose walls are known in
+closed form, and every reading that counts must end on one of them, by the beams and limits that its own message states.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import struct
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.writer import Writer
+from numpy.typing import NDArray
+
+from mapper.core.errors import ReadError
+from mapper.core.se2 import compose
+from mapper.io.logs import open_log
+from mapper.io.logs.carmen_beams import front_laser_beams
+from mapper.mapping.parameters import MappingConfig
+from mapper.mapping.prepare_scans import is_deskewed
+from mapper.mapping.update_plan import plan_update
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.scan import ScanLog
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND, Said, scan, sonar, transform, written
+
+T0 = 1_700_000_000 * SECOND
+STEP = SECOND // 5
+N = 12
+LEFT, RIGHT, BELOW, ABOVE = -3.0, 5.0, -2.0, 4.0  #: the walls, metres
+MOUNT = (0.2, 0.1, 0.4)
+
+
+def pose(i: float) -> tuple[float, float, float]:
+    """Where the robot is at step i."""
+    return (0.1 * i, 0.02 * i, 0.15 * i)
+
+
+def distances(
+    i: float, bearings: NDArray[np.floating[Any]], mount: tuple[float, float, float] = MOUNT
+) -> NDArray[np.float64]:
+    """The distance to the nearest wall along each bearing of the sensor."""
+    x, y, yaw = compose(np.array(pose(i)), np.array(mount))
+    cos, sin = np.cos(yaw + bearings), np.sin(yaw + bearings)
+    with np.errstate(divide="ignore"):
+        across = np.where(cos > 0.0, (RIGHT - x) / cos, (LEFT - x) / cos)
+        along = np.where(sin > 0.0, (ABOVE - y) / sin, (BELOW - y) / sin)
+    return np.asarray(np.minimum(np.abs(across), np.abs(along)))
+
+
+def measured(
+    i: int, angles: tuple[float, float] = (-math.pi, math.radians(2.0)), n: int = 180, **fields: object
+) -> Said:
+    """A scan at step i of n beams from angles[0] on, angles[1] apart."""
+    said = scan(T0 + i * STEP, distances(i, angles[0] + angles[1] * np.arange(n)), angles=angles)
+    return replace(said, fields=said.fields | fields)
+
+
+def drive(scans: Callable[[int], Said], n: int = N) -> list[Said]:
+    said = [transform(T0 - SECOND, "base_link", "laser", *MOUNT, topic="/tf_static")]
+    for i in range(n):
+        said += [transform(T0 + i * STEP, "odom", "base_link", *pose(i)), scans(i)]
+    return said
+
+
+def ends(log: ScanLog) -> NDArray[np.float64]:
+    """Where the measured readings of all scans end, (n, 2), by each scan's own bearings and limits."""
+    found = []
+    for t in range(log.n_scans):
+        one = log.scan(t)
+        counts = (one.ranges >= one.range_min) & (one.ranges <= one.range_max)
+        x, y, yaw = compose(log.trajectory().poses[t], log.mount_of(t))
+        ranges, bearings = one.ranges[counts].astype(np.float64), one.angles[counts] + yaw
+        found.append(np.stack([x + ranges * np.cos(bearings), y + ranges * np.sin(bearings)], axis=-1))
+    return np.concatenate(found)
+
+
+def off_the_walls(points: NDArray[np.float64]) -> float:
+    """By how far the farthest point is from the nearest wall, metres."""
+    x, y = points.T
+    return float(np.abs(np.stack([x - LEFT, x - RIGHT, y - BELOW, y - ABOVE])).min(axis=0).max())
+
+
+@dataclass(frozen=True)
+class Case:
+    """A kind of log: what people reported, and what must be read of it."""
+
+    name: str
+    source: str
+    said: Callable[[], list[Said]]
+    readings: int = N * 180  #: that count
+    notes: tuple[str, ...] = ()
+    within: float = 1e-3  #: metres that a reading may end from the walls
+    kind: str = "mcap"
+
+
+def limited(i: int) -> Said:
+    """A scan whose range_max is its largest reading."""
+    said = measured(i)
+    return replace(said, fields=said.fields | {"range_max": float(said.fields["ranges"].max())})
+
+
+def nothing_at(limit: float, i: int) -> Said:
+    """A scan of a sensor that says no return by its range_max."""
+    said = measured(i)
+    ranges = np.where(said.fields["ranges"] > limit, np.float32(limit), said.fields["ranges"])
+    return replace(said, fields=said.fields | {"ranges": ranges, "range_max": limit})
+
+
+def own_range(i: int) -> Said:
+    """A lidar that is switched between 3 m and 30 m and says no return by inf."""
+    said, limit = measured(i), 3.0 if i % 2 else 30.0
+    ranges = np.where(said.fields["ranges"] > limit, np.float32(np.inf), said.fields["ranges"])
+    return replace(said, fields=said.fields | {"ranges": ranges, "range_max": limit})
+
+
+def turned(i: int) -> Said:
+    """A lidar that is switched in resolution, in its first angle by a whole turn, and in the sense of its sweep."""
+    n, first, sign = ((180, -math.pi, 1.0), (360, math.pi, 1.0), (90, 0.0, -1.0))[i % 3]
+    return measured(i, (first, sign * 2.0 * math.pi / n), n)
+
+
+def jittering(i: int) -> Said:
+    """A lidar that sends another number of beams over the whole turn in each scan."""
+    n = 350 + i
+    return measured(i, (-math.pi, 2.0 * math.pi / n), n)
+
+
+def within(limit: Callable[[int], float]) -> int:
+    """How many readings of a scan each at the steps are below the limit of their step."""
+    bearings = -math.pi + math.radians(2.0) * np.arange(180)
+    return int(sum(np.count_nonzero(distances(i, bearings).astype(np.float32) < limit(i)) for i in range(N)))
+
+
+CASES = (
+    Case("range_max is the largest reading", "SICKAG/sick_scan_xd#509", lambda: drive(limited),
+         notes=("largest reading",)),
+    Case("range_max 0", "Slamtec/rplidar_ros#71", lambda: drive(lambda i: measured(i, range_max=0.0)),
+         notes=("All 12 messages on /scan state a range_max of 0 m",)),
+    Case("range_max NaN", "Slamtec/rplidar_ros#115", lambda: drive(lambda i: measured(i, range_max=math.nan)),
+         notes=("state a range_max of nan m",)),
+    Case("range_max inf", "REP 117", lambda: drive(lambda i: measured(i, range_max=math.inf)),
+         notes=("range_max inf",)),
+    Case("limits the other way round", "sensor_msgs/LaserScan",
+         lambda: drive(lambda i: measured(i, range_min=30.0, range_max=0.1)), notes=("the other way round",)),
+    Case("no return is range_max", "ros-perception/laser_geometry#9", lambda: drive(lambda i: nothing_at(3.5, i)),
+         within(lambda _: 3.5), ("are exactly range_max, 3.5 m",)),
+    Case("another resolution, turn and sense", "sensor_msgs/LaserScan", lambda: drive(turned), 4 * (180 + 360 + 90),
+         ("do not have the same beams", "4 with 360 beams")),
+    Case("another number of beams in each scan", "Slamtec/rplidar_ros#31", lambda: drive(jittering), N * 350,
+         ("in more than 8 ways",), within=0.12),
+    Case("fewer beams now and then", "sensor_msgs/LaserScan", lambda: drive(lambda i: measured(i, n=180 - i % 4)),
+         N * 180 - 18),
+    Case("another greatest range", "sensor_msgs/LaserScan", lambda: drive(own_range),
+         within(lambda i: 3.0 if i % 2 else 30.0), ("do not have the same beams or limits",)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_each_message_counts_by_what_it_states_itself(tmp_path, case):
+    log = open_log(written(tmp_path, case.said(), case.kind))
+    points = ends(log)
+    assert (log.n_scans, len(points)) == (N, case.readings)
+    assert off_the_walls(points) < case.within
+    for words in case.notes:
+        assert any(words in note for note in log.notes), (words, log.notes)
+    if not case.notes:
+        assert log.notes == ()
+
+
+def test_a_real_wall_at_the_greatest_range_stays(tmp_path):
+    """Few readings at range_max are no code for no return."""
+    limit = float(np.float32(distances(0, np.array([-math.pi]))[0]))
+    log = open_log(written(tmp_path, drive(lambda i: measured(i, range_max=limit)), "mcap"))
+    assert not any("exactly range_max" in note for note in log.notes)
+    assert log.scan(0).ranges[0] == np.float32(limit) == np.float32(log.range_max)
+
+
+@pytest.mark.parametrize(
+    ("increment", "scan_time", "is_possible"),
+    [(0.2 / 180, 0.2, True), (0.8 / 180, 0.2, False), (0.1 / 180, 0.02, False), (0.2, 0.2, False)],
+    ids=["possible", "longer than the time between scans", "longer than scan_time", "the scan's time for each beam"],
+)
+def test_sweeps_that_cannot_be_are_not_used(tmp_path, increment, scan_time, is_possible):
+    """ROBOTIS-GIT/turtlebot3#690, cyberbotics/webots_ros2#1047: a time_increment that no sweep can have."""
+    said = drive(lambda i: measured(i, time_increment=increment, scan_time=scan_time))
+    log = open_log(written(tmp_path, said, "db3"))
+    plan = plan_update(MappingConfig(), log.range_min, log.range_max)
+    assert is_deskewed(log, plan, None) == is_possible
+    assert any("deskew off" in note for note in log.notes) == (not is_possible)
+    if is_possible:
+        assert log.time_increment == pytest.approx(increment)
+
+
+def test_logs_without_a_measured_distance_say_why(tmp_path):
+    """SteveMacenski/slam_toolbox#662, ros-perception/slam_gmapping#47, and the fixed-distance rangers of REP 117."""
+    nothing = drive(lambda i: replace(said := measured(i), fields=said.fields | {"ranges": np.full(180, np.inf, "f4")}))
+    notes = open_log(written(tmp_path, nothing, "mcap")).notes
+    assert any("All 2160 readings are no return" in note and "--no-return free" in note for note in notes)
+    said = []
+    for i in range(N):
+        one = sonar(T0 + i * STEP, -np.inf if i % 3 else np.inf, "/ir", "ir")
+        said.append(replace(one, fields=one.fields | {"min_range": 0.5, "max_range": 0.5}))
+    notes = open_log(written(tmp_path, said, "bag")).notes
+    assert any("a ranger for one fixed distance (REP 117)" in note for note in notes)
+    assert any("None of the 12 readings is a measured distance" in note for note in notes)
+
+
+def test_refused_messages_are_counted_by_their_reasons(tmp_path):
+    said = drive(measured)
+    said += [replace(one := measured(i), fields=one.fields | {"angle_increment": 0.0}) for i in range(3)]
+    said += [replace(one := measured(9), fields=one.fields | {"ranges": np.zeros(0, dtype=np.float32)})]
+    log = open_log(written(tmp_path, said, "db3"))
+    (note,) = [note for note in log.notes if "could not be read" in note]
+    assert "4 of 16 on /scan: 3 of them: the angle_increment is 0 rad for 180 beams (message 13)" in note
+    assert "1 of them: they have no readings (message 16)" in note
+
+
+# -- text logs ------------------------------------------------------------------------------------------------------
+
+
+def flaser(n: int, first: float, step: float, head: Iterable[str] = (), word: str = "FLASER") -> bytes:
+    """A CARMEN log of n beams from ``first`` on, ``step`` apart, degrees."""
+    bearings = np.radians(first + step * np.arange(n))
+    lines = list(head)
+    for i in range(N):
+        ranges = " ".join(f"{value:.4f}" for value in distances(i, bearings, (0.0, 0.0, 0.0)))
+        place = " ".join(f"{value:.6f}" for value in pose(i))
+        lines.append(f"{word} {n} {ranges} {place} {place} {i * 0.2:.6f} host {i * 0.2:.6f}")
+    return "\n".join([*lines, ""]).encode()
+
+
+URG = 360.0 / 1024.0
+#: Beams, first bearing and step in degrees, and lines before them. gmapping: carmenconfiguration.cpp; MRPT: the
+#: parameters of carmen_log_tools; the manuals of SICK's LMS 200 and Hokuyo's UTM-30LX.
+ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
+    (180, -90.0, 1.0, (), ""),
+    (361, -90.0, 0.5, (), "0.5° apart, 180° in all"),
+    (540, -135.0, 0.5, (), "0.5° apart"),
+    (683, -341.0 * URG, URG, (), "0.3516° apart"),
+    (769, -384.0 * URG, URG, (), "270° in all"),
+    (1081, -135.0, 0.25, (), "0.25° apart, 270° in all"),
+    (401, -50.0, 0.25, (), "100° in all"),
+    (271, -135.0, 1.0, ("PARAM laser_front_laser_resolution 1.0",), "as PARAM states"),
+    (513, -128.0, 0.5, ("PARAM laser_front_laser_fov 256", "PARAM laser_front_laser_resolution 0.5"), "256° in all"),
+    (501, -125.0, 0.5, ("PARAM laser_front_laser_fov 4.363323",), "as PARAM states"),
+    (361, -180.0, 1.0, ("PARAM laser_front_laser_fov 360", "PARAM laser_front_laser_resolution 1"), "as PARAM states"),
+    (91, -90.0, 2.0, (), "180° is assumed"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("n", "first", "step", "head", "words"), ANGLES)
+def test_the_beams_of_lines_without_angles(tmp_path, n, first, step, head, words):
+    path = tmp_path / "a.log"
+    path.write_bytes(flaser(n, first, step, head))
+    log = open_log(path)
+    assert off_the_walls(ends(log)) < 2e-3
+    assert (words and any(words in note for note in log.notes)) or not log.notes
+
+
+def test_dp_slam_and_rear_lasers_have_the_same_table():
+    """One table for all formats whose lines state no angles."""
+    first, step, notes = front_laser_beams(541, "Laser")
+    assert (math.degrees(first), math.degrees(step)) == pytest.approx((-135.0, 0.5))
+    assert "541 beams of the Laser lines" in notes[0]
+
+
+def test_raw_lasers_have_the_poses_of_the_odometry(tmp_path):
+    """CARMEN's RAWLASER lines state angles, and no poses."""
+    bearings = np.radians(-100.0 + 0.5 * np.arange(401))
+    lines = []
+    for i in range(N):
+        place = " ".join(f"{value:.6f}" for value in pose(i))
+        ranges = " ".join(f"{value:.4f}" for value in distances(i, bearings, (0.0, 0.0, 0.0)))
+        lines.append(f"ODOM {place} 0 0 0 {i * 0.2:.6f} h {i * 0.2:.6f}")
+        lines.append(
+            f"RAWLASER1 0 -1.745329 3.490659 0.008727 81.9 0.01 0 401 {ranges} 0 {i * 0.2:.6f} h {i * 0.2:.6f}"
+        )
+    path = tmp_path / "a.log"
+    path.write_text("\n".join([*lines, ""]))
+    log = open_log(path)
+    assert (log.format, list(log.trajectories)) == ("CARMEN RAWLASER1", ["wheel"])
+    assert off_the_walls(ends(log)) < 2e-3
+    path.write_text("\n".join([line for line in lines if line.startswith("RAW")] + [""]))
+    assert open_log(path).trajectory().is_placeholder
+
+
+def test_what_gmapping_writes_has_the_poses_of_its_best_particle(tmp_path):
+    bearings = np.radians(-90.0 + np.arange(181))
+    lines = []
+    for i in range(N):
+        ranges = " ".join(f"{value:.4f}" for value in distances(i, bearings, (0.0, 0.0, 0.0)))
+        x, y, yaw = pose(i)
+        lines += [
+            f"FRAME {i} 0.1 0.1",
+            f"LASER_READING 181 {ranges} {1.2 * x:.6f} {y:.6f} {yaw:.6f} {i * 0.2:.6f}",
+            f"SM_UPDATE 2 9 9 9 -40 {x:.6f} {y:.6f} {yaw:.6f} -3",
+            "NEFF 1.9",
+        ]
+    path = tmp_path / "a.gfs"
+    path.write_text("\n".join([*lines, ""]))
+    log = open_log(path)
+    assert list(log.trajectories) == ["gmapping", "odom"]
+    assert off_the_walls(ends(log)) < 2e-3
+
+
+# -- containers and types -------------------------------------------------------------------------------------------
+
+
+def key(number: int, wire: int) -> bytes:
+    return bytes([number << 3 | wire])
+
+
+def length(number: int, data: bytes) -> bytes:
+    n, out = len(data), b""
+    while n >= 0x80:
+        out, n = out + bytes([n & 0x7F | 0x80]), n >> 7
+    return key(number, 2) + out + bytes([n]) + data
+
+
+def double(number: int, value: float) -> bytes:
+    return key(number, 1) + struct.pack("<d", value)
+
+
+def protobuf(kind: str, values: dict[str, Any]) -> bytes:
+    """A message of Foxglove's schemas, written by hand from the numbers in its .proto files."""
+    seconds = values["timestamp"]["sec"]
+    varint = b""
+    while seconds >= 0x80:
+        varint, seconds = varint + bytes([seconds & 0x7F | 0x80]), seconds >> 7
+    stamp = key(1, 0) + varint + bytes([seconds]) + key(2, 5 - 5) + varint_of(values["timestamp"]["nsec"])
+    out = length(1, stamp)
+    if kind == "FrameTransform":
+        out += length(2, values["parent_frame_id"].encode()) + length(3, values["child_frame_id"].encode())
+        out += length(4, b"".join(double(k, values["translation"][axis]) for k, axis in enumerate("xyz", 1)))
+        return out + length(5, b"".join(double(k, values["rotation"][axis]) for k, axis in enumerate("xyzw", 1)))
+    place, turn = values["pose"]["position"], values["pose"]["orientation"]
+    position = b"".join(double(k, place[axis]) for k, axis in enumerate("xyz", 1))
+    orientation = b"".join(double(k, turn[axis]) for k, axis in enumerate("xyzw", 1))
+    out += length(2, values["frame_id"].encode()) + length(3, length(1, position) + length(2, orientation))
+    out += double(4, values["start_angle"]) + double(5, values["end_angle"])
+    return out + length(6, struct.pack(f"<{len(values['ranges'])}d", *values["ranges"]))
+
+
+def varint_of(n: int) -> bytes:
+    out = b""
+    while n >= 0x80:
+        out, n = out + bytes([n & 0x7F | 0x80]), n >> 7
+    return out + bytes([n])
+
+
+def foxglove(encoding: str) -> bytes:
+    """A drive as Foxglove's schemas have it: the scan's pose in the base's frame is stated in the scan."""
+    out = io.BytesIO()
+    writer = Writer(out)
+    writer.start()
+    schema = {"json": "jsonschema", "protobuf": "protobuf"}[encoding]
+    channels = {}
+    for kind, topic in (("FrameTransform", "/transforms"), ("LaserScan", "/scan")):
+        number = writer.register_schema(f"foxglove.{kind}", schema, b"{}")
+        channels[kind] = writer.register_channel(topic, encoding, number)
+    bearings = -2.0 + 0.05 * np.arange(81)
+    half = MOUNT[2] / 2.0
+    for i in range(N):
+        at, (x, y, yaw) = T0 + i * STEP, pose(i)
+        stamp = {"sec": at // SECOND, "nsec": at % SECOND}
+        messages: dict[str, dict[str, Any]] = {
+            "FrameTransform": {
+                "timestamp": stamp,
+                "parent_frame_id": "odom",
+                "child_frame_id": "base_link",
+                "translation": {"x": x, "y": y, "z": 0.0},
+                "rotation": recorded.quaternion(yaw),
+            },
+            "LaserScan": {
+                "timestamp": stamp,
+                "frame_id": "base_link",
+                "pose": {
+                    "position": {"x": MOUNT[0], "y": MOUNT[1], "z": 0.0},
+                    "orientation": {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)},
+                },
+                "start_angle": -2.0,
+                "end_angle": 2.0,
+                "ranges": distances(i, bearings).tolist(),
+            },
+        }
+        for kind, values in messages.items():
+            data = json.dumps(values).encode() if encoding == "json" else protobuf(kind, values)
+            writer.add_message(channels[kind], at, data, at)
+    writer.finish()  # type: ignore[no-untyped-call]
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("encoding", ["json", "protobuf"])
+def test_foxgloves_messages_are_read(tmp_path, encoding):
+    """foxglove/mcap#316, rerun-io/rerun#9949."""
+    path = tmp_path / "a.mcap"
+    path.write_bytes(foxglove(encoding))
+    log = open_log(path)
+    assert (log.n_scans, log.n_beams, log.default_trajectory) == (N, 81, "tf/odom")
+    assert log.mount == pytest.approx(MOUNT, abs=1e-6)
+    assert off_the_walls(ends(log)) < 1e-3
+    assert f"foxglove.LaserScan messages in {encoding} on /scan are read as sensor_msgs/LaserScan." in log.notes
+
+
+def test_a_schema_that_is_empty_is_known_by_its_name(tmp_path):
+    """ros2/rosbag2#1922; and one whose messages are serialised otherwise is named."""
+    for encoding, schema in (("cdr", ""), ("json", "jsonschema")):
+        out = io.BytesIO()
+        writer = Writer(out)
+        writer.start()
+        channels: dict[str, int] = {}
+        for said in drive(measured):
+            if said.topic not in channels:
+                kind = writer.register_schema(said.kind, schema, b"")
+                channels[said.topic] = writer.register_channel(said.topic, encoding, kind)
+            writer.add_message(channels[said.topic], said.stamp_ns, recorded.serialised(said, 2), said.stamp_ns)
+        writer.finish()  # type: ignore[no-untyped-call]
+        path = tmp_path / "a.mcap"
+        path.write_bytes(out.getvalue())
+        if encoding == "cdr":
+            assert off_the_walls(ends(open_log(path))) < 1e-3
+            continue
+        with pytest.raises(
+            ReadError, match=r"serialised in a way that is not read.*the messages are encoded as 'json'"
+        ):
+            open_log(path)
+
+
+def record(header: bytes, data: bytes, stated: int | None = None) -> bytes:
+    n = len(data) if stated is None else stated
+    return struct.pack("<I", len(header)) + header + struct.pack("<I", n) + data
+
+
+def header(**fields: bytes) -> bytes:
+    parts = [name.encode() + b"=" + value for name, value in fields.items()]
+    return b"".join(struct.pack("<I", len(part)) + part for part in parts)
+
+
+def test_the_stated_length_of_an_index_is_ignored_as_rosbag_does(tmp_path):
+    """ccny-ros-pkg/scan_tools PR 77: bags of 2010, whose index records state 20 bytes an entry and have 12."""
+    out = b"#ROSBAG V2.0\n" + record(header(op=b"\x03"), b"")
+    said = drive(measured)
+    for part in (said[:9], said[9:]):
+        data, counts = b"", dict[str, int]()
+        for one in part:
+            number = struct.pack("<I", list(dict.fromkeys(s.topic for s in said)).index(one.topic))
+            if one.topic not in counts:
+                about = header(topic=one.topic.encode(), type=one.kind.replace("/msg/", "/").encode())
+                data += record(header(op=b"\x07", conn=number, topic=one.topic.encode()), about)
+            counts[one.topic] = counts.get(one.topic, 0) + 1
+            time = struct.pack("<II", *divmod(one.stamp_ns, SECOND))
+            data += record(header(op=b"\x02", conn=number, time=time), recorded.serialised(one, 1))
+        out += record(header(op=b"\x05", compression=b"none", size=struct.pack("<I", len(data))), data)
+        for at, count in enumerate(counts.values()):
+            about = header(
+                op=b"\x04", ver=struct.pack("<I", 1), conn=struct.pack("<I", at), count=struct.pack("<I", count)
+            )
+            out += record(about, bytes(12 * count), 20 * count)
+    path = tmp_path / "a.bag"
+    path.write_bytes(out)
+    log = open_log(path)
+    assert (log.n_scans, log.notes) == (N, ())
+    assert off_the_walls(ends(log)) < 1e-3
+
+
+@pytest.mark.parametrize(("version", "words"), [("V1.2", "rosbag of ROS 1 converts it"), ("V1.1", "C Turtle")])
+def test_old_bags_name_their_version_and_what_converts_them(tmp_path, version, words):
+    """wiki.ros.org/Bags/Format."""
+    path = tmp_path / "a.bag"
+    path.write_bytes(f"#ROSRECORD {version}\n".encode() + bytes(100))
+    with pytest.raises(ReadError, match=rf"old format \(#ROSRECORD {version}\).*{words}") as caught:
+        open_log(path)
+    assert caught.value.code == "log.version"
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+def test_livox_messages_are_clouds(tmp_path, ros):
+    """Livox-SDK/livox_ros_driver#104: CustomMsg, which CDR aligns otherwise than ROS 1."""
+    from rosbags.typesys import get_types_from_msg
+
+    package = "livox_ros_driver" if ros == 1 else "livox_ros_driver2"
+    recorded.store(ros).register(
+        {
+            **get_types_from_msg(
+                "std_msgs/Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\nuint8[3] rsvd\n"
+                "CustomPoint[] points",
+                f"{package}/msg/CustomMsg",
+            ),
+            **get_types_from_msg(
+                "uint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\nuint8 reflectivity\nuint8 tag\nuint8 line",
+                f"{package}/msg/CustomPoint",
+            ),
+        }
+    )
+    bearings = np.radians(np.arange(0.5, 360.0, 1.0))
+
+    def points(i: int) -> Said:
+        ranges = distances(i, bearings)
+        numbers = [
+            {
+                "offset_time": k,
+                "x": r * math.cos(b),
+                "y": r * math.sin(b),
+                "z": 0.5,
+                "reflectivity": 1,
+                "tag": 2,
+                "line": 3,
+            }
+            for k, (r, b) in enumerate(zip(ranges.tolist(), bearings.tolist(), strict=True))
+        ]
+        fields = {
+            "header": recorded.header(T0 + i * STEP, "laser"), "timebase": 0, "point_num": len(numbers), "lidar_id": 0,
+            "rsvd": np.zeros(3, np.uint8), "points": numbers,
+        }  # fmt: skip
+        return Said("/livox/lidar", f"{package}/msg/CustomMsg", T0 + i * STEP, fields)
+
+    log = open_log(written(tmp_path, drive(points), "bag" if ros == 1 else "db3"))
+    assert log.n_scans == N
+    assert len(ends(log)) > 0.9 * N * len(bearings)
+    assert off_the_walls(ends(log)) < 0.12  # a cut's beams are 1° wide
+
+
+def test_scans_of_two_resolutions_survive_the_pack_and_are_mapped_as_one(tmp_path):
+    from mapper.io.logs import open_robot_log
+    from server.library.log_pack import read_pack, write_pack
+
+    robot = open_robot_log(written(tmp_path, drive(turned), "mcap"))
+    write_pack(robot, tmp_path / "pack.npz")
+    log = read_pack(tmp_path / "pack.npz", "/scan")
+    assert isinstance(log, JointLog)
+    assert (log.topic, log.n_scans) == ("/scan", N)
+    np.testing.assert_array_equal(ends(log), ends(robot.first))

@@ -1,0 +1,447 @@
+"""Recordings whose frames and poses people in the field have stumbled over: each scan's place must be the true one.
+
+A case is a kind of recording that public reports describe, made here, with the rule of tf2 or of the message that says
+what is right (ros2/geometry2: BufferCore, TimeCache, StaticCache). The robot drives a curve that is known in closed
+form; every scan's place in the fixed frame is compared with it, up to where the frame begins.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import ReadError
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.grid import OccupancyGrid
+from mapper.io.logs import open_log, open_robot_log
+from mapper.io.maps import load_map, save_map
+from mapper.io.trajectories import read_tum, with_trajectory
+from mapper.mapping.integrate import geometry_for, integrate_log
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.scan import ScanLog
+from tests.mapper.io.logs import recorded
+from tests.mapper.io.logs.recorded import SECOND, Said, odometry, scan, transform, written
+
+T0 = 1_700_000_000 * SECOND
+STEP = SECOND // 5
+N = 20
+MOUNT = (0.3, -0.1, 0.5)
+Pose = tuple[float, float, float]
+
+
+def true(i: float, way: int = 0) -> Pose:
+    """Where the robot is after i steps: on a circle, or the other way round on a smaller one."""
+    a = 0.05 * i
+    if way == 0:
+        return (3.0 * math.sin(a), 3.0 - 3.0 * math.cos(a), a)
+    return (2.0 - 2.0 * math.sin(a), -1.0 - 2.0 * math.cos(a) + 2.0, math.pi + a)
+
+
+def of(*poses: Pose) -> Pose:
+    """The product of transforms."""
+    found = np.array(poses[0])
+    for pose in poses[1:]:
+        found = compose(found, np.array(pose))
+    return (float(found[0]), float(found[1]), float(found[2]))
+
+
+def back(pose: Pose) -> Pose:
+    x, y, yaw = inverse(np.array(pose))
+    return (float(x), float(y), float(yaw))
+
+
+def static(parent: str, child: str, pose: Pose, at: int = T0 - SECOND, topic: str = "/tf_static") -> Said:
+    return transform(at, parent, child, *pose, topic=topic)
+
+
+def seen(at: int, topic: str = "/scan", frame: str = "laser") -> Said:
+    return scan(at, [1.0, 2.0, 3.0], topic, frame)
+
+
+def together(*parts: list[Said]) -> list[Said]:
+    """Recordings at the same time as one."""
+    return sorted((said for part in parts for said in part), key=lambda said: said.stamp_ns)
+
+
+def drive(
+    poses: Callable[[int, Pose], list[Said]], topic: str = "/scan", frame: str = "laser", way: int = 0
+) -> list[Said]:
+    """What ``poses`` states at each step, and a scan 20 ms after it, the last before the last step."""
+    said = []
+    for i in range(N + 1):
+        said += poses(T0 + i * STEP, true(i, way))
+        if i < N:
+            said.append(seen(T0 + i * STEP + SECOND // 50, topic, frame))
+    return said
+
+
+def by_tf(parent: str = "odom", child: str = "base_link", topic: str = "/tf") -> Callable[[int, Pose], list[Said]]:
+    return lambda at, pose: [transform(at, parent, child, *pose, topic=topic)]
+
+
+def sensor_at(mount: Pose = MOUNT, way: int = 0, n: int = N) -> list[Pose]:
+    """Where the sensor truly is at the scans of :func:`drive`."""
+    return [of(true(i + 0.1, way), mount) for i in range(n)]
+
+
+def assert_places(log: ScanLog, expected: list[Pose], trajectory: str | None = None, tolerance: float = 5e-3) -> None:
+    """Compare the sensor's poses with the expected ones, both in the frame of the first."""
+    found = log.sensor_poses(trajectory)
+    assert len(found) == len(expected)
+    wanted = np.array(expected)
+    apart = compose(inverse(found[0]), found) - compose(inverse(wanted[0]), wanted)
+    apart[:, 2] = wrap_angle(apart[:, 2])
+    assert np.abs(apart).max() < tolerance
+
+
+def with_bad(said: list[Said], bad: list[dict[str, object]]) -> list[Said]:
+    """The same messages of transforms, each with other transforms before its own."""
+    return [
+        replace(one, fields={"transforms": [*bad, *one.fields["transforms"]]}) if "transforms" in one.fields else one
+        for one in said
+    ]
+
+
+def stated(parent: str, child: str, quaternion: tuple[float, ...], x: float = 0.0) -> dict[str, object]:
+    rotation = dict(zip("xyzw", quaternion, strict=True))
+    place = {"translation": {"x": x, "y": 0.0, "z": 0.0}, "rotation": rotation}
+    return {"header": recorded.header(T0, parent), "child_frame_id": child, "transform": place}
+
+
+NAN = float("nan")
+BAD = [
+    stated("base_link", "zero", (0.0, 0.0, 0.0, 0.0)),
+    stated("base_link", "long", (0.0, 0.0, 0.0, 2.0)),
+    stated("base_link", "nan", (NAN, NAN, NAN, NAN)),
+    stated("base_link", "nowhere", (0.0, 0.0, 0.0, 1.0), NAN),
+    stated("base_link", "base_link", (0.0, 0.0, 0.0, 1.0)),
+    stated("", "orphan", (0.0, 0.0, 0.0, 1.0)),
+    stated("base_link", "", (0.0, 0.0, 0.0, 1.0)),
+]
+LASER = static("base_link", "laser", MOUNT)
+CAMERA = (0.4, 0.05, math.pi)
+GEO = (691_000.3, 5_334_000.7)
+
+
+def robots(*names: str) -> list[Said]:
+    """Robots that drive in turns one way and the other, with the same frames and tf in their namespaces."""
+    parts = []
+    for number, name in enumerate(names):
+        said = drive(by_tf(topic=f"{name}/tf"), f"{name}/scan", way=number % 2)
+        parts.append([static("base_link", "laser", MOUNT, topic=f"{name}/tf_static"), *said])
+    return together(*parts)
+
+
+def runs(*starts: int, late: int = 0) -> list[Said]:
+    """Drives one after the other whose stamps begin again; ``late`` old transforms come after a reset."""
+    said = [LASER]
+    for number, _ in enumerate(starts):
+        old = [transform(T0 + k * SECOND // 50, "odom", "base_link", 9.0, 9.0) for k in range(late)] if number else []
+        said += [*drive(by_tf(), way=number % 2), *old]
+    return [replace(one, stamp_ns=T0 + k * SECOND // 100) for k, one in enumerate(said)]  # recorded on and on
+
+
+def inverted(at: int, pose: Pose) -> list[Said]:
+    return [transform(at, "base_link", "odom_lidar", *back(pose))]
+
+
+def camera_as_root(at: int, pose: Pose) -> list[Said]:
+    return [transform(at, "odom", "camera_link", *of(pose, CAMERA))]
+
+
+def of_camera(at: int, pose: Pose) -> list[Said]:
+    return [odometry(at, *of(pose, CAMERA), "/camera/odom", frame="odom_frame", child="camera_pose_frame")]
+
+
+def two_parents(at: int, pose: Pose) -> list[Said]:
+    drifted = (1.1 * pose[0], 1.1 * pose[1], pose[2] + 0.004 * (at - T0) / STEP)
+    said = [transform(at + k, "odom", "base_link", *drifted) for k in range(2)]
+    return [*said, transform(at + 2, "map", "base_link", *pose)] if (at - T0) // STEP % 2 == 0 else said
+
+
+def replaced_mount() -> list[Said]:
+    said = drive(by_tf())
+    half = len(said) // 2
+    rig = [static("base_link", "rig", (0.1, 0.0, 0.0)), static("rig", "laser", (0.2, -0.1, 0.5))]
+    new = static("base_link", "laser", CAMERA, said[half].stamp_ns)
+    return [*rig, *said[:half], new, *said[half:]]
+
+
+def replaced_places() -> list[Pose]:
+    before = sum(one.topic == "/scan" for one in drive(by_tf())[: len(drive(by_tf())) // 2])
+    return [of(true(i + 0.1), MOUNT if i < before else CAMERA) for i in range(N)]
+
+
+def lag(at: int, pose: Pose) -> list[Said]:
+    """Transforms of a publisher of which each third message comes 1.2 s late, and one far ahead of time."""
+    i = (at - T0) // STEP
+    said = [transform(at, "odom", "base_link", *pose), transform(at + SECOND, "map", "odom")]
+    if i % 3 == 2 and i > 6:
+        said.append(replace(transform(at - 6 * STEP, "odom", "base_link", *true(i - 6)), stamp_ns=at + 1))
+    return said
+
+
+@dataclass(frozen=True)
+class Case:
+    source: str  #: public reports of this kind
+    messages: list[Said]
+    places: list[Pose]
+    note: str = ""  #: what a note has to say, as a regular expression
+    trajectory: str | None = None
+    topic: str | None = None
+    tf: str | None = None
+
+
+CASES: dict[str, Case] = {
+    "clean": Case("", [LASER, *drive(by_tf())], sensor_at()),
+    "robots with the same frames": Case(
+        "create3_sim#211, rosbot_xl_ros#71, navigation2#5449",
+        robots("/a", "/b", "/fleet/c"),
+        sensor_at(way=1),
+        topic="/b/scan",
+    ),
+    "a robot in a nested namespace": Case(
+        "geometry2#326", robots("/a", "/fleet/c"), sensor_at(way=1), topic="/fleet/c/scan"
+    ),
+    "a robot without a namespace beside one with": Case("geometry2#326", robots("", "/b"), sensor_at(), topic="/scan"),
+    "frames with namespaces in one tf": Case(
+        "geometry2#32",
+        together(
+            [static("b/base_link", "b/laser", MOUNT)],
+            drive(by_tf("b/odom", "b/base_link"), "/b/scan", "b/laser", way=1),
+            drive(by_tf("a/odom", "a/base_link"), "/a/scan", "a/laser"),
+        ),
+        sensor_at(way=1),
+        topic="/b/scan",
+    ),
+    "a second topic of transforms": Case(
+        "navigation2#5449",
+        [LASER, *drive(lambda at, pose: [*by_tf()(at, pose), *by_tf("world", topic="/tf_gt")(at, pose)])],
+        sensor_at(),
+        "looked up in /tf; there are more transforms to choose .*/tf_gt",
+        trajectory="tf_gt/world",
+    ),
+    "a second topic of transforms that is chosen": Case(
+        "navigation2#5449",
+        [LASER, *drive(lambda at, pose: [*by_tf()(at, (7.0, 0.0, 0.0)), *by_tf("world", topic="/vicon/tf")(at, pose)])],
+        sensor_at(),
+        tf="vicon/tf",
+    ),
+    "invalid transforms in each message": Case(
+        "fixposition_driver#69, OrbbecSDK_ROS1#49, realsense-ros PR 759",
+        with_bad([LASER, *drive(by_tf())], BAD),
+        sensor_at(),
+        "'zero' in 'base_link', as in tf2: its quaternion is 0, 0, 0, 0, which is no rotation",
+    ),
+    "a simulation that is reset twice": Case(
+        "geometry2#43, geometry2#329, slam_gmapping#66",
+        runs(0, 1, 2),
+        [*sensor_at(), *sensor_at(way=1), *sensor_at()],
+        r"begins again at scan 21 \(3\.8 s back\) and scan 41",
+    ),
+    "late transforms are no reset": Case("geometry2#341, geometry2#347", [LASER, *drive(lag)], sensor_at()),
+    "odometry of a camera": Case(
+        "realsense-ros#1526, realsense-ros#912",
+        [LASER, *drive(of_camera), static("base_link", "camera_pose_frame", CAMERA, T0 + N * STEP)],
+        sensor_at(),
+    ),
+    "odometry of the base's footprint": Case(
+        "turtlebot3#690",
+        [
+            LASER,
+            static("base_footprint", "base_link", (0.1, 0.0, 0.0)),
+            *drive(
+                lambda at, pose: [
+                    odometry(at, *of(pose, (-0.1, 0.0, 0.0)), child="base_footprint"),
+                    *by_tf("odom", "base_footprint")(at, of(pose, (-0.1, 0.0, 0.0))),
+                ]
+            ),
+        ],
+        sensor_at(),
+        trajectory="odom",
+    ),
+    "a camera as the root of the robot": Case(
+        "realsense-ros#2411, zed-ros-wrapper#447",
+        [LASER, static("camera_link", "base_link", back(CAMERA)), *drive(camera_as_root)],
+        sensor_at(),
+    ),
+    "a camera with a parent on the robot and one that tracks": Case(
+        "realsense-ros#2411",
+        [
+            LASER,
+            static("base_link", "camera", CAMERA),
+            *drive(lambda at, pose: by_tf("odom", "camera")(at, of(pose, CAMERA))),
+        ],
+        sensor_at(),
+        "2 parents of the frame 'camera'",
+    ),
+    "a mount that is stated upside down": Case(
+        "cob_control#259", [static("laser", "base_link", back(MOUNT)), *drive(by_tf())], sensor_at()
+    ),
+    "two parents": Case(
+        "autoware_universe#6676, hector_slam#27",
+        [LASER, *drive(two_parents)],
+        sensor_at(),
+        r"2 parents of the frame 'base_link', 'odom' \(42 transforms\) and 'map' \(11",
+    ),
+    "a static transform that is replaced while scans come": Case(
+        "depthai-ros#619, geometry2#705", replaced_mount(), replaced_places(), "static transforms were replaced"
+    ),
+    "a static transform that is replaced before the first scan": Case(
+        "depthai-ros#619",
+        [static("mast", "laser", CAMERA), static("base_link", "mast", CAMERA), LASER, *drive(by_tf())],
+        sensor_at(),
+    ),
+    "odometry published upside down": Case(
+        "kiss-icp#371, viso2#33, cob_control#259", [LASER, *drive(inverted)], sensor_at()
+    ),
+    "poses alone": Case(
+        "evo#660", [LASER, *drive(lambda at, pose: [recorded.pose_stamped(at, *pose)])], sensor_at(), trajectory="pose"
+    ),
+    "poses beside goals": Case(
+        "evo#660",
+        [
+            LASER,
+            recorded.pose_stamped(T0, 50.0, 50.0, 0.0, "/move_base_simple/goal"),
+            *drive(lambda at, pose: [recorded.pose_stamped(at, *pose, "/mocap/pose")]),
+            recorded.pose_stamped(T0 + N * STEP, -50.0, 50.0, 0.0, "/move_base_simple/goal"),
+        ],
+        sensor_at(),
+    ),
+    "transforms of a motion capture": Case(
+        "vicon_bridge#10", [LASER, *drive(lambda at, pose: [recorded.transform_stamped(at, *pose)])], sensor_at(),
+        "tf does not say where 'robot'",
+    ),
+    "the path of a mapper": Case(
+        "hector_slam#27",
+        [
+            LASER,
+            *drive(lambda at, pose: []),
+            recorded.path(T0 + N * STEP, [recorded.pose_stamped(T0 + i * STEP, *true(i)) for i in range(N + 1)]),
+        ],
+        sensor_at(),
+    ),
+    "georeferenced transforms": Case(
+        "gps_amcl#5, marti_common#561",
+        [LASER, *drive(lambda at, pose: by_tf("utm")(at, (GEO[0] + pose[0], GEO[1] + pose[1], pose[2])))],
+        sensor_at(),
+        "less 691000 m in x and 5334000 m in y",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_scan_has_its_true_place(tmp_path: Path, name: str) -> None:
+    case = CASES[name]
+    log = open_log(written(tmp_path, case.messages, "mcap"), topic=case.topic, tf=case.tf)
+    assert_places(log, case.places, case.trajectory)
+    said = " ".join(log.notes)
+    assert re.search(case.note, said), said
+    assert "no poses" not in said
+
+
+def test_each_invalid_transform_is_named(tmp_path: Path) -> None:
+    """tf2 ignores them one by one (BufferCore::setTransform)."""
+    log = open_log(written(tmp_path, with_bad([LASER, *drive(by_tf())], BAD), "bag"))
+    (said,) = (note for note in log.notes if "/tf_static" in note)
+    for child, why in (
+        ("zero", "no rotation"),
+        ("long", "length 2, not 1"),
+        ("nan", "quaternion is not finite"),
+        ("nowhere", "position is not finite"),
+        ("base_link", "of a frame in itself"),
+        ("orphan", "does not name its parent"),
+        ("", "does not name its child"),
+    ):
+        assert re.search(f"the transform of {child!r} in '[a-z_]*', as in tf2: [^;]*{why}", said), (child, said)
+
+
+@pytest.mark.parametrize(("length", "why"), [(0.0, "0, 0, 0, 0, which is no rotation"), (2.0, "the length 2, not 1")])
+def test_a_quaternion_that_is_no_rotation_is_the_reason_that_is_given(tmp_path: Path, length: float, why: str) -> None:
+    """rbcar_sim#4."""
+    said = [LASER, *drive(lambda at, pose: [odometry(at, *pose)])]
+    for one in said:
+        if one.topic == "/odom":
+            one.fields["pose"]["pose"]["orientation"] = {"x": 0.0, "y": 0.0, "z": 0.0, "w": length}
+    notes = open_log(written(tmp_path, said, "mcap")).notes
+    assert any("poses can be used" in note and why in note for note in notes)
+    assert not any("holds no poses" in note for note in notes)
+
+
+def test_a_driver_that_sets_its_own_clock_is_no_reset(tmp_path: Path) -> None:
+    """Of three topics only the lidar's stamps step back, so tf and odometry are one run."""
+    said = [LASER, *drive(lambda at, pose: [*by_tf()(at, pose), odometry(at, *pose)])]
+    for one in [one for one in said if one.topic == "/scan"][N // 2 :]:
+        one.fields["header"] = recorded.header(one.stamp_ns - 2 * SECOND, "laser")
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert any("runs backwards once" in note for note in log.notes)
+    assert not any("begins again" in note for note in log.notes)
+
+
+def test_trajectories_of_both_parents_are_kept(tmp_path: Path) -> None:
+    log = open_log(written(tmp_path, [LASER, *drive(two_parents)], "mcap"))
+    assert list(log.trajectories) == ["tf/map", "tf/odom"]
+    drifted = [(1.1 * x, 1.1 * y, yaw + 0.004 * (i + 0.1)) for i in range(N) for x, y, yaw in [true(i + 0.1)]]
+    np.testing.assert_allclose(log.trajectory("tf/odom").poses, drifted, atol=5e-3)
+
+
+def test_each_robot_has_its_own_odometry(tmp_path: Path) -> None:
+    said = together(
+        *(
+            drive(lambda at, pose, name=name: [odometry(at, *pose, f"{name}/odom")], f"{name}/scan", way=way)  # type: ignore[misc]
+            for way, name in enumerate(("/a", "/b"))
+        )
+    )
+    robot = open_robot_log(written(tmp_path, said, "mcap"))
+    assert [list(log.trajectories) for log in robot.sensors.values()] == [["a/odom"], ["b/odom"]]
+    assert_places(robot.scan_log("/b/scan"), sensor_at((0.0, 0.0, 0.0), way=1))
+
+
+def test_a_topic_of_transforms_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=r"no transforms on '/gt'; it has /tf\."):
+        open_log(written(tmp_path, [LASER, *drive(by_tf())], "mcap"), tf="/gt")
+
+
+def test_poses_that_are_added_take_the_place_of_none(tmp_path: Path) -> None:
+    """evo#393."""
+    bare = open_log(written(tmp_path, [LASER, *drive(lambda at, pose: [])], "mcap"))
+    assert any("holds no poses" in note for note in bare.notes)
+    tum = tmp_path / "poses.txt"
+    rows = [(T0 / SECOND + i / 5, *true(i)) for i in range(N + 1)]
+    tum.write_text("".join(f"{t:.3f} {x} {y} 0 0 0 {math.sin(a / 2)} {math.cos(a / 2)}\n" for t, x, y, a in rows))
+    log = with_trajectory(bare, read_tum(tum))
+    assert list(log.trajectories) == ["tum"]
+    assert not any("holds no poses" in note for note in log.notes)
+    assert_places(log, sensor_at())
+
+
+@pytest.mark.parametrize("kind", ["csv", "tum", "mcap"])
+def test_the_map_of_a_georeferenced_log_has_its_origin_there(tmp_path: Path, kind: str) -> None:
+    """gps_amcl#5: the wall 2 m ahead of the first scan is at its UTM coordinates in the map's file."""
+    csv = "angle_min,0\nangle_increment,0.01\nrange_max,5\nstamp,x,y,theta,ranges\n"
+    x, y = (0.0, 0.0) if kind == "tum" else GEO
+    (tmp_path / "a.csv").write_text(csv + "".join(f"{t},{x},{y},0,2.02,2.02,2.02\n" for t in range(1, 9)))
+    log = open_log(tmp_path / "a.csv")
+    if kind == "tum":
+        (tmp_path / "a.txt").write_text("".join(f"{t} {GEO[0]} {GEO[1]} 0 0 0 0 1\n" for t in range(1, 9)))
+        log = with_trajectory(log, read_tum(tmp_path / "a.txt"))
+    if kind == "mcap":
+        at = [transform(T0 + i * STEP, "utm", "laser", GEO[0] + 0.01 * i, GEO[1]) for i in range(3)]
+        said = [*at, *(scan(T0 + i * STEP, [2.02] * 3, angles=(0.0, 0.01)) for i in range(3))]
+        log = open_log(written(tmp_path, said, "mcap"))
+    config = MappingConfig(resolution=0.05)
+    grid = OccupancyGrid(geometry_for(log, config))
+    integrate_log(grid, log, config, None, 0, log.n_scans)
+    assert np.abs(log.trajectory().poses).max() < 1000.0
+    save_map(grid, tmp_path / "map", offset=log.trajectory().offset)
+    loaded = load_map(tmp_path / "map.yaml")
+    occupied = np.argwhere(loaded.values == 100)
+    assert len(occupied)
+    x, y = loaded.grid.geometry.cell_to_world(occupied).mean(axis=0)
+    assert (x, y) == pytest.approx((GEO[0] + 2.02, GEO[1] + 0.02), abs=0.06)
