@@ -163,11 +163,16 @@ class Client:
     ) -> Session:
         """Begin a session on a log, its map being empty; with ``playing`` the scans come in from the start.
 
+        That of clouds is a map in 3D, that of map files an editor, and recorded costmaps are shown.
+
         ``topic`` names its sensor, or several with " + " between them; ``cut`` says how scans are cut out of clouds and
         depth images, values of :data:`mapper.sensors.planar.options.PARAMETERS`.
         """
-        wanted: dict[str, Any] = {"kind": "log", "log": log.id, "topic": topic, "trajectory": trajectory}
-        wanted["playing"] = playing
+        wanted: dict[str, Any] = {"kind": "log", "log": log.id, "topic": topic, "playing": playing}
+        if log.record["clouds"]:  # it has no planar scans
+            wanted["kind"] = "volume"
+        else:
+            wanted["trajectory"] = trajectory
         if cut is not None:
             wanted["cut"] = dict(cut)
         return _session(self._asked("POST", "/api/sessions", json=wanted))
@@ -208,7 +213,8 @@ class Client:
 
     def address(self, session: Session) -> str:
         """Return the address of the page of a log's session, for those who may use the service."""
-        return f"{self.base}/logs.html?session={session.id}"
+        kind = "" if session.kind == "log" else f"&kind={session.kind}"
+        return f"{self.base}/logs.html?session={session.id}{kind}"
 
     def link(self, session: Session) -> str:
         """Make a read-only link to what a session of a log shows now; it needs no token. Valid until it is revoked."""

@@ -89,7 +89,11 @@ def _ready_address(process: subprocess.Popen[bytes], log: Path, told: int) -> st
 def running_chromium(*arguments: str) -> Iterator[Browser]:
     """Run headless Chromium until the block ends, with ``arguments`` beside :data:`CHROMIUM_ARGUMENTS` if need be."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=str(chromium()), args=[*CHROMIUM_ARGUMENTS, *arguments])
+        browser = playwright.chromium.launch(
+            executable_path=str(chromium()),
+            args=[*CHROMIUM_ARGUMENTS, *arguments],
+            ignore_default_args=["--hide-scrollbars"],  # a person's pages have them
+        )
         try:
             yield browser
         finally:
