@@ -1,5 +1,5 @@
 # serve: build everything and run the service.   test: everything that CI runs.
-# Needs Python 3.11+ and make. Node comes from PyPI; `make test` also needs Chromium and installs it where it can.
+# Needs Python 3.11+ and make. Node comes from PyPI; without Chromium `make test` leaves out the browser tests.
 
 PYTHON ?= python3
 VENV   := .venv
