@@ -391,11 +391,13 @@ export interface ClassPuzzle {
 
 /** The slide that is shown now, without its notes: all that followers get of the lecturer's deck. */
 export interface ClassSlide {
-  /** a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide */
-  readonly kind: "derivation" | "lab" | "log" | "section" | "text";
+  /**
+   * the title with a map, a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide
+   */
+  readonly kind: "derivation" | "lab" | "log" | "section" | "text" | "title";
   /** name of the section; null for other kinds */
   readonly section?: string | null;
-  /** title of a text or a page; null for a section */
+  /** title; null for a section */
   readonly title?: string | null;
   /** the paragraphs of a text that are shown so far; null for other kinds */
   readonly text?: string | null;
@@ -1804,7 +1806,7 @@ const isClassPuzzle: Check = isObject({
   board: isListOf(isClassSolver),
 });
 const isClassSlide: Check = isObject({
-  kind: isLiteral("derivation", "lab", "log", "section", "text"),
+  kind: isLiteral("derivation", "lab", "log", "section", "text", "title"),
   section: optional(oneOf(isText, isNull)),
   title: optional(oneOf(isText, isNull)),
   text: optional(oneOf(isText, isNull)),
