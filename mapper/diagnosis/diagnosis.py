@@ -53,7 +53,7 @@ def diagnose(
 
 
 def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
-    """Return the log as findings correct its mount, its clock and its longest range, so that no event is their effect.
+    """Return the log as findings correct its mount, its clocks and its longest range, so that no event is their effect.
 
     By a false mount the robot moves where it turns, and what is no return is a wall that moves with it.
     """
@@ -63,7 +63,8 @@ def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
     for finding in findings:
         config = config.with_values(finding.parameters or {})
     limits = [one.parameters["range_max"] for one in findings if one.parameters and "range_max" in one.parameters]
-    return replace(as_mapped(log, config), range_max=min([log.range_max, *limits]))
+    increment = 0.0 if config.deskew == "off" else log.time_increment
+    return replace(as_mapped(log, config), range_max=min([log.range_max, *limits]), time_increment=increment)
 
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
