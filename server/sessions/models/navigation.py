@@ -40,11 +40,11 @@ class Navigation(ABC):
         self._is_new = False  #: whether the costs have to be brought up to date before the next scan
         self._is_stale = False  #: whether the path has to be planned again
 
-    @abstractmethod
     def _first_values(self) -> dict[str, Any]:
         """Return the values that a new costmap has in the place of the table's first ones."""
         return {}
 
+    @abstractmethod
     def _check(self, wanted: Mapping[str, Any]) -> None:
         """Raise :class:`ConfigError` for parameters that this session cannot have."""
 
