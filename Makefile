@@ -1,5 +1,5 @@
 # serve: build everything and run the service.   test: everything that CI runs.
-# Needs Python 3.11+ and make. Node comes from PyPI; `make test` also needs Chromium and installs it where it can.
+# Needs Python 3.11+ and make. Node comes from PyPI; without Chromium `make test` leaves out the browser tests.
 
 PYTHON ?= python3
 VENV   := .venv
@@ -18,7 +18,7 @@ RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 # and each service that a test starts would be compiled anew.
 export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long bench dev clean
+.PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long test-shell bench dev clean
 
 serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
 	$(BIN)/gridbloom serve $(ARGS)
@@ -96,6 +96,13 @@ test-python: setup # needs kernels and programs; waits for browsers and processe
 
 test-long: setup kernels programs ## what takes too long for `make test`, and all cases of what it samples: hours
 	GRIDBLOOM_EXAMPLES=1000 GRIDBLOOM_FUZZ=10000 $(RUN_TESTS) --timeout 14400 -m 'long or sampled' $(PYTEST)
+	$(MAKE) test-shell
+
+test-shell: export GRIDBLOOM_CHROMIUM = chromium-headless-shell
+test-shell: setup kernels ## the browser tests of `make test` in the headless shell, where that can be had
+	if $(BIN)/python -m tests.browser.find_chromium; then \
+	  $(RUN_TESTS) -m 'browser and not long' --ignore tests/browser/engines $(or $(PYTEST),tests/browser); \
+	else test -z "$$CI"; fi
 
 bench: setup ## figures beside the peers, as ratios
 	$(BIN)/python -m tests.bench

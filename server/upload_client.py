@@ -22,7 +22,10 @@ import httpx
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import MapperError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS
+from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.logs import log_files
+from mapper.io.maps.description import image_path, parse_description
 
 PIECE = 1 << 18
 TRIES = 6  #: consecutive attempts in which the service received nothing new
@@ -36,20 +39,39 @@ class ClientError(MapperError):
 
 @contextmanager
 def as_one_file(path: Path) -> Iterator[Path]:
-    """Yield a file with the log at ``path``. The same files give the same archive, with the same digest."""
-    logs = log_files(path) if path.is_dir() else [path]
-    if len(logs) == 1:
-        yield logs[0]
+    """Yield a file with the log, the map or the depth images at ``path``.
+
+    The same files give the same archive, with the same digest. Raises :class:`ReadError` for a folder of neither, and
+    for a map's yaml whose image is not beside it.
+    """
+    files = _files_of(path)
+    if len(files) == 1:
+        yield files[0][1]
         return
     with tempfile.NamedTemporaryFile(suffix=".tar") as packed:
         with tarfile.open(fileobj=packed, mode="w", format=tarfile.USTAR_FORMAT) as archive:
-            for log in logs:
-                info = tarfile.TarInfo(log.name[-100:])  # the last characters hold the number of the part
+            for name, log in files:
+                info = tarfile.TarInfo(name[-100:])  # the last characters hold the number of the part
                 with log.open("rb") as file:
                     info.size = os.fstat(file.fileno()).st_size
                     archive.addfile(info, file)
         packed.flush()
         yield Path(packed.name)
+
+
+def _files_of(path: Path) -> list[tuple[str, Path]]:
+    """Return the files that belong together at ``path``, and their names in an archive."""
+    if path.is_dir() and is_depth_folder(path):
+        inside = sorted(one for one in path.rglob("*") if one.is_file())
+        return [(one.relative_to(path).as_posix(), one) for one in inside]
+    if path.is_dir():
+        return [(one.name, one) for one in log_files(path)]
+    if path.suffix.lower() in (".yaml", ".yml") and path.is_file():
+        with path.open("rb") as file:
+            text = file.read(DEFAULT_LIMITS.max_yaml_bytes + 1)
+        image, _ = image_path(path, parse_description(text, DEFAULT_LIMITS).image)
+        return [(path.name, path), (image.name, image)]
+    return [(path.name, path)]
 
 
 def measured(file: Path) -> tuple[int, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from mapper.sensors.depth_image import DepthImage
-from mapper.volume.sources import PlacedScan
+from mapper.volume.placed_scan import PlacedScan
 
 
 class MeasuredScans(Protocol):

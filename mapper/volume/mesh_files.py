@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mapper.core.array_types import Float64Array
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError
 from mapper.volume.mesh import Mesh
@@ -22,10 +23,14 @@ _FLOAT, _UINT32, _ARRAY, _ELEMENTS = 5126, 5125, 34962, 34963  # glTF's names of
 _Z_UP_TO_Y_UP = (-0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
-def ply_bytes(mesh: Mesh) -> bytes:
-    """Return a mesh as a binary PLY file: vertices with normals, float32, and faces of three int32."""
+def ply_bytes(mesh: Mesh, offset: Float64Array | None = None) -> bytes:
+    """Return a mesh as a binary PLY file: vertices with normals, float32, and faces of three int32.
+
+    ``offset`` (3,) is a comment: what is added to the vertices is in the coordinates of the file that was mapped.
+    """
+    moved = "" if offset is None or not offset.any() else f"comment offset {' '.join(map(repr, offset.tolist()))}\n"
     header = (
-        "ply\nformat binary_little_endian 1.0\ncomment metres, z up\n"
+        f"ply\nformat binary_little_endian 1.0\ncomment metres, z up\n{moved}"
         f"element vertex {len(mesh.vertices)}\n"
         + "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
         + f"element face {len(mesh.triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
@@ -36,10 +41,11 @@ def ply_bytes(mesh: Mesh) -> bytes:
     return header.encode() + points.tobytes() + faces.tobytes()
 
 
-def glb_bytes(mesh: Mesh) -> bytes:
+def glb_bytes(mesh: Mesh, offset: Float64Array | None = None) -> bytes:
     """Return a mesh as a binary glTF file with one grey material.
 
-    Coordinates are those of the map, in a node that turns z up to glTF's y up. Raises :class:`ConfigError` for a mesh
+    Coordinates are those of the map, in a node that turns z up to glTF's y up; ``offset``, as in :func:`ply_bytes`, is
+    in the node's extras. Raises :class:`ConfigError` for a mesh
     without triangles, which glTF has no form for.
     """
     if not len(mesh.triangles):
@@ -55,12 +61,13 @@ def glb_bytes(mesh: Mesh) -> bytes:
         for start, part, target in zip(starts, parts, (_ARRAY, _ARRAY, _ELEMENTS), strict=False)
     ]
     n = len(mesh.vertices)
+    moved = {} if offset is None or not offset.any() else {"extras": {"offset": offset.tolist()}}
     bounds = {"min": mesh.vertices.min(axis=0).tolist(), "max": mesh.vertices.max(axis=0).tolist()}
     tree = {
         "asset": {"version": "2.0", "generator": "Gridbloom"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "rotation": _Z_UP_TO_Y_UP}],
+        "nodes": [{"mesh": 0, "rotation": _Z_UP_TO_Y_UP} | moved],
         "meshes": [
             {"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "material": 0, "mode": 4}]}
         ],
@@ -87,11 +94,11 @@ def glb_bytes(mesh: Mesh) -> bytes:
     return b"".join([struct.pack("<4sII", b"glTF", 2, size), chunks, *parts])
 
 
-def write_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> None:
+def write_mesh(mesh: Mesh, path: str | os.PathLike[str], offset: Float64Array | None = None) -> None:
     """Write a mesh as the ending of ``path`` says, .ply or .glb. Raises :class:`ConfigError` for another one."""
     target = Path(path)
     if target.suffix not in ENDINGS:
         raise ConfigError("mesh.ending", f"A mesh is written as {' or '.join(ENDINGS)}, not as {target.name!r:.80}.")
-    content = ply_bytes(mesh) if target.suffix == ".ply" else glb_bytes(mesh)
+    content = (ply_bytes if target.suffix == ".ply" else glb_bytes)(mesh, offset)
     with atomic_write(target) as out:
         out.write(content)

@@ -14,7 +14,7 @@ from mapper.volume.kernels.rays import mark_rays
 from mapper.volume.kernels.types import Box
 from mapper.volume.occupancy import FORGET_BELOW, OccupancyVolume, centres_of, keys_of
 from mapper.volume.parameters import VolumeConfig
-from mapper.volume.sources import PlacedScan
+from mapper.volume.placed_scan import PlacedScan
 
 MOST_BEAMS = 64  #: of a scan whose ends are given
 

@@ -13,8 +13,9 @@ from mapper.volume.blocks import BLOCK
 from mapper.volume.occupancy import OccupancyVolume
 from mapper.volume.octree_files import OctreeFile
 from mapper.volume.parameters import VolumeConfig
+from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.scan_sequence import ScanSequence
-from mapper.volume.sources import Insertion, PlacedScan
+from mapper.volume.sources import Insertion
 
 
 class ReplayedVolume:

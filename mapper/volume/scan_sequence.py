@@ -21,14 +21,13 @@ from mapper.io.logs.unpacking import Progress
 from mapper.sensors.depth_image import DepthImage
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 from mapper.volume.depth_sequence import DepthSequence, GatheredDepth
-from mapper.volume.sources import PlacedScan, ScanSource, file_head, open_source, placed_scan
+from mapper.volume.map_offset import offset_notes, offset_of
+from mapper.volume.placed_scan import PlacedScan
+from mapper.volume.sources import ScanSource, file_head, open_source, placed_scan
 
 MOST_POINTS = 10_000_000  #: of a sequence; of one with more, one point is kept for each small cube
 FINEST_M = 0.01  #: side of these cubes at first, metres: the voxels of a map at any multiple of it keep their points
 MOST_IN_SCAN = 50_000  #: points of a scan of several from which on one point is kept for each of these cubes
-FAR_M = np.array([1000.0, 1000.0, 100.0])  #: a cloud this far from 0, x y z, is moved to it: float32 has steps of 0.5 m
-#: at a northing of 5,400 km, and airborne scans are hundreds of metres high
-OFFSET_STEP_M = 100.0
 #: Of each axis that may point up the rotation that turns it to z.
 UPS = {
     "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
@@ -199,7 +198,7 @@ def _of_source(source: ScanSource, most: int, progress: Progress | None) -> Scan
     for k, scan in enumerate(source.scans):
         if not len(scan.points):
             continue
-        offset = _offset_of(scan.points) if offset is None else offset
+        offset = offset_of(scan.points) if offset is None else offset
         gathered.add((scan.points - offset).astype(np.float32))
         origins.append(np.full(3, np.nan) if scan.origin is None else scan.origin - offset)
         stamps.append(scan.stamp_ns)
@@ -232,7 +231,7 @@ def _of_cloud(path: Path, kind: str, limits: Limits, progress: Progress | None, 
     cloud = read_cloud(path, limits=limits, progress=progress)
     finite = cloud.finite
     places = cloud.points[finite]
-    offset = _offset_of(places)
+    offset = offset_of(places)
     points = (places - offset).astype(np.float32)
     fields = {name: cloud.fields[name][finite] for name in FIELDS if name in cloud.fields}
     pose = cloud.sensor_pose
@@ -252,20 +251,11 @@ def _of_cloud(path: Path, kind: str, limits: Limits, progress: Progress | None, 
     return _sequence(kind, gathered, origin[None], np.array([cloud.stamp_ns]), offset, fields, notes)
 
 
-def _offset_of(points: NDArray[np.floating[Any]]) -> Float64Array:
-    """Return by how much points (n, 3) are moved towards 0: in steps of 100 m, and only where they are far from it."""
-    middle = np.median(points[:: max(1, len(points) // 10_000)], axis=0).astype(np.float64)
-    return np.where(np.abs(middle) > FAR_M, np.round(middle / OFFSET_STEP_M) * OFFSET_STEP_M, 0.0)
-
-
 def _sequence(
     kind: str, gathered: _Gathered, origins: Float64Array, stamps: Int64Array, offset: Float64Array,
     fields: Mapping[str, NDArray[Any]], notes: list[str],
 ) -> ScanSequence:  # fmt: skip
-    notes = [*notes, *gathered.notes()]
-    if offset.any():
-        place = ", ".join(f"{value:,.0f}" for value in offset)
-        notes.append(f"The map's origin is at {place} m of the file: its coordinates are far from 0.")
+    notes = [*notes, *gathered.notes(), *offset_notes(offset)]
     starts = np.concatenate([[0], np.cumsum([len(one) for one in gathered.scans])]).astype(np.int64)
     return ScanSequence(
         kind, np.concatenate(gathered.scans), starts, origins.reshape(-1, 3).astype(np.float64),

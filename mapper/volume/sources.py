@@ -18,16 +18,9 @@ from mapper.io.clouds.given_poses import GivenPoses
 from mapper.io.clouds.reading import HEAD_BYTES, cloud_format
 from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PosedCloud
+from mapper.volume.map_offset import MapOffset
 from mapper.volume.occupancy import Inserted, OccupancyVolume
-
-
-@dataclass(frozen=True, slots=True)
-class PlacedScan:
-    """Points (n, 3) in the map's frame, metres, at ``stamp_ns``; ``origin`` (3,) is None where it is not known."""
-
-    points: Float64Array
-    origin: Float64Array | None
-    stamp_ns: int = 0
+from mapper.volume.placed_scan import PlacedScan
 
 
 @dataclass(slots=True)
@@ -52,6 +45,7 @@ def open_source(
     sensor: Float64Array | None = None,
     poses: GivenPoses | None = None,
     number: int = 0,
+    offset: MapOffset | None = None,
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanSource:
@@ -60,10 +54,25 @@ def open_source(
     The points of a cloud's file are in the map's frame; its sensor was at its viewpoint, or at ``sensor`` (3,), metres.
     Clouds and depth images of a recording are placed by its transforms; ``topic`` names one of several. With ``poses``
     the points of a cloud's file are in the frame of its sensor, whose pose is that of ``number``, and a recording's
-    are placed by the poses at their times; a scan graph and a folder of depth images have poses of their own.
+    are placed by the poses at their times; a scan graph and a folder of depth images have poses of their own. With
+    ``offset`` the scans are moved to a map's coordinates, which the first of them decides where it is not yet.
     Raises :class:`ReadError` and :class:`LimitError` as the readers do, some of them by the iteration.
     """
-    path = Path(path)
+    found = _opened_source(Path(path), topic, sensor, poses, number, limits, progress)
+    if offset is not None:
+        found.scans = offset.placed(found.scans)
+    return found
+
+
+def _opened_source(
+    path: Path,
+    topic: str | None,
+    sensor: Float64Array | None,
+    poses: GivenPoses | None,
+    number: int,
+    limits: Limits,
+    progress: Progress | None,
+) -> ScanSource:
     if is_depth_folder(path):
         refuse_poses(poses, path)
         folder = read_depth_folder(path, limits=limits)

@@ -13,6 +13,7 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds import read_depth_folder
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.given_poses import GivenPoses
+from mapper.volume.map_offset import MapOffset
 from mapper.volume.sources import open_source
 from mapper.volume.tsdf import Fused, TsdfVolume
 
@@ -44,14 +45,15 @@ def fuse_all(
     topic: str | None = None,
     sensor: Float64Array | None = None,
     poses: GivenPoses | None = None,
+    offset: MapOffset | None = None,
     limits: Limits = DEFAULT_LIMITS,
     progress: Callable[[float], None] | None = None,
     is_cancelled: Callable[[], bool] = lambda: False,
 ) -> None:
     """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
 
-    ``topic``, ``sensor`` and ``poses`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is called with
-    the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
+    ``topic``, ``sensor``, ``poses`` and ``offset`` are as in :func:`mapper.volume.sources.open_source`; ``progress`` is
+    called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
     :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
     sensor is not known and where nothing was used.
     """
@@ -70,7 +72,8 @@ def fuse_all(
             into.count(volume.fuse_depth(frame.read(), folder.camera, frame.pose))
             step(len(folder))
     else:
-        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=into.given_poses, limits=limits)
+        number = into.given_poses
+        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=number, offset=offset, limits=limits)
         into.given_poses += source.given_poses
         for scan in source.scans:
             if scan.origin is None:

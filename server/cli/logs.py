@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from mapper.io.contents.inspection import Held
     from mapper.io.contents.model import TopicContents
     from mapper.sensors.robot_log import RobotLog
+    from mapper.sensors.scan import ScanLog
 
 
 TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
@@ -73,6 +74,7 @@ def info(
         return
     robot, topics = read
     facts = asdict(summarise(robot.first))
+    facts["notes"] = [*facts["notes"], *_causes(robot.first)]
     facts["contents"] = contents_facts(topics)
     facts["clouds"], facts["imus"] = clouds_facts(robot.clouds), imus_facts(robot.imus)
     if as_json:
@@ -105,10 +107,19 @@ def info(
         typer.echo(f"  note: {note}")
 
 
+def _causes(log: ScanLog) -> list[str]:
+    """Return a note on what makes the log's map bad, as far as the readings alone tell it."""
+    from mapper.diagnosis.readings import max_range_finding  # noqa: PLC0415 - start-up
+    from server.cli.drift import cause_line  # noqa: PLC0415 - start-up
+
+    return [cause_line(one) for one in max_range_finding(log)]
+
+
 def _print_cloud(path: Path, *, as_json: bool) -> bool:
     """Print a cloud, a scan graph or a folder of depth images; return whether it is one."""
     from mapper.io.clouds.depth_folder import is_depth_folder  # noqa: PLC0415 - start-up
     from mapper.io.clouds.reading import TEXT, format_of  # noqa: PLC0415 - start-up
+    from mapper.io.logs import is_log  # noqa: PLC0415 - start-up
 
     if is_depth_folder(path):
         print_depth_folder(path, as_json=as_json)
@@ -117,7 +128,7 @@ def _print_cloud(path: Path, *, as_json: bool) -> bool:
     if path.is_file():
         with refusing(path):
             kind = format_of(path)
-    if kind is None or (kind == TEXT and not set(path.suffixes) & TEXT_ENDINGS):
+    if kind is None or (kind == TEXT and (not set(path.suffixes) & TEXT_ENDINGS or is_log(path))):
         return False
     print_cloud(path, kind, as_json=as_json)
     return True
@@ -190,17 +201,29 @@ def doctor(
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Print what is wrong with a log, where, with what confidence, and what to do about it."""
-    from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
+    """Print what is wrong with a log, where, with what confidence, and what to do about it; then its events.
+
+    Events are pushes, slips and lifts of the robot, which its wheels did not measure, and steps of its clock.
+    """
+    from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
     scans = read_joint(log, topic or (), tum_trajectory, tf)
     with refusing(log), progress_bar("Examining") as bar:
-        found = examine(scans, trajectory, bar, time_offset=config.time_offset)
+        diagnosis = diagnose(scans, trajectory, bar, time_offset=config.time_offset)
+    found, events = diagnosis.findings, diagnosis.events
     if as_json:
-        print_json({"log": scans.name, "findings": [finding.public() for finding in found]})
+        print_json(
+            {
+                "log": scans.name,
+                "findings": [finding.public() for finding in found],
+                "events": [event.public() for event in events],
+            }
+        )
         return
-    typer.echo(f"{scans.name}: {len(found)} finding{'' if len(found) == 1 else 's'}")
+    counts = [(len(found), "finding"), (len(events), "event")]
+    said = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n or name == "finding"]
+    typer.echo(f"{scans.name}: {', '.join(said)}")
     for finding in found:
         possible = "possible, " if finding.possible else ""
         of = f" of {finding.sensor}" if finding.sensor else ""
@@ -211,3 +234,7 @@ def doctor(
             typer.echo(f"    at scan {', '.join(map(str, finding.scans[:FEW]))}{more}")
         if finding.parameters:
             typer.echo(f"    with {', '.join(f'{name} = {value}' for name, value in finding.parameters.items())}")
+    for event in events:
+        utc = "" if event.utc is None else f", {event.utc}"
+        typer.echo(f"  {event.kind} at {event.time}{utc}: {event.sentence}")
+        typer.echo(f"    at scan {event.scan}")

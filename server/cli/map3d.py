@@ -17,6 +17,7 @@ from server.cli.common import (
     fail,
     numbers,
     print_json,
+    print_notes,
     progress_bar,
     refusing,
     value_of,
@@ -90,6 +91,7 @@ def map3d(
     import numpy as np  # noqa: PLC0415 - start-up
 
     from mapper.volume import OccupancyVolume, Octree  # noqa: PLC0415 - start-up
+    from mapper.volume.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
     from mapper.volume.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
     from mapper.volume.voxel_mesh import voxel_mesh  # noqa: PLC0415 - start-up
 
@@ -125,7 +127,8 @@ def map3d(
             )
     except MapperError as error:
         fail(error.message)
-    scans, notes = Insertion(), []
+    scans, notes = Insertion(), [] if read is None else [*read.notes]
+    offset = MapOffset(None if read is None else read.offset)
     rest = inputs if read is None else inputs[1:]
     with refusing(inputs[0]):
         meshes = any(path.suffix in MESHES for path in out)
@@ -135,19 +138,20 @@ def map3d(
     posed = 0  # clouds so far, each of which takes one of the poses
     for path in rest:
         with refusing(path), progress_bar(f"Mapping {path.name}") as bar:
-            source = open_source(path, topic=topic, sensor=place, poses=poses, number=posed)
+            source = open_source(path, topic=topic, sensor=place, poses=poses, number=posed, offset=offset)
             posed += source.given_poses
             insert_all(volume, source, scans, bar)
         notes += [f"{path.name}: {note}" for note in source.notes]
     tree = read.tree if read is not None and not rest else Octree.of(volume)
     files = [
-        write_mesh_file(voxel_mesh(volume), path)
+        write_mesh_file(voxel_mesh(volume), path, offset.value)
         if path.suffix in MESHES
-        else _write(path, tree, config, read if not rest else None)
+        else _write(path, tree, config, read if not rest else None, offset.value)
         for path in out
     ]
     if projection is not None:
-        files += _write_projection(volume, projection, heights, inputs[0])
+        files += _write_projection(volume, projection, heights, inputs[0], offset.value)
+    notes += offset_notes(offset.value)
     facts: dict[str, Any] = {
         "inputs": [str(path) for path in inputs],
         "scans": scans.scans,
@@ -214,23 +218,32 @@ def _first_octree(path: Path) -> OctreeFile | None:
         return read_octree(path) if is_octree(file.read(64)) else None
 
 
-def _write(path: Path, tree: Octree, config: VolumeConfig, read: OctreeFile | None) -> Path:
+def _write(
+    path: Path, tree: Octree, config: VolumeConfig, read: OctreeFile | None, offset: Float64Array | None
+) -> Path:
     """Write a tree; one that was read and is written as the same kind is written byte for byte."""
     from mapper.volume import octree_file, write_octree  # noqa: PLC0415 - start-up
 
     with refusing(path):
         same = read is not None and read.kind == path.suffix
-        write_octree(read if same and read is not None else octree_file(tree, path.suffix, config), path, config)
+        write_octree(
+            read if same and read is not None else octree_file(tree, path.suffix, config, offset), path, config
+        )
     return path
 
 
-def _write_projection(volume: OccupancyVolume, prefix: Path, heights: list[float] | None, of: Path) -> list[Path]:
+def _write_projection(
+    volume: OccupancyVolume, prefix: Path, heights: list[float] | None, of: Path, offset: Float64Array | None
+) -> list[Path]:
+    """Write the map from above in the coordinates of the files, in which ``heights`` are too."""
     from mapper.volume import project  # noqa: PLC0415 - start-up
+    from mapper.volume.map_offset import georeferenced  # noqa: PLC0415 - start-up
     from server.cli.map_files import save  # noqa: PLC0415 - start-up
 
     with refusing(of):
-        grid = project(volume) if heights is None else project(volume, *heights)
-    return save(grid, prefix, "trinary", "map")
+        base = 0.0 if offset is None else float(offset[2])
+        grid = project(volume) if heights is None else project(volume, *(height - base for height in heights))
+    return save(georeferenced(grid, offset), prefix, "trinary", "map")
 
 
 def tree_facts(tree: Octree, config: VolumeConfig) -> dict[str, Any]:
@@ -263,15 +276,19 @@ def print_tree(facts: dict[str, Any]) -> None:
 
 def describe_octree(path: Path, *, as_json: bool) -> bool:
     """Print what an octree file holds; return whether the file is one."""
+    from mapper.volume.map_offset import offset_notes  # noqa: PLC0415 - start-up
+
     read = _first_octree(path)
     if read is None:
         return False
     with refusing(path):
         config = VolumeConfig()
         facts = {"name": path.name, "format": f"OctoMap {read.kind}", **tree_facts(read.tree, config)}
+        facts["notes"] = [*read.notes, *offset_notes(read.offset)]
     if as_json:
         print_json(facts)
         return True
     typer.echo(f"{facts['name']}: {facts['format']}")
     print_tree(facts)
+    print_notes(facts["notes"])
     return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -80,7 +81,13 @@ def serve(
 
 @app.command()
 def upload(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robot log, or its folder.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="A robot log, a cloud, an octree or a map.yaml; or the folder of a log or depth images.",
+        ),
+    ],
     url: Annotated[str, typer.Argument(metavar="URL", help="The address that the service prints.")],
     as_json: AsJson = False,
 ) -> None:
@@ -95,7 +102,22 @@ def upload(
     if as_json:
         print_json({**log.record, "link": link})
         return
-    typer.echo(f"{log.name}: {log.scans} scans of {log.beams} beams, {log.format}")
+    typer.echo(f"{log.name}: {_contents(log.record)}")
     for note in log.notes:
         typer.echo(f"  note: {note}")
     typer.echo(f"  {link}")
+
+
+def _contents(record: Mapping[str, Any]) -> str:
+    """Say in words how much a log has of what it has (scans, points, costmaps or cells), and its format."""
+    if record["map"] is not None:
+        return f"a map of {record['map']['cols']} × {record['map']['rows']} cells"
+    if record["clouds"]:
+        unit = "leaves" if str(record["format"]).startswith("OctoMap") else "points"
+        clouds = record["clouds"]
+        found = f"{record['points']} {unit}" + (f" of {clouds} clouds" if clouds > 1 else "")
+    elif record["costmaps"]:
+        found = f"{record['costmaps']} costmap{'s' if record['costmaps'] != 1 else ''}"
+    else:
+        found = f"{record['scans']} scan{'s' if record['scans'] != 1 else ''} of {record['beams']} beams"
+    return f"{found}, {record['format']}"

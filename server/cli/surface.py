@@ -15,6 +15,7 @@ from server.cli.common import fail, print_json, progress_bar, refusing, value_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from mapper.core.array_types import Float64Array
     from mapper.io.clouds.given_poses import GivenPoses
     from mapper.volume import Mesh
 
@@ -34,6 +35,7 @@ def map_surface(
 ) -> None:
     """Fuse what the inputs hold, write the surface and print what was done."""
     from mapper.volume import TsdfVolume, surface_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
     from mapper.volume.surface_sources import Fusions, fuse_all  # noqa: PLC0415 - start-up
 
     others = sorted(values.keys() - ROWS.keys())
@@ -50,13 +52,14 @@ def map_surface(
         config = TsdfConfig(**given)
     except MapperError as error:
         fail(error.message)
-    volume, did, notes = TsdfVolume(config), Fusions(), []
+    volume, did, notes, offset = TsdfVolume(config), Fusions(), [], MapOffset()
     for path in inputs:
         with refusing(path), progress_bar(f"Fusing {path.name}") as bar:
-            fuse_all(volume, path, did, topic=topic, sensor=sensor, poses=poses, progress=bar)
+            fuse_all(volume, path, did, topic=topic, sensor=sensor, poses=poses, offset=offset, progress=bar)
         notes += [f"{path.name}: {note}" for note in did.notes]
         did.notes.clear()
     mesh = surface_mesh(volume)
+    notes += offset_notes(offset.value)
     facts: dict[str, Any] = {
         "inputs": [str(path) for path in inputs],
         "scans": did.scans,
@@ -65,7 +68,7 @@ def map_surface(
         "truncation": round(float(config.band), 6),
         "blocks": volume.blocks.count,
         **mesh_facts(mesh),
-        "files": [str(write_mesh_file(mesh, path)) for path in out],
+        "files": [str(write_mesh_file(mesh, path, offset.value)) for path in out],
         "cpu_seconds": round(time.process_time() - began, 3),
         "notes": notes,
     }
@@ -82,12 +85,12 @@ def map_surface(
         typer.echo(f"  note: {note}")
 
 
-def write_mesh_file(mesh: Mesh, path: Path) -> Path:
+def write_mesh_file(mesh: Mesh, path: Path, offset: Float64Array | None = None) -> Path:
     """Write a mesh, or end the command with an error."""
     from mapper.volume.mesh_files import write_mesh  # noqa: PLC0415 - start-up
 
     with refusing(path):
-        write_mesh(mesh, path)
+        write_mesh(mesh, path, offset)
     return path
 
 

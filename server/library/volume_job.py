@@ -78,7 +78,7 @@ def summarise_volume(source: VolumeSource, name: str) -> LogSummary:
     if not isinstance(source, ScanSequence):
         if source.tree.n_nodes == 0:
             raise ReadError("octree.empty", "The octree has no nodes.")
-        return _summary(name, f"OctoMap {source.kind}", 1, source.tree.n_leaves, (), None, 0.0)
+        return _summary(name, f"OctoMap {source.kind}", 1, source.tree.n_leaves, source.notes, None, 0.0)
     stamps = np.sort(source.stamps_ns).astype(np.float64) * 1e-9
     gaps = np.diff(stamps)
     usual = float(np.median(gaps)) if len(gaps) else 0.0

@@ -19,7 +19,7 @@ from mapper.volume.depth_sequence import DepthSequence
 from mapper.volume.scan_sequence import FIELDS, ScanSequence
 from server.library.log_pack import StalePackError
 
-VERSION = 2
+VERSION = 3
 _SCANS, _OCTREE = "scans in 3D", "octree"
 
 VolumeSource = ScanSequence | OctreeFile
@@ -31,7 +31,7 @@ def write_volume_pack(source: VolumeSource, path: Path) -> None:
     if isinstance(source, OctreeFile):
         about: dict[str, Any] = {
             "kind": _OCTREE, "ending": source.kind, "header": source.header.decode("latin-1"),
-            "resolution": source.tree.resolution,
+            "resolution": source.tree.resolution, "notes": list(source.notes),
         }  # fmt: skip
         arrays = {"values": source.tree.values, "masks": source.tree.masks}
     else:
@@ -63,7 +63,7 @@ def read_volume_pack(path: Path) -> VolumeSource:
                 raise StalePackError("The pack is none of a 3D map.")
             if about["kind"] == _OCTREE:
                 tree = Octree(float(about["resolution"]), arrays["values"], arrays["masks"])
-                return OctreeFile(about["ending"], about["header"].encode("latin-1"), tree)
+                return OctreeFile(about["ending"], about["header"].encode("latin-1"), tree, tuple(about["notes"]))
             depth = None
             if "camera" in about:
                 depth = DepthSequence(

@@ -1,6 +1,9 @@
 """Find the Chromium that the browser tests use; as a program, install it if possible.
 
-``make test`` runs it before the tests: it prints the path, or one sentence on what to do and exits with 1.
+Any Chromium will do; of several it is an ordinary one, as a person has it.
+
+``make test`` runs it before the tests: it prints the path, or one sentence on what to do. Then it exits with 1
+in CI, and where GRIDBLOOM_CHROMIUM names what does not start; elsewhere the browser tests are left out.
 """
 
 from __future__ import annotations
@@ -14,14 +17,22 @@ from pathlib import Path
 
 from tests.programs import MissingProgramError, apt_install, in_ci
 
-# Chromium without the windows around its pages comes first: opening a page takes a quarter of the time in it.
-HEADLESS = ("chromium-headless-shell", "chrome-headless-shell", "headless_shell")
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
-PACKAGES = ("chromium-headless-shell", "chromium")  #: of Debian, of which the first is not in every release
+NAMES = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "chromium-headless-shell",  # as in Debian: the same engine without the windows around its pages
+    "chrome-headless-shell",  # as in Chrome for Testing
+    "headless_shell",
+)
 MAC = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
 )
+SHELL = "chromium-headless-shell"  #: its program and its package in Debian
 PURPOSE = "The browser tests need Chromium"
 ADVICE = "install Chromium (Debian, Ubuntu: apt-get install chromium) or name its program in GRIDBLOOM_CHROMIUM"
 
@@ -47,38 +58,27 @@ def chromium() -> Path:
         if found is None or not starts(Path(found)):
             raise MissingProgramError(f"GRIDBLOOM_CHROMIUM names {named!r}, which is no Chromium that starts.")
         return Path(found)
-    for candidate in (*HEADLESS, *NAMES, *MAC):
+    for candidate in (*NAMES, *MAC):
         found = shutil.which(candidate)
         if found is not None and starts(Path(found)):
             return Path(found)
     raise MissingProgramError(f"{PURPOSE}: {ADVICE}.")
 
 
-def _light() -> Path | None:
-    """Return the headless shell, installed now; None where it cannot be, or is not wanted beside another Chromium."""
-    if not in_ci() or os.environ.get("GRIDBLOOM_CHROMIUM") or chromium().name in HEADLESS:
-        return None
-    try:
-        apt_install(PACKAGES[:1], PURPOSE, ADVICE)
-    except MissingProgramError:
-        return None
-    chromium.cache_clear()
-    return chromium()
-
-
 def main() -> int:
-    """Print the path of Chromium; install it first where it is missing, and in CI the headless shell."""
+    """Print the path of Chromium, which is installed first where it is missing and a package of Debian."""
+    named = os.environ.get("GRIDBLOOM_CHROMIUM")
     try:
         try:
-            program = _light() or chromium()
+            program = chromium()
         except MissingProgramError:
-            if os.environ.get("GRIDBLOOM_CHROMIUM"):
+            if named not in (None, "", "chromium", SHELL):
                 raise
-            apt_install(PACKAGES, PURPOSE, ADVICE)
+            apt_install((named or "chromium",), PURPOSE, ADVICE)
             program = chromium()
     except MissingProgramError as error:
         print(error, file=sys.stderr)
-        return 1
+        return 1 if in_ci() or os.environ.get("GRIDBLOOM_CHROMIUM") else 0
     print(program)
     return 0
 

@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, Route, expect
 
+from tests.browser.lecturing import set_up_every_figure
 from tests.browser.looking import (
     SECONDS,
     await_map,
@@ -128,9 +129,7 @@ def test_axe_finds_nothing(dressed: Page, server: str, path: str) -> None:
     page.goto(server + path)
     page.locator(READY[path]).first.wait_for()
     if path == "/lecture.html":
-        page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
-        expect(page.locator(".figure-awaited")).to_have_count(0)
-        page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+        set_up_every_figure(page)
         assert told_sliders(page) > 40
     nothing_wrong(page)
 

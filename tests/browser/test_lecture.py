@@ -6,28 +6,19 @@ import re
 from itertools import product
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.browser.conftest import SIZES
-from tests.browser.lecturing import never_idle
+from tests.browser.lecturing import never_idle, open_lecture
 from tests.browser.looking import await_true, until
+from tests.browser.stillness import AWAITED, FOUND, HOLD, JUMP, LET_GO, OFF, STILL_WITHIN, WATCH
+from tests.marks import also_long_rows
 
 # On a phone innerWidth grows with a page that is too wide, clientWidth does not.
 NARROW = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth + 1"
 # Whether all that a section holds lies within the window.
 WITHIN = """section => Math.max(...[...section.querySelectorAll(":not(svg *)")].map(
   one => one.getBoundingClientRect().right)) <= innerWidth + 1"""
-
-# Of each section: whether its figure is still awaited, and the height that it takes.
-PLACES = """() => [...document.querySelectorAll(".lesson-figure > div")].map(
-  place => [place.classList.contains("figure-awaited"), place.offsetHeight])"""
-
-# Of each section whose figure takes another height than the one that was reserved for it at this width: both.
-MISPLACED = """() => [...document.querySelectorAll(".lesson")].flatMap(section => {
-  const place = section.querySelector(".lesson-figure > div");
-  const reserved = parseFloat(getComputedStyle(place).getPropertyValue("--reserved"));
-  return Math.abs(place.offsetHeight - reserved) <= 40 ? [] : [[section.id, reserved, place.offsetHeight]];
-})"""
 
 
 #: Waits until the page has not scrolled for ten frames.
@@ -47,13 +38,9 @@ LOOKS = [
 def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
     page.emulate_media(color_scheme=scheme)  # most of the time would go to drawing
     never_idle(page)
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     sections = page.locator(".lesson")
-    expect(sections.first).to_be_visible()
-    # Figures far from the window are not set up yet; the place that is kept for them is as high as they will be.
-    expect(page.locator(".figure-awaited")).not_to_have_count(0)
-    kept = page.evaluate(PLACES)
-    assert sum(waits for waits, _ in kept) >= 10
+    expect(page.locator(".figure-awaited")).not_to_have_count(0)  # figures far from the window are not set up yet
     for i in range(sections.count()):
         section = sections.nth(i)
         section.scroll_into_view_if_needed()
@@ -63,27 +50,63 @@ def test_the_lecture_opens_completely(page: Page, server: str, scheme) -> None:
         await_true(page, WITHIN, arg=section.element_handle())
     expect(page.locator(".figure-awaited")).to_have_count(0)
 
-    def moved() -> list[tuple[int, int]]:
-        heights = zip((height for _, height in kept), (height for _, height in page.evaluate(PLACES)), strict=True)
-        return [(before, after) for before, after in heights if abs(after - before) > 40]
 
-    until("the figures to be as high as their places", lambda: not moved())
+#: A window, the size of text in percent of the usual one, and whether the page's fonts come.
+@pytest.mark.parametrize(
+    ("width", "height", "text", "fonts"),
+    [
+        (901, 800, 200, True),
+        (1537, 900, 100, False),
+        *also_long_rows(
+            (390, 844, 100, True), (390, 844, 200, False), (1111, 700, 100, True), (1440, 900, 200, True),
+            (1920, 1080, 100, True),
+        ),
+    ],
+)  # fmt: skip
+def test_nothing_in_view_moves_while_the_page_fills(
+    context: BrowserContext, server: str, width: int, height: int, text: int, fonts: bool
+) -> None:
+    page = context.new_page()
+    page.set_viewport_size({"width": width, "height": height})
+    page.add_init_script(
+        f"addEventListener('DOMContentLoaded', () => {{ document.documentElement.style.fontSize = '{text}%'; }});"
+        f"({HOLD})()"
+    )
+    if not fonts:
+        page.route("**/*.woff2", lambda route: route.abort())
+    page.goto(f"{server}/lecture.html#terrain")
+
+    def is_at(section: str) -> bool:
+        return bool(abs(page.evaluate(OFF, section)) <= STILL_WITHIN)
+
+    expect(page.locator("#log")).to_be_attached()  # the sections whose code comes later are there
+    until("the section of the address", lambda: is_at("terrain"))
+    for section in ("rays", "lifetime", "mount"):
+        page.evaluate(JUMP, section)
+        page.evaluate(WATCH)
+        assert is_at(section), section
+    assert page.evaluate(AWAITED) > 15
+    page.evaluate(LET_GO)
+    expect(page.locator(".figure-awaited")).to_have_count(0)
+    page.evaluate("() => new Promise(requestAnimationFrame)")
+    seen, moved = page.evaluate(FOUND)
+    assert seen > 1
+    assert moved == []
+    assert is_at("mount")
 
 
 @pytest.mark.moving
-def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
+def test_the_page_is_read_by_wheel_and_keys(page: Page, server: str) -> None:
     page.add_init_script(
         "window.moved = 0; new PerformanceObserver(list => {"
         " for (const shift of list.getEntries()) window.moved += shift.value;"
         "}).observe({ type: 'layout-shift', buffered: true });"
     )
     page.goto(f"{server}/lecture.html#sonar")
-    section = page.locator("#sonar")
-    expect(section).to_be_in_viewport()
-    # The figures around it come, and then all others, without anybody going there. The anchor is where it belongs.
+    # The figures around it come, and then all others, without anybody going there.
+    expect(page.locator("#log .dropzone")).to_be_attached()
     expect(page.locator(".figure-awaited")).to_have_count(0)
-    at = "e => e.getBoundingClientRect().top - parseFloat(getComputedStyle(e).scrollMarginTop)"
-    until("the section at the top", lambda: abs(section.evaluate(at)) < 2)
+    assert abs(page.evaluate(OFF, "sonar")) <= STILL_WITHIN
     # The section in sight is marked in the list beside the lecture, and another one is a key press away.
     sections = page.get_by_role("navigation", name="Sections of the lecture")
     expect(sections.locator("[aria-current]")).to_have_text(re.compile(r"\d+\s+Sonar cones"))
@@ -94,23 +117,13 @@ def test_the_page_does_not_jump_while_it_fills(page: Page, server: str) -> None:
             page.evaluate("() => new Promise(requestAnimationFrame)")
     page.evaluate(STANDS)  # the last turn of the wheel may be carried out later than it is sent
     assert page.evaluate("window.moved") < 0.02
-    # Another address is followed at once: a scroll that takes a while ends elsewhere if figures are rendered meanwhile.
-    top = page.evaluate("""async () => {
-      location.hash = "terrain";
-      await new Promise(done => addEventListener("hashchange", () => requestAnimationFrame(done), { once: true }));
-      const section = document.getElementById("terrain");
-      return section.getBoundingClientRect().top - parseFloat(getComputedStyle(section).scrollMarginTop);
-    }""")
-    assert abs(top) < 2
+    page.evaluate(JUMP, "terrain")
+    assert abs(page.evaluate(OFF, "terrain")) <= STILL_WITHIN
     sections.get_by_role("button").click()
     sections.get_by_role("link", name="Rays on a grid").focus()
     page.keyboard.press("Enter")
     expect(sections.locator("[aria-current]")).to_have_text(re.compile("Rays on a grid"))
-    expect(page.locator("#rays h2")).to_be_in_viewport()
-    # The height of each figure is reserved at every width, beside those of the test above.
-    for width in (1280, 1920, 768, 1366, 1100, 360):
-        page.set_viewport_size({"width": width, "height": 800})
-        until(f"the figures to be as high as reserved at {width}", lambda: page.evaluate(MISPLACED) == [])
+    until("the section of the list", lambda: abs(page.evaluate(OFF, "rays")) <= STILL_WITHIN)
 
 
 # --- your own log ----------------------------------------------------------------------------------------------------
@@ -131,7 +144,7 @@ def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: P
         light: canvases.filter(light).length,
       };
     })""")
-    page.goto(f"{server}/lecture.html")
+    open_lecture(page, server)
     expect(page.locator("#grid figure")).to_be_visible()
     page.pdf()
     printed = page.evaluate("printed")

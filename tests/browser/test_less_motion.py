@@ -7,6 +7,7 @@ import re
 
 from playwright.sync_api import Page, expect
 
+from tests.browser.lecturing import open_lecture, set_up_every_figure
 from tests.browser.looking import await_map, frame, frames, map_digest, open_group, painted, settled_digest, until
 
 
@@ -83,10 +84,8 @@ def test_live_maps_are_paused_and_advance_by_steps(page: Page, server: str) -> N
 
 def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"{server}/lecture.html")
-    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
-    expect(page.locator(".figure-awaited")).to_have_count(0)
-    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    open_lecture(page, server)
+    set_up_every_figure(page)
     # Three of them run for who does not ask for less motion; each has its steps instead.
     expect(page.get_by_role("button", name="Play")).to_have_count(0)
     for section, step, told in (

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page
 
+from tests.browser.lecturing import open_lecture, set_up_every_figure
 from tests.browser.looking import await_map, open_groups, without_canvas_in_3d
 from tests.marks import also_long_rows
 
@@ -53,10 +54,8 @@ def test_every_target_is_large_enough(page: Page, server: str, open_lab: Callabl
     page.goto(server)
     await_map(page)
     found["front page"] = small(page)
-    page.goto(f"{server}/lecture.html")
-    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
-    expect(page.locator(".figure-awaited")).to_have_count(0)
-    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    open_lecture(page, server)
+    set_up_every_figure(page)
     found["lecture"] = small(page)
     page.goto(f"{server}/fleet.html")
     page.locator(".fleet-card.failed").first.wait_for()

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import ElementHandle, Locator, Page, expect
 
+from tests.browser.lecturing import open_lecture, set_up_every_figure
 from tests.browser.looking import await_map, frame, open_group, settled_digest, until
 from tests.marks import also_long
 
@@ -216,10 +217,8 @@ def moves(fingers: Fingers, slider: ElementHandle) -> bool:
 def test_every_figure_of_the_lecture_is_moved_by_a_finger(page: Page, server: str, every: int) -> None:
     """A finger takes one in ``every`` sliders, and scrolls the page over one in ``every`` figures, in turn."""
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"{server}/lecture.html")
-    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")  # sets up every figure
-    expect(page.locator(".figure-awaited")).to_have_count(0)
-    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    open_lecture(page, server)
+    set_up_every_figure(page)
     fingers = Fingers(page)
     met = driven = 0
     for number, section in enumerate(page.locator(".lesson").all()):

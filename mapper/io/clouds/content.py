@@ -42,6 +42,15 @@ def content(path: Path, limits: Limits, progress: Progress | None = None) -> byt
     return b"".join(parts)
 
 
+def plain_text(data: bytes) -> bytes:
+    """Return a text without its byte-order mark, in UTF-8 where that says that it is UTF-16; other data as it is."""
+    if b"\0\0\0" in data[:64]:
+        return data
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", "replace").encode()
+    return data.removeprefix(b"\xef\xbb\xbf")
+
+
 def check_count(n: int, limits: Limits) -> None:
     """Raise :class:`ReadError` for a negative number of points and :class:`LimitError` for too many."""
     if n < 0:
@@ -52,33 +61,47 @@ def check_count(n: int, limits: Limits) -> None:
         )
 
 
+def ended_early(claimed: int, there: int) -> tuple[str, ...]:
+    """Return the note on a file that ends before all its points, none where it does not.
+
+    Raises :class:`ReadError` where not one of them is there.
+    """
+    if there >= claimed:
+        return ()
+    if there == 0:
+        raise ReadError("cloud.truncated", f"The file ends early: {claimed} points claimed, none there.")
+    return (f"The file ends early: {claimed} points claimed, {there} there; these are read.",)
+
+
 def made_cloud(
     points: NDArray[Any],
     columns: Mapping[str, NDArray[Any]],
     limits: Limits,
     shape: tuple[int, int] | None = None,
     sensor_pose: NDArray[np.float64] | None = None,
+    notes: tuple[str, ...] = (),
 ) -> PointCloud:
     """Return the cloud of ``points`` (n, 3) with ``columns`` as fields, by their standard names.
 
-    Points that are not finite, and those beyond ``max_coordinate``, which become NaN, are counted in its notes, as is
-    the step of coordinates that are too large for their float32. Raises :class:`ReadError` for a cloud without points.
+    ``notes`` come before those on the points. Points that are not finite, and those beyond ``max_coordinate``, which
+    become NaN, are counted in its notes, as is the step of coordinates that are too large for their float32. Raises
+    :class:`ReadError` for a cloud without points.
     """
     n = len(points)
     if n == 0:
         raise ReadError("cloud.empty", "The file holds no points.")
     places = np.array(points, dtype=np.float64, order="C")
-    notes = []
+    said = [*notes]
     finite = np.asarray(np.isfinite(places).all(axis=1))
     if not finite.any():
         raise ReadError("cloud.no_places", f"None of the {n} points is finite.")
     if not finite.all():
         first = int(np.argmin(finite))
-        notes.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
+        said.append(f"{n - int(finite.sum())} of {n} points are not finite, the first at index {first}.")
     far: NDArray[np.bool_] = np.abs(np.where(finite[:, np.newaxis], places, 0.0)).max(axis=1) > limits.max_coordinate
     if far.any():
         first = int(np.argmax(far))
-        notes.append(
+        said.append(
             f"{int(far.sum())} of {n} points are more than {limits.max_coordinate:g} m from the origin and are left "
             f"out, the first at index {first}: {', '.join(f'{value:g}' for value in places[first])}."
         )
@@ -92,9 +115,9 @@ def made_cloud(
         farthest = np.float32(np.nanmax(np.where(finite[:, np.newaxis], np.abs(places), 0.0)))
         step = float(np.spacing(farthest))
         if step > COARSE_STEP_M:
-            notes.append(
+            said.append(
                 f"The coordinates are 32-bit numbers: at {farthest:.0f} m they have steps of {step:g} m. Subtract an "
                 "offset before saving, or save them as 64-bit numbers, to keep what is finer."
             )
     fields = standard_fields(columns)
-    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(notes))
+    return PointCloud(places, 0, "", shape, fields, times_of(fields, 0), sensor_pose, tuple(said))

@@ -50,7 +50,7 @@ def is_depth_archive(path: Path, limits: Limits) -> bool:
     with opened(path) as file:
         if not is_tar(file.read(BLOCK)):
             return False
-    return bool(_depth_root([_of_member(one) for one in members(path, limits)[0]]))
+    return _depth_root([_of_member(one) for one in members(path, limits)[0]]) is not None
 
 
 def unpack_depth_archive(path: Path, into: Path, limits: Limits, progress: Progress | None = None) -> list[str]:

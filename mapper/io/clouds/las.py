@@ -1,12 +1,15 @@
 """Point clouds of airborne and ground lidar: LAS, and LAZ, its compressed form.
 
-Source: the ASPRS LAS specification 1.4. Both are read by laspy (LAZ with lazrs), part by part.
+Source: the ASPRS LAS specification 1.4. Both are read by laspy (LAZ with lazrs), part by part, once the numbers in the
+header have been compared with the bytes that there are: laspy goes through as many records as a header claims.
 """
 
 from __future__ import annotations
 
 import io
 import logging
+import struct
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,62 +17,220 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import Limits
-from mapper.io.clouds.content import check_count, made_cloud
+from mapper.io.clouds.content import check_count, ended_early, made_cloud
+from mapper.io.clouds.degrees import metres_of_degrees
+from mapper.io.clouds.projection import USER, Units, units_of
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
 PART = 1 << 20  #: points that are unpacked at a time
+SMALL_PART = 1 << 12  #: and of a file that ends early, of which the last part is lost
 HEADER_BYTES = 227  #: of the shortest version
+RECORD_BYTES, EXTENDED_BYTES = 54, 60  #: of the header of a variable-length record, and of an extended one
+LEAST_POINT_BYTES = 20  #: of a point of any format
 DIMENSIONS = ("intensity", "classification", "return_number", "number_of_returns", "gps_time", "red", "green", "blue")
+FINE_DEGREES = 2e-6  #: a step of coordinates below which, beside a coarse one of heights, they are no metres
 
 
 def read_las(data: bytes, limits: Limits) -> PointCloud:
     """Return the points of a LAS or LAZ file, with intensity, class, returns, times and colours where it has them.
 
-    Raises :class:`ReadError` for a file that is damaged or cut, and :class:`LimitError`.
+    Coordinates in feet or degrees, by the file's projection record, are converted to metres with a note. Of a file that
+    ends early the points that are there, with a note. Raises :class:`ReadError` for a file that is damaged, and
+    :class:`LimitError`.
     """
-    import laspy  # noqa: PLC0415 # only who reads this format pays for it
-
-    logging.getLogger("laspy").setLevel(logging.CRITICAL)  # what it says there, an error says here
-
-    if len(data) < HEADER_BYTES:
-        raise ReadError("cloud.truncated", "The file ends within its LAS header.")
+    data, notes = _checked(data)
+    is_packed = _sizes(data).is_packed
     try:
-        with laspy.open(io.BytesIO(data), closefd=False) as reader:
-            header = reader.header
-            n = int(header.point_count)
-            check_count(n, limits)
-            if n == 0:
-                return made_cloud(np.zeros((0, 3)), {}, limits)
-            size, there = int(header.point_format.size), len(data) - int(header.offset_to_point_data)
-            if not header.are_points_compressed and there < n * size:
-                raise ReadError("cloud.truncated", f"The file ends early: {n} points claimed, {there} bytes there.")
-            names = [name for name in DIMENSIONS if name in set(header.point_format.dimension_names)]
-            points, columns = _parts(reader, n, names)
+        if is_packed and _chunk_table(data) is None:
+            return _read(_with_table(data, len(data)), limits, notes, is_cut=True)
+        return _read(data, limits, notes)
     except MapperError:
         raise
     except Exception as error:
-        raise _damaged(error) from error
+        table = _chunk_table(data) if is_packed else None
+        if table is None:
+            raise _damaged(error) from error
+        failure: BaseException = error
     except BaseException as error:  # lazrs reports a defect in Rust as one that is no Exception
         if type(error).__name__ != "PanicException":
             raise
         raise _damaged(error) from error
-    return made_cloud(points, columns, limits)
+    try:  # the table of chunks is cut, or a chunk is damaged: the points before it are whole
+        return _read(_with_table(data, table), limits, notes, is_cut=True)
+    except MapperError:
+        raise
+    except Exception as error:
+        raise _damaged(failure) from error
+    except BaseException as error:
+        if type(error).__name__ != "PanicException":
+            raise
+        raise _damaged(error) from error
 
 
-def _parts(reader: Any, n: int, names: list[str]) -> tuple[NDArray[np.float64], dict[str, NDArray[Any]]]:  # noqa: ANN401
-    points: list[NDArray[np.float64]] = []
+def _read(data: bytes, limits: Limits, notes: tuple[str, ...], *, is_cut: bool = False) -> PointCloud:
+    import laspy  # noqa: PLC0415 # only who reads this format pays for it
+
+    logging.getLogger("laspy").setLevel(logging.CRITICAL)  # what it says there, an error says here
+    # The parallel reader goes by the table of chunks, the other one from one chunk to the next.
+    backend = laspy.LazBackend.Lazrs if is_cut else None
+    with laspy.open(io.BytesIO(data), closefd=False, laz_backend=backend) as reader:
+        header = reader.header
+        n = int(header.point_count)
+        check_count(n, limits)
+        there = (len(data) - int(header.offset_to_point_data)) // int(header.point_format.size)
+        if header.are_points_compressed:
+            there = n
+        elif n == 0 < there:
+            check_count(there, limits)
+            notes = (*notes, f"The header says 0 points, and {there} are there: it was not written to the end.")
+            header.point_count = n = there
+        if n == 0:
+            return made_cloud(np.zeros((0, 3)), {}, limits)
+        names = [name for name in DIMENSIONS if name in set(header.point_format.dimension_names)]
+        points, columns = _parts(reader, min(n, there), names, is_cut=is_cut)
+        notes = (*notes, *ended_early(n, len(points)))
+        points, converted = _in_metres(points, _units(reader), tuple(map(float, header.scales)))
+    return made_cloud(points, columns, limits, notes=(*notes, *converted))
+
+
+@dataclass(frozen=True, slots=True)
+class _Sizes:
+    """What the public header says of the places of records and points."""
+
+    header: int
+    points_at: int
+    records: int
+    is_packed: bool
+    extended_at: int
+    extended: int
+
+
+def _sizes(data: bytes) -> _Sizes:
+    header, points_at, records, point_format = struct.unpack_from("<HIIB", data, 94)
+    extended_at, extended = struct.unpack_from("<QI", data, 235) if data[25] >= 4 and len(data) >= 375 else (0, 0)
+    return _Sizes(header, points_at, records, bool(point_format & 0x80), extended_at, extended)
+
+
+def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
+    """Return the file without extended records that do not fit into it, and a note on them.
+
+    Raises :class:`ReadError` for a file that ends within its header or its records, or claims more records than fit.
+    """
+    if len(data) < HEADER_BYTES:
+        raise ReadError("cloud.truncated", "The file ends within its LAS header.")
+    said = _sizes(data)
+    if said.points_at > len(data) or said.header > said.points_at:
+        raise ReadError(
+            "cloud.truncated",
+            f"The file ends before its points: they begin at byte {said.points_at}, and it has {len(data)}.",
+        )
+    room = said.points_at - said.header
+    if said.records * RECORD_BYTES > room:
+        raise ReadError(
+            "cloud.header",
+            f"The LAS header claims {said.records} variable-length records, which do not fit into the {room} bytes "
+            "before the points.",
+        )
+    if said.extended and said.extended_at + said.extended * EXTENDED_BYTES > len(data):
+        without = bytearray(data)
+        struct.pack_into("<QI", without, 235, 0, 0)
+        return bytes(without), (f"{said.extended} extended records at its end are not in the file.",)
+    return data, ()
+
+
+def _chunk_table(data: bytes) -> int | None:
+    """Return where the table of chunks of compressed points begins; None where it is not in the file.
+
+    Nor is it where it claims more chunks than fit before it, each with its first point as it is: lazrs reserves memory
+    for what it claims, and ends the process where there is none.
+    """
+    at = _sizes(data).points_at
+    if at + 8 > len(data):
+        return None
+    table = int(struct.unpack_from("<q", data, at)[0])
+    if not at + 8 <= table <= len(data) - 8:
+        return None
+    (chunks,) = struct.unpack_from("<I", data, table + 4)
+    return table if chunks * LEAST_POINT_BYTES <= table - at - 8 else None
+
+
+def _with_table(data: bytes, end: int) -> bytes:
+    """Return compressed points up to byte ``end`` with a table of no chunks: lazrs begins only where there is one."""
+    at = _sizes(data).points_at
+    return data[:at] + struct.pack("<q", end) + data[at + 8 : end] + bytes(8)
+
+
+def _parts(
+    reader: Any,  # noqa: ANN401
+    n: int,
+    names: list[str],
+    *,
+    is_cut: bool,
+) -> tuple[NDArray[np.float64], dict[str, NDArray[Any]]]:
+    points: list[NDArray[np.float64]] = [np.zeros((0, 3))]
     columns: dict[str, list[NDArray[Any]]] = {name: [] for name in names}
     read = 0
     while read < n:
-        part = reader.read_points(min(PART, n - read))
+        try:
+            part = reader.read_points(min(SMALL_PART if is_cut else PART, n - read))
+        except Exception:
+            if not is_cut or read == 0:
+                raise
+            break
         if len(part) == 0:
-            raise ReadError("cloud.truncated", f"The file ends early: {n} points claimed, {read} there.")
+            break
         read += len(part)
         points.append(np.stack([np.asarray(part.x), np.asarray(part.y), np.asarray(part.z)], axis=1))
         for name in names:
             columns[name].append(np.array(part[name]))
-    return np.concatenate(points), {name: np.concatenate(parts) for name, parts in columns.items()}
+    return np.concatenate(points), {name: np.concatenate(parts) for name, parts in columns.items() if parts}
+
+
+def _units(reader: Any) -> Units | None:  # noqa: ANN401
+    records = {}
+    for one in (*(reader.header.evlrs or ()), *reader.header.vlrs):
+        if str(one.user_id).strip("\0 ") == USER:
+            records[int(one.record_id)] = bytes(one.record_data_bytes())
+    return units_of(records)
+
+
+def _in_metres(
+    points: NDArray[np.float64], units: Units | None, steps: tuple[float, ...]
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Return points (n, 3) in metres, and notes on what they were; ``steps`` are those of the stored coordinates."""
+    if units is None:
+        low, high = points.min(axis=0, initial=0.0), points.max(axis=0, initial=0.0)
+        is_fine = max(steps[:2]) <= FINE_DEGREES and steps[2] >= 100.0 * max(steps[:2])
+        if not is_fine or max(-low[0], high[0]) > 180.0 or max(-low[1], high[1]) > 90.0:
+            return points, ()
+        why = f"The file states no units, but x and y have steps of {steps[0]:g} and z of {steps[2]:g}, as degrees have"
+        points[:, :2], note = metres_of_degrees(points[:, :2], why)
+        return points, (note,)
+    notes: list[str] = []
+    name, size = units.horizontal
+    height = units.vertical
+    if units.model == "geographic":
+        why = "The coordinates are longitude and latitude in degrees, by the file's projection record"
+        points[:, :2], note = metres_of_degrees(np.degrees(points[:, :2] * size), why)
+        notes.append(note)
+    elif units.model == "geocentric":
+        notes.append("The coordinates are geocentric, by the file's projection record: z is not upward.")
+    elif abs(size - 1.0) > 1e-9:
+        points[:, :2] *= size
+        height = height or units.horizontal
+        notes.append(f"x and y are in the unit {name!r}, by the file's projection record; {size:.9g} m each.")
+    elif units.unstated is not None:
+        notes.append(
+            f"The projection record names EPSG:{units.unstated} and no unit: the coordinates are taken for metres."
+        )
+    if height is not None and abs(height[1] - 1.0) > 1e-9:
+        points[:, 2] *= height[1]
+        stated = "the file's projection record" if units.vertical else "that of x and y, as no other is stated"
+        notes.append(f"z is in the unit {height[0]!r}, by {stated}; {height[1]:.9g} m each.")
+    if notes and any("m each" in note for note in notes):
+        notes.append("All are converted to metres.")
+    return points, tuple(notes)
 
 
 def _damaged(error: BaseException) -> ReadError:

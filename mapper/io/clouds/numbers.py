@@ -21,11 +21,18 @@ def table(
 ) -> NDArray[np.float64]:
     """Return the numbers of ``text`` (rows, columns): ``nan`` and ``inf`` count, empty lines and ``#`` remarks do not.
 
-    ``separator`` is a character, or None for blanks. ``n`` and ``columns`` are how many there must be, None where
-    that is open; ``first_line`` is the number of the text's first line in its file. Raises :class:`ReadError` for a
-    token that is no number, another number of values, and fewer rows; :class:`LimitError` for too many.
+    ``separator`` is a character, or None for blanks. ``n`` is how many rows there should be, None where that is open:
+    there may be fewer where the file ends early, and then its last line does not count unless it is whole.
+    ``columns`` are how many there must be, None where that is open; ``first_line`` is the number of the text's first
+    line in its file. Raises :class:`ReadError` for a token that is no number and another number of values;
+    :class:`LimitError` for too many.
     """
     most = limits.max_points
+    if n is not None and not text.endswith(b"\n") and text.count(b"\n") < n:
+        lines = text.count(b"\n") + 1
+        last = text[text.rfind(b"\n") + 1 :].split(separator.encode() if separator else None)
+        if lines < n or (columns is not None and len(last) != columns):
+            text = text[: text.rfind(b"\n") + 1]
     if n is None and text.count(b"\n") > most:
         raise LimitError("cloud.too_many_points", f"The file holds more lines than the limit of {most} points.")
     if _CONTENT.search(text) is None:
@@ -39,8 +46,6 @@ def table(
         raise ReadError(
             "cloud.numbers", f"The points have {rows.shape[1]} numbers each, but the header says {columns}."
         )
-    if n is not None and len(rows) < n:
-        raise ReadError("cloud.truncated", f"The file ends early: {n} points claimed, {len(rows)} there.")
     return rows[:n] if n is not None else rows
 
 

@@ -1,94 +1,307 @@
 """Point clouds in PLY files: ascii, and binary of either byte order.
 
-Source: Greg Turk's description of the format (1994). Vertices are read where they come first; elements after them,
-such as faces, are skipped.
+Source: Greg Turk's description of the format (1994). The elements may stand in any order, with lists among their
+properties; of the vertices their lists are passed over.
+
+The parsing is our own in place of plyfile's: it reads the whole points of a file that ends early, checks what the
+header claims against the bytes that there are before memory is reserved, and makes no Python object for each list.
 """
 
 from __future__ import annotations
 
 import io
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import islice
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mapper.core.errors import ReadError
+from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
-from mapper.io.clouds.content import check_count, made_cloud
+from mapper.io.clouds.content import check_count, ended_early, made_cloud
 from mapper.io.clouds.numbers import table
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
 MOST_HEADER_BYTES = 1 << 16
+MOST_UNEVEN = 2_000_000  #: rows whose lists differ in length, which are gone through one by one
 END = re.compile(rb"end_header[ \t]*\r?\n")
-ELEMENT = re.compile(rb"^element[ \t]+(\S+)[ \t]+(-?\d{1,18})[ \t]*\r?$", re.MULTILINE)
-PROPERTY = re.compile(rb"^property[ \t]+(\S+)[ \t]+(.*?)\r?$", re.MULTILINE)
 TYPES = {
-    b"char": "i1", b"int8": "i1", b"uchar": "u1", b"uint8": "u1", b"short": "i2", b"int16": "i2", b"ushort": "u2",
-    b"uint16": "u2", b"int": "i4", b"int32": "i4", b"uint": "u4", b"uint32": "u4", b"float": "f4", b"float32": "f4",
-    b"double": "f8", b"float64": "f8",
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+    "double": "f8", "float64": "f8",
 }  # fmt: skip
-ORDERS = {b"binary_little_endian": "<", b"binary_big_endian": ">"}
-FORMAT = re.compile(rb"^format[ \t]+(\S+)", re.MULTILINE)
+ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+@dataclass(frozen=True, slots=True)
+class Property:
+    """A property: its name, the NumPy type of its numbers, and that of its length where it is a list."""
+
+    name: str
+    kind: str
+    length_kind: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An element of the header: how many rows it has, and the properties of each."""
+
+    name: str
+    count: int
+    properties: tuple[Property, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """The rows of an element that are in the file, ``n`` of them; the next element begins at byte ``end``.
+
+    ``columns`` are those of its numbers (n,); ``lists`` those of its lists (n, length) that all have one length.
+    """
+
+    n: int
+    end: int
+    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
+    lists: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class PlyFile:
+    """A file's bytes, and what its header says. ``order`` is a byte order of NumPy, or "" for ascii."""
+
+    data: bytes
+    order: str
+    elements: tuple[Element, ...]
+    begin: int
+
+    def element(self, name: str) -> Element | None:
+        """Return the first element of a name."""
+        return next((one for one in self.elements if one.name == name), None)
+
+    def rows(self, name: str, limits: Limits) -> Rows:
+        """Return the rows of the first element of a name; those before it are passed over.
+
+        Raises :class:`ReadError` where the file ends before them, or a number is none, and :class:`LimitError`.
+        """
+        at = self.begin
+        for one in self.elements:
+            check_count(one.count, limits)
+            found = (_text_rows if self.order == "" else _binary_rows)(self, one, at, limits, keep=one.name == name)
+            if one.name == name:
+                return found
+            if found.n < one.count:
+                raise ReadError(
+                    "cloud.truncated", f"The file ends early, within its element {printable(one.name[:40])!r}."
+                )
+            at = found.end
+        raise ReadError("cloud.header", f"The PLY file has no element {name}.")
 
 
 def read_ply(data: bytes, limits: Limits) -> PointCloud:
     """Return the vertices of a PLY file. Raises :class:`ReadError` for a header that lies, and :class:`LimitError`."""
+    file = ply_file(data)
+    vertices = file.element("vertex")
+    if vertices is None:
+        raise ReadError("cloud.header", "The PLY file has no element vertex: it holds no points.")
+    axes = {one.name.lower(): one.name for one in reversed(vertices.properties) if one.length_kind is None}
+    missing = [axis for axis in "xyz" if axis not in axes]
+    if missing:
+        raise ReadError("cloud.header", f"The vertices of the PLY file have no property {missing[0]}.")
+    rows = file.rows("vertex", limits)
+    notes = ended_early(vertices.count, rows.n)
+    columns = dict(rows.columns)
+    points = np.stack([columns.pop(axes[axis]) for axis in "xyz"], axis=1)
+    return made_cloud(points, columns, limits, notes=notes)
+
+
+def ply_file(data: bytes) -> PlyFile:
+    """Return a file with what its header says. Raises :class:`ReadError` for a header that is none of PLY."""
     end = END.search(data, 0, MOST_HEADER_BYTES)
     if end is None:
         raise ReadError("cloud.header", "The file ends before the line end_header of a PLY file.")
-    header = data[: end.start()]
-    elements = [(found[1], int(found[2]), found.start()) for found in ELEMENT.finditer(header)]
-    place = next((k for k, (name, _, _) in enumerate(elements) if name == b"vertex"), None)
-    if place is None:
-        raise ReadError("cloud.header", "The PLY file has no element vertex: it holds no points.")
-    if place > 0:
-        raise ReadError(
-            "cloud.header",
-            f"The PLY file has {printable(elements[0][0].decode('latin-1')[:40])!r} before its vertices, which is not "
-            "read: write the vertices first.",
-        )
-    n = elements[0][1]
-    check_count(n, limits)
-    stop = elements[1][2] if len(elements) > 1 else len(header)
-    properties = _properties(header[:stop])
-    form = FORMAT.search(header)
-    order = None if form is None else ORDERS.get(form[1])
-    if form is None or (order is None and form[1] != b"ascii"):
-        raise ReadError("cloud.header", "The PLY file states no format: ascii, or binary of one byte order.")
+    order: str | None = None
+    elements: list[Element] = []
+    for line in data[: end.start()].decode("latin-1").split("\n"):
+        words = line.split()
+        if words[:1] == ["format"]:
+            order = ORDERS.get(words[1]) if len(words) > 1 else None
+        elif words[:1] == ["element"]:
+            if len(words) != 3 or not re.fullmatch(r"-?\d{1,18}", words[2], re.ASCII):
+                raise ReadError("cloud.header", f"The line {printable(line.strip()[:60])!r} names no element of PLY.")
+            elements.append(Element(words[1], int(words[2]), ()))
+        elif words[:1] == ["property"] and elements:
+            last = elements[-1]
+            elements[-1] = Element(last.name, last.count, (*last.properties, _property(line, last)))
     if order is None:
-        kept = _lines(data, end.end(), n)
-        rows = table(kept, None, n, len(properties), limits, header.count(b"\n") + 2)
-        columns = {name: rows[:, k].astype(kind) for k, (name, kind) in enumerate(properties)}
-    else:
-        kind = np.dtype([(name, order + code) for name, code in properties])
-        there = len(data) - end.end()
-        if there < n * kind.itemsize:
-            raise ReadError(
-                "cloud.truncated", f"The file ends early: {n * kind.itemsize} bytes of points claimed, {there} there."
-            )
-        values = np.frombuffer(data, kind, n, end.end())
-        columns = {name: values[name].astype(code) for name, code in properties}
-    missing = [axis for axis in "xyz" if axis not in columns]
-    if missing:
-        raise ReadError("cloud.header", f"The vertices of the PLY file have no property {missing[0]}.")
-    points = np.stack([columns.pop(axis) for axis in "xyz"], axis=1)
-    return made_cloud(points, columns, limits)
+        raise ReadError("cloud.header", "The PLY file states no format: ascii, or binary of one byte order.")
+    return PlyFile(data, order, tuple(elements), end.end())
 
 
-def _properties(vertices: bytes) -> list[tuple[str, str]]:
-    """Return the names and types of the vertices' properties. Raises :class:`ReadError` for what PLY lacks."""
-    found: list[tuple[str, str]] = []
-    for one in PROPERTY.finditer(vertices):
-        if one[1] not in TYPES:
-            kind = printable(one[1].decode("latin-1")[:40])
-            raise ReadError("cloud.header", f"A property of the vertices is of the type {kind!r}, which is no number.")
-        found.append((printable(one[2].decode("latin-1").strip()[:100]), TYPES[one[1]]))
-    if not found:
-        raise ReadError("cloud.header", "The vertices of the PLY file have no properties.")
-    if len({name for name, _ in found}) != len(found):
-        raise ReadError("cloud.header", "Two properties of the vertices of the PLY file have one name.")
-    return found
+def _property(line: str, element: Element) -> Property:
+    words = line.split(None, 4)
+    is_list = words[1:2] == ["list"]
+    kinds, name = (words[2:4], words[4:]) if is_list else (words[1:2], line.split(None, 2)[2:])
+    wrong = next((kind for kind in kinds if kind not in TYPES), None)
+    if wrong is not None or not name or (is_list and TYPES[kinds[0]][0] == "f"):
+        said = printable((wrong or line.strip())[:40])
+        raise ReadError(
+            "cloud.header", f"A property of the element {printable(element.name[:40])} is of the type {said!r}, which "
+            "PLY lacks.",
+        )  # fmt: skip
+    label = printable(name[0].strip()[:100])
+    if any(one.name == label for one in element.properties):
+        raise ReadError("cloud.header", f"Two properties of the element {printable(element.name[:40])} have one name.")
+    if is_list:
+        return Property(label, TYPES[kinds[1]], TYPES[kinds[0]])
+    return Property(label, TYPES[kinds[0]])
+
+
+def _binary_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
+    data, order = file.data, file.order
+    lengths = _first_lengths(file, element, at)
+    if lengths is None:
+        return Rows(0, at)
+    parts: list[Any] = []
+    for k, one in enumerate(element.properties):
+        if one.length_kind is not None:
+            parts += [(f"n{k}", order + one.length_kind), (f"p{k}", order + one.kind, (lengths[k],))]
+        else:
+            parts.append((f"p{k}", order + one.kind))
+    row = np.dtype(parts)
+    n = min(element.count, (len(data) - at) // row.itemsize) if row.itemsize else element.count
+    values = np.frombuffer(data, row, n, at) if row.itemsize else np.zeros(n, row)
+    lists = {k: one for k, one in enumerate(element.properties) if one.length_kind is not None}
+    if any((values[f"n{k}"] != lengths[k]).any() for k in lists):
+        return _uneven_rows(file, element, at, limits, keep=keep)
+    end = at + n * row.itemsize
+    if not keep:
+        return Rows(n, end)
+    kinds = enumerate(element.properties)
+    columns = {one.name: values[f"p{k}"].astype(one.kind) for k, one in kinds if k not in lists}
+    return Rows(n, end, columns, {one.name: values[f"p{k}"].astype(one.kind) for k, one in lists.items()})
+
+
+def _first_lengths(file: PlyFile, element: Element, at: int) -> dict[int, int] | None:
+    """Return the lengths of the lists of the first row; None where the file ends within it, or there is none."""
+    found: dict[int, int] = {}
+    for k, one in enumerate(element.properties if element.count else ()):
+        size = np.dtype(one.kind).itemsize
+        if one.length_kind is not None:
+            kind = np.dtype(file.order + one.length_kind)
+            if at + kind.itemsize > len(file.data):
+                return None
+            found[k] = int(np.frombuffer(file.data, kind, 1, at)[0])
+            at += kind.itemsize
+            size *= max(found[k], 0)
+        if found.get(k, 0) < 0 or at + size > len(file.data):
+            return None
+        at += size
+    return dict.fromkeys(range(len(element.properties)), 0) | found
+
+
+def _uneven_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
+    """Go through rows whose lists differ in length, and take the numbers that are no lists out of them."""
+    if element.count > min(MOST_UNEVEN, limits.max_points):
+        raise LimitError(
+            "cloud.too_many_lists",
+            f"The element {printable(element.name[:40])} has {element.count} rows with lists of different lengths, "
+            f"more than the limit of {MOST_UNEVEN}.",
+        )
+    data, size = file.data, len(file.data)
+    order: Any = "little" if file.order == "<" else "big"
+    steps = [
+        (
+            0 if one.length_kind is None else int(one.length_kind[1]),
+            int(one.kind[1]),
+            (one.length_kind or "")[:1] == "i",
+        )
+        for one in element.properties
+    ]
+    least = sum(length or size for length, size, _ in steps)  # bytes of a row
+    starts = np.zeros((min(element.count, (size - at) // least), len(steps)), dtype=np.int64)
+    n, end = 0, at
+    while n < len(starts):
+        place = end
+        for k, (length_bytes, bytes_each, is_signed) in enumerate(steps):
+            starts[n, k] = place
+            if length_bytes:
+                if place + length_bytes > size:
+                    break
+                length = int.from_bytes(data[place : place + length_bytes], order, signed=is_signed)
+                place += length_bytes + max(length, 0) * bytes_each
+            else:
+                place += bytes_each
+            if place > size:
+                break
+        else:
+            n, end = n + 1, place
+            continue
+        break
+    if not keep:
+        return Rows(n, end)
+    raw = np.frombuffer(data, np.uint8)
+    columns = {}
+    for k, one in enumerate(element.properties):
+        if one.length_kind is None:
+            places = starts[:n, k, np.newaxis] + np.arange(steps[k][1])
+            columns[one.name] = np.ascontiguousarray(raw[places]).view(file.order + one.kind)[:, 0].astype(one.kind)
+    return Rows(n, end, columns)
+
+
+def _text_rows(file: PlyFile, element: Element, at: int, limits: Limits, *, keep: bool) -> Rows:
+    text = _lines(file.data, at, element.count)
+    end = at + len(text)
+    if not keep:
+        return Rows(text.count(b"\n") + (not text.endswith(b"\n") and bool(text)), end)
+    first_line = file.data.count(b"\n", 0, at) + 1
+    is_list = [one.length_kind is not None for one in element.properties]
+    if is_list == [True]:
+        return _text_lists(text, element, end, limits, first_line)
+    width = len(element.properties)
+    if any(is_list):
+        text = b"".join(_without_lists(text, is_list, first_line))
+        width -= sum(is_list)
+    rows = table(text, None, element.count, width, limits, first_line)
+    kept = [one for one in element.properties if one.length_kind is None]
+    columns = {one.name: rows[:, k].astype(one.kind) for k, one in enumerate(kept)} if len(rows) else {}
+    columns = columns or {one.name: np.zeros(0, one.kind) for one in kept}
+    return Rows(len(rows), end, columns)
+
+
+def _text_lists(text: bytes, element: Element, end: int, limits: Limits, first_line: int) -> Rows:
+    """Return the rows of an element that is one list: the lists only where all have one length."""
+    (one,) = element.properties
+    lengths = {line.split(None, 1)[0] for line in text.splitlines() if line.strip()}
+    if len(lengths) != 1 or not (length := lengths.pop()).isdigit() or len(length) > 9:
+        return Rows(len(text.splitlines()), end)
+    rows = table(text, None, element.count, 1 + int(length), limits, first_line)
+    whole = rows if one.kind[0] == "f" else np.trunc(rows)
+    if not np.array_equal(rows, whole):
+        raise ReadError("cloud.numbers", f"A number of {one.name!r:.40} is not whole.")
+    return Rows(len(rows), end, {}, {one.name: rows[:, 1:].astype(one.kind if one.kind[0] == "f" else "i8")})
+
+
+def _without_lists(text: bytes, is_list: list[bool], first_line: int) -> Iterator[bytes]:
+    """Yield the lines of an element without the numbers of its lists."""
+    for number, line in enumerate(text.splitlines(keepends=True), first_line):
+        words, kept, at = line.split(), [], 0
+        for one in is_list:
+            if one:
+                length = words[at] if at < len(words) else b""
+                if not length.isdigit() or len(length) > 9:
+                    if not line.endswith(b"\n"):
+                        return  # the file ends within its last line
+                    raise ReadError("cloud.numbers", f"A list near line {number} does not begin with its length.")
+                at += 1 + int(length)
+            else:
+                kept += words[at : at + 1]
+                at += 1
+        if at > len(words) and not line.endswith(b"\n"):
+            return
+        yield b" ".join(kept) + b"\n"
 
 
 def _lines(data: bytes, at: int, n: int) -> bytes:

@@ -10,10 +10,11 @@ import numpy as np
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.clouds.content import content
+from mapper.io.clouds.content import content, plain_text
 from mapper.io.clouds.graph import graph_nodes, looks_like_graph
 from mapper.io.clouds.las import read_las
 from mapper.io.clouds.pcd import read_pcd
+from mapper.io.clouds.pcd_header import looks_like_pcd
 from mapper.io.clouds.ply import read_ply
 from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
@@ -23,12 +24,12 @@ from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 Reader = Callable[[bytes, Limits], PointCloud]
 
-#: name of the format → how its first bytes (without blanks and remarks of PCD) begin, and its reader
-FORMATS: dict[str, tuple[tuple[bytes, ...], Reader]] = {
-    "PCD": ((b"# .PCD", b"VERSION ", b"FIELDS "), read_pcd),
-    "PLY": ((b"ply\n", b"ply\r\n", b"ply "), read_ply),
-    "VTK": ((b"# vtk DataFile",), read_vtk),
-    "LAS": ((b"LASF",), read_las),
+#: name of the format → what tells a file's first bytes from other ones, and its reader
+FORMATS: dict[str, tuple[Callable[[bytes], bool], Reader]] = {
+    "PLY": (lambda head: head.startswith((b"ply\n", b"ply\r\n", b"ply ")), read_ply),
+    "VTK": (lambda head: head.startswith(b"# vtk DataFile"), read_vtk),
+    "LAS": (lambda head: head.startswith(b"LASF"), read_las),
+    "PCD": (looks_like_pcd, read_pcd),
 }
 TEXT = "text"  #: XYZ, PTS and CSV, which no first bytes tell
 HEAD_BYTES = 1 << 12
@@ -36,9 +37,10 @@ HEAD_BYTES = 1 << 12
 
 def cloud_format(head: bytes) -> str | None:
     """Return the name of the format of a file that begins with ``head``, unpacked; None where it is no cloud's."""
+    head = plain_text(head)
     if looks_like_graph(head):
         return "scan graph"
-    known = next((name for name, (begins, _) in FORMATS.items() if head.startswith(begins)), None)
+    known = next((name for name, (begins, _) in FORMATS.items() if begins(head)), None)
     return TEXT if known is None and looks_like_text(head) and not is_tum(head) else known
 
 
@@ -59,7 +61,7 @@ def read_cloud(
     are, so that rows agree with the file's. Raises :class:`ReadError`, saying what is wrong and where, and
     :class:`LimitError`.
     """
-    data = content(Path(path), limits, progress)
+    data = plain_text(content(Path(path), limits, progress))
     kind = cloud_format(data[:HEAD_BYTES])
     if kind == "scan graph":
         return _joined(graph_nodes(data, limits), limits)

@@ -1,89 +1,189 @@
 """Point clouds as text: XYZ, PTS and CSV, with a line of names or without one.
 
-Names are those of libpointmatcher and CloudCompare: x, y, z, nx, ny, nz, intensity, r, g, b. Without names the columns
-are x, y, z and what programs usually write next: an intensity (4), a normal or a colour (6), both (7: intensity first).
+Names are those of libpointmatcher and CloudCompare: x, y, z, nx, ny, nz, intensity, r, g, b, and what else
+:mod:`mapper.io.clouds.text_columns` knows. Without names the columns are x, y, z and what programs usually write
+next: an intensity (4), a normal or a colour (6), both (7: intensity first). A PTS file may hold several scans, each
+after the number of its points.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
-from mapper.io.clouds.content import made_cloud
+from mapper.io.clouds.content import ended_early, made_cloud
+from mapper.io.clouds.degrees import metres_of_degrees
 from mapper.io.clouds.numbers import table
+from mapper.io.clouds.text_columns import AXES, WANTED, Columns, columns_of
+from mapper.io.clouds.text_layout import SAMPLE_LINES, Layout, layout_of
 from mapper.io.logs.names import printable
 from mapper.sensors.point_cloud import PointCloud
 
-SEPARATORS = re.compile(rb"[,;\t]")
 MOST_LINE_BYTES = 1 << 14
-AXES = ("x", "y", "z")
 COLOURS, NORMALS = ("r", "g", "b"), ("nx", "ny", "nz")
+_COUNT = re.compile(rb"^[ \t]*(\d{1,18})[ \t]*\r?$", re.MULTILINE)
+_LETTER = re.compile(r"[^\W\d_]")
+_NAME_SEPARATORS = (",", ";", "\t")
 
 
-def names_of(line: bytes) -> list[str] | None:
-    """Return the names of the columns in a line; None for a line of numbers."""
-    words = [word.strip(b" \"'#/\r") for word in SEPARATORS.sub(b" ", line).split()]
-    if not words or any(_is_number(word) for word in words):
+@dataclass(frozen=True, slots=True)
+class _Beginning:
+    """What stands before the numbers: ``names`` of the columns, how many points there are.
+
+    ``at`` and ``line`` are the byte and the number of the first line of numbers.
+    """
+
+    at: int
+    line: int
+    names: tuple[str, ...] | None
+    claimed: int | None
+
+
+def names_of(line: bytes) -> tuple[str, ...] | None:
+    """Return the names of the columns in a line; None for a line with a number.
+
+    They stand between commas, semicolons or tabs where it has one, else between blanks; a unit in brackets is a part of
+    the name before it.
+    """
+    text = line.decode("utf-8", "replace").strip().lstrip("#/ \t").strip()
+    separator = next((one for one in _NAME_SEPARATORS if one in text), None)
+    if separator is None:
+        text = re.sub(r"[ \t]+(?=[(\[])", "\0", text)
+        words = [word.replace("\0", " ") for word in text.split()]
+    else:
+        words = text.rstrip(separator + " ").split(separator)
+    names = tuple(word.strip(" \"'\r") for word in words)
+    if not names or any(_LETTER.search(name) is None or _is_number(name.replace(",", ".")) for name in names):
         return None
-    return [word.decode("latin-1") for word in words]
+    return names
 
 
 def looks_like_text(data: bytes) -> bool:
-    """Return whether a file that begins with ``data`` is a cloud as text: names with x, y, z, or a line of numbers."""
-    for line in data[:MOST_LINE_BYTES].split(b"\n")[:-1] or [data[:MOST_LINE_BYTES]]:
-        if not line.strip():
-            continue
-        names = names_of(line)
-        if names is not None:
-            found = {name.lower() for name in names}
-            if set(AXES) <= found:
-                return True
-            if line.lstrip().startswith((b"#", b"//")):
-                continue  # a remark
-            return False
-        words = SEPARATORS.sub(b" ", line).split()
-        if len(words) == 1 and words[0].isdigit():
-            continue  # the number of points of a PTS file
-        return len(words) >= 3 and all(_is_number(word) for word in words)
-    return False
+    """Return whether a file that begins with ``data`` is a cloud as text: names with x, y, z, or a line of numbers.
+
+    Numbers below other names count as well, so that the reader says which names it wants.
+    """
+    begin = _beginning(data[:MOST_LINE_BYTES])
+    lines = data[begin.at :].split(b"\n")
+    first = next((line for line in lines if line.strip()), b"")
+    if begin.names is not None and columns_of(begin.names) is not None:
+        return True
+    try:
+        layout = layout_of(lines[: max(1, len(lines) - 1)])
+    except ReadError:
+        return True
+    numbers = layout.numbers(first)
+    if numbers is None or len(numbers) < 3:
+        return False
+    return begin.names is None or len(begin.names) == len(numbers)
 
 
-def read_text(data: bytes, limits: Limits) -> PointCloud:
-    """Return the points of a text file. Raises :class:`ReadError`, naming the line, and :class:`LimitError`."""
-    at, line_number, names, claimed = 0, 1, None, None
+def _beginning(data: bytes) -> _Beginning:
+    at, number, names, claimed = 0, 1, None, None
     while at < len(data):
         end = data.find(b"\n", at)
         end = len(data) if end < 0 else end
         line = data[at : min(end, at + MOST_LINE_BYTES)]
         found = names_of(line)
-        words = line.split()
-        if found is not None and {name.lower() for name in found} >= set(AXES):
+        is_remark = line.lstrip().startswith((b"#", b"//"))
+        count = _COUNT.fullmatch(line)
+        if found is not None and (columns_of(found) is not None or not (is_remark or names)):
+            if names is not None and columns_of(found) is None:
+                break
             names = found
-        elif len(words) == 1 and words[0].isdigit() and claimed is None:
-            claimed = int(words[0][:18])
-        elif line.strip() and not line.lstrip().startswith((b"#", b"//")):
+        elif count is not None and claimed is None:
+            claimed = int(count[1])
+        elif line.strip() and not is_remark:
             break
-        at, line_number = end + 1, line_number + 1
-    rows = table(SEPARATORS.sub(b" ", data[at:]), None, None, None, limits, line_number)
-    if claimed is not None and len(rows) < claimed:
-        raise ReadError("cloud.truncated", f"The file ends early: {claimed} points claimed, {len(rows)} there.")
+        at, number = end + 1, number + 1
+    return _Beginning(min(at, len(data)), number, names, claimed)
+
+
+def read_text(data: bytes, limits: Limits) -> PointCloud:
+    """Return the points of a text file. Raises :class:`ReadError`, naming the line, and :class:`LimitError`."""
+    begin = _beginning(data)
+    columns = None if begin.names is None else columns_of(begin.names)
+    if begin.names is not None and columns is None:
+        has = printable(", ".join(begin.names)[:200])
+        raise ReadError(
+            "cloud.columns", f"The columns are named {has}; a cloud needs {WANTED}, and the file is no log of scans."
+        )
+    text = data[begin.at :]
+    layout = layout_of([line for line in _first_lines(text) if not line.lstrip().startswith(b"#")])
+    rows, notes = _rows(text, begin, layout, limits)
     if len(rows) == 0:
         return made_cloud(np.zeros((0, 3)), {}, limits)
     if rows.shape[1] < len(AXES):
         raise ReadError("cloud.columns", f"A point needs three numbers, and the lines have {rows.shape[1]}.")
-    if names is None:
+    names = begin.names
+    if names is None or columns is None:
         _refuse_matrix(rows)
-        names = _usual_names(rows)
+        names = tuple(_usual_names(rows))
+        columns = Columns((0, 1, 2), (1.0, 1.0, 1.0), in_degrees=False, notes=())
     elif len(names) != rows.shape[1]:
         raise ReadError("cloud.columns", f"The lines have {rows.shape[1]} numbers, but {len(names)} names stand above.")
-    lower = [name.lower() for name in names]
-    points = rows[:, [lower.index(axis) for axis in AXES]]
-    columns = {printable(name): rows[:, k] for k, name in enumerate(names) if lower[k] not in AXES}
-    return made_cloud(points, columns, limits)
+    points = rows[:, list(columns.axes)] * columns.metres
+    notes = (*notes, *columns.notes)
+    if columns.in_degrees:
+        points[:, :2], note = metres_of_degrees(points[:, :2], "The columns are longitude and latitude in degrees")
+        notes = (*notes, note)
+    others = {printable(name[:100]): rows[:, k] for k, name in enumerate(names) if k not in columns.axes}
+    return made_cloud(points, others, limits, notes=notes)
+
+
+def _rows(
+    text: bytes, begin: _Beginning, layout: Layout, limits: Limits
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Return the numbers (rows, columns), and notes on a file that ends early."""
+    if begin.claimed is None:
+        plain = layout.plain(text)
+        whole = _whole_lines(plain)
+        cut: tuple[str, ...] = ()
+        if whole is not plain:
+            cut = ("The file ends within its last line, which is left out.",)
+        return table(whole, None, None, None, limits, begin.line), cut
+    parts, there, claimed, line = [], 0, 0, begin.line
+    for n, block in _scans(text, begin.claimed):
+        rows = table(layout.plain(block), None, n, None, limits, line)
+        parts.append(rows)
+        there, claimed, line = there + len(rows), claimed + n, line + block.count(b"\n") + 1
+    widths = {part.shape[1] for part in parts if len(part)}
+    if len(widths) > 1:
+        raise ReadError("cloud.numbers", "The scans of the file have different numbers of columns.")
+    notes = ended_early(claimed, there)
+    if len(parts) > 1:
+        notes = (f"The file holds {len(parts)} scans, which are one cloud here.", *notes)
+    return np.concatenate([part for part in parts if len(part)]) if there else np.zeros((0, 0)), notes
+
+
+def _scans(text: bytes, first: int) -> Iterator[tuple[int, bytes]]:
+    """Yield the number of points and the lines of each scan; ``first`` is the number of the first one's points."""
+    at, n = 0, first
+    for found in _COUNT.finditer(text):
+        yield n, text[at : found.start()]
+        at, n = found.end(), int(found[1])
+    yield n, text[at:]
+
+
+def _whole_lines(text: bytes) -> bytes:
+    """Return a text without its last line where the file ends within it: it has fewer numbers than the first one."""
+    last = text.rfind(b"\n") + 1
+    if last == 0 or last == len(text):
+        return text
+    first = next((line for line in _first_lines(text) if line.strip() and not line.startswith(b"#")), b"")
+    return text[:last] if 0 < len(text[last:].split()) < len(first.split()) else text
+
+
+def _first_lines(text: bytes) -> list[bytes]:
+    """Return the first whole lines of a text."""
+    lines = text[: SAMPLE_LINES * 256].split(b"\n")
+    return lines[: -1 if len(lines) > 1 else None][:SAMPLE_LINES]
 
 
 def _refuse_matrix(rows: NDArray[np.float64]) -> None:
@@ -119,7 +219,7 @@ def _usual_names(rows: NDArray[np.float64]) -> list[str]:
     return [*AXES, *(f"column {k + 4}" for k in range(more))]
 
 
-def _is_number(word: bytes) -> bool:
+def _is_number(word: str) -> bool:
     try:
         float(word)
     except ValueError:

@@ -210,6 +210,11 @@ def _check_tables(connection: sqlite3.Connection) -> None:
             raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
 
 
+def _database_bytes(connection: sqlite3.Connection) -> int:
+    (pages,), (size,) = (connection.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    return int(pages) * int(size)
+
+
 def _take_all(
     connection: sqlite3.Connection, recording: MessageSink, limits: Limits, progress: Progress | None
 ) -> None:
@@ -226,11 +231,18 @@ def _take_all(
     last = 1
     with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
         last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
+    # A row has five bytes at least, and each of its bytes a place of its own: cells or pages that a damaged or hostile
+    # file names again and again would be read for hours.
+    room = _database_bytes(connection)
+    read = 0
     cursor = connection.execute(
         "SELECT rowid, topic_id, timestamp, length(data), "  # noqa: S608 - the ids are whole numbers, and as such here
         f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
     )
     for index, (row, key, stamp, size, data) in enumerate(cursor):
+        read += 5 + (len(data) if isinstance(data, bytes | str) else 0)
+        if read > room:
+            raise sqlite3.DatabaseError(f"its messages have more than the {room} bytes of the file")
         if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
             recording.take(key, stamp, data, size)
         if progress is not None and index % 256 == 0:

@@ -13,7 +13,7 @@ from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.sensors.depth_image import DepthImage
 from mapper.simulation.sensors_3d import Scan3D
-from mapper.volume.sources import PlacedScan
+from mapper.volume.placed_scan import PlacedScan
 from server.sessions.drawings import Surface
 from server.sessions.models.lab_volume import LabVolume, lab_limits
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters

@@ -17,7 +17,8 @@ from mapper.simulation.worlds import World
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, project
 from mapper.volume.blocks import BLOCK
 from mapper.volume.occupancy import Inserted
-from mapper.volume.sources import Insertion, PlacedScan
+from mapper.volume.placed_scan import PlacedScan
+from mapper.volume.sources import Insertion
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 
 MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds

@@ -8,12 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.grid import OccupancyGrid
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
 from mapper.volume.faces import FaceRule
+from mapper.volume.map_offset import georeferenced
 from mapper.volume.replayed import ReplayedVolume
 from mapper.volume.replayed_surface import ReplayedSurface
 from mapper.volume.scan_sequence import ScanSequence
@@ -107,17 +109,26 @@ class VolumeModel(SessionModel):
             return project(self._map.volume, self._look.band_low, self._look.band_high)
         return None
 
-    above = grid
+    @property
+    def above(self) -> OccupancyGrid | None:
+        """The map from above at its place in the file's coordinates."""
+        grid = self.grid
+        return None if grid is None else georeferenced(grid, self._offset)
+
+    @property
+    def _offset(self) -> Float64Array:
+        """By how much the coordinates of the map are less than those of its file (3,), metres."""
+        return self._source.offset
 
     def octree_bytes(self, kind: str) -> bytes:
         """Return the present map as a file ``.bt`` or ``.ot``; that of an octree of this kind as it was read."""
         if isinstance(self._source, OctreeFile) and self._source.kind == kind:
             return self._source.bytes(self._config)
-        return octree_file(Octree.of(self._map.volume), kind, self._config).bytes(self._config)
+        return octree_file(Octree.of(self._map.volume), kind, self._config, self._offset).bytes(self._config)
 
     def mesh_bytes(self, kind: str) -> bytes:
         """Return the present surface as a file ``.ply`` or ``.glb``. Raises :class:`ConfigError` without one."""
-        return self._surface.file(kind, self._shown.index)
+        return self._surface.file(kind, self._shown.index, self._offset)
 
     @property
     def _is_surface(self) -> bool:

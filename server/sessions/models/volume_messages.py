@@ -71,7 +71,7 @@ def log_fields(source: ScanSequence | OctreeFile, log_id: str, topic: str | None
         "n_scans": 1 if scans is None else len(scans),
         "duration_s": 0.0 if scans is None or not scans.stamps_ns.any() else duration_s,
         "format": f"OctoMap {source.kind}" if isinstance(source, OctreeFile) else source.kind,
-        "notes": [] if scans is None else list(scans.notes),
+        "notes": list(source.notes),
     }
 
 

@@ -131,12 +131,15 @@ class VolumeSurface:
         """Seconds that are left for sending the whole mesh; 0 where it is sent, or not whole yet."""
         return 0.0 if self.is_stale else max(self._sent_at - time.monotonic(), 0.0)
 
-    def file(self, kind: str, index: int) -> bytes:
-        """Return the surface of the first ``index`` scans as ``.ply`` or ``.glb``. Raises :class:`ConfigError`."""
+    def file(self, kind: str, index: int, offset: Float64Array | None = None) -> bytes:
+        """Return the surface of the first ``index`` scans as ``.ply`` or ``.glb``. Raises :class:`ConfigError`.
+
+        ``offset`` is that of :func:`mapper.volume.mesh_files.ply_bytes`.
+        """
         now = self.replayed
         now.go_to(index)
         mesh = surface_mesh(now.volume)
-        return ply_bytes(mesh) if kind == ".ply" else glb_bytes(mesh)
+        return (ply_bytes if kind == ".ply" else glb_bytes)(mesh, offset)
 
     # -- what is shown --------------------------------------------------------------------------------------------
 

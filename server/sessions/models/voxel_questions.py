@@ -13,8 +13,8 @@ from mapper.core.errors import ConfigError
 from mapper.volume import OccupancyVolume, VolumeConfig
 from mapper.volume.faces import FaceRule, first_face
 from mapper.volume.occupancy import centres_of, keys_of
+from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.provenance import why_voxel
-from mapper.volume.sources import PlacedScan
 from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.volume_messages import update_fields, voxel_message
 from server.sessions.tick import TickResult

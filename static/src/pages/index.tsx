@@ -272,7 +272,7 @@ function Page() {
             </Button>
           </div>
         </div>
-        <Contents page="/lecture.html" />
+        <Contents />
       </section>
       <section class="home-section">
         <div class="prose">

@@ -123,12 +123,8 @@ export function Drift({ noise }: { readonly noise: Signal<Noise> }) {
       <figcaption class="number">
         Dashed: the true path. Dots: where {ends.value.length} other drives with the same noise would end. Poses off by{" "}
         <b class="drift-raw">{written(errorOf(raw.value), 2)} m</b> by odometry,{" "}
-        {isDone ? (
-          <b class="drift-matched">{written(errorOf(matched.value), 2)} m</b>
-        ) : (
-          `${matched.value.length} of ${TRUTH.length} scans matched`
-        )}{" "}
-        corrected (root mean square).
+        <b class="drift-matched awaited-number">{isDone ? `${written(errorOf(matched.value), 2)} m` : "…"}</b> corrected
+        (root mean square).
       </figcaption>
     </figure>
   );

@@ -73,13 +73,8 @@ function Panel({ side, made: now }: { readonly side: number; readonly made: Made
       <p class="number">
         {cells.toLocaleString("en")} cells, <b>{bytes(size)}</b>
         <br />
-        {now ? (
-          <>
-            <b>{now.ms < 10 ? now.ms.toFixed(1) : Math.round(now.ms)} ms</b> for {SCANS} scans
-          </>
-        ) : (
-          "not yet measured"
-        )}
+        <b class="awaited-number">{now ? `${now.ms < 10 ? now.ms.toFixed(1) : Math.round(now.ms)} ms` : "…"}</b> for{" "}
+        {SCANS} scans
       </p>
     </div>
   );

@@ -4,17 +4,23 @@ import { signal } from "@preact/signals";
 import type { ComponentType } from "preact";
 import { type Scene, scene } from "./scene";
 
-export type LaterId =
-  | "particles"
-  | "sensor-models"
-  | "kidnapping"
-  | "layers"
-  | "inflation"
-  | "path"
-  | "lifetime"
-  | "stack"
-  | "octree"
-  | "tsdf";
+const LATER_IDS = [
+  "particles",
+  "sensor-models",
+  "kidnapping",
+  "layers",
+  "inflation",
+  "path",
+  "lifetime",
+  "stack",
+  "octree",
+  "tsdf",
+] as const;
+
+export type LaterId = (typeof LATER_IDS)[number];
+
+/** Whether the code of a section's scene and figure is one of these. */
+export const isLater = (id: string): id is LaterId => LATER_IDS.some((one) => one === id);
 
 /** What a section of these has: the scene of the stage, and its figure or what stands beside its picture. */
 export interface Later {

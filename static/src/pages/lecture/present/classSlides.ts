@@ -5,6 +5,7 @@ import { askedAs, type Classroom, classroom } from "../../../store/classroom";
 import { followPages } from "../../../tools/classroom/pages";
 import { throttled } from "../../../tools/classroom/session";
 import type { ClassView } from "../../../wire/protocol";
+import { showSection } from "../awaitedFigures";
 import { shownSlide, slideOfMessage } from "./shownSlide";
 import {
   blank,
@@ -101,7 +102,7 @@ function goTo({ hash = "", slide: shown }: ClassView): void {
   history.replaceState(null, "", location.pathname + hash);
   const only = shown ? slideOfMessage(shown) : null;
   if (only) showOnly(only, Math.max(0, Number.parseInt(hash.split("/")[1] ?? "1", 10) - 1));
-  if (!isSlide) document.getElementById(hash.slice(1))?.scrollIntoView();
+  if (!isSlide) showSection(hash.slice(1));
 }
 
 /** Take part in a class, whatever one's role is. */

@@ -1,0 +1,41 @@
+"""Points in degrees of longitude and latitude, as metres on a plane.
+
+Source: the radii of curvature of the ellipsoid WGS 84, in the meridian M and in the prime vertical N; NIMA TR8350.2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ReadError
+
+SEMI_MAJOR_M, ECCENTRICITY_2 = 6378137.0, 6.69437999014e-3  #: of WGS 84
+WIDEST = 1.0  #: degrees: a plane that touches the ellipsoid is of no use for a wider cloud
+
+
+def metres_of_degrees(lon_lat: NDArray[np.float64], why: str) -> tuple[NDArray[np.float64], str]:
+    """Return points (n, 2) of longitude and latitude, degrees, as metres east and north of a place, and a note.
+
+    The place is the middle of the points, rounded to a millionth of a degree; ``why`` begins the note. The plane
+    touches the ellipsoid there, so that distances are wrong by up to a hundredth in a cloud of 100 km. Raises
+    :class:`ReadError` for points beyond ±180° and ±90°, and for clouds wider than :data:`WIDEST`.
+    """
+    known = lon_lat[np.isfinite(lon_lat).all(axis=1)]
+    if len(known) == 0:
+        return lon_lat, why
+    low, high = known.min(axis=0), known.max(axis=0)
+    if (low < (-180.0, -90.0)).any() or (high > (180.0, 90.0)).any() or (high - low > WIDEST).any():
+        box = f"{low[0]:g} to {high[0]:g} and {low[1]:g} to {high[1]:g}"
+        raise ReadError(
+            "cloud.degrees",
+            f"{why}, and they are {box}: no cloud of at most {WIDEST:g}° that a plane could hold. Project it, for "
+            "example to UTM, in metres.",
+        )
+    place = np.round(0.5 * (low + high), 6)
+    latitude = np.radians(place[1])
+    w2 = 1.0 - ECCENTRICITY_2 * np.sin(latitude) ** 2
+    meridian = SEMI_MAJOR_M * (1.0 - ECCENTRICITY_2) / w2**1.5
+    across = SEMI_MAJOR_M / np.sqrt(w2) * np.cos(latitude)
+    points = np.radians(lon_lat - place) * (across, meridian)
+    return points, f"{why}: x and y are metres east and north of {place[0]:.6f}°, {place[1]:.6f}° here (WGS 84)."

@@ -1,0 +1,335 @@
+"""Clouds as people have them, beside what their formats and other readers make of each; one case of each kind.
+
+Where the situation is known from: umap issue 159 and QGIS issue 52741 (decimal commas); Helios issue 71 and entwine
+issue 305 (units of a LAS file); Open3D issues 6924 and 913 and PDAL issue 3254 (headers, several scans in a PTS file);
+octomap issues 67 and 272 (coloured octrees); plyfile and Open3D (order of elements, lists).
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+import laspy
+import numpy as np
+import pytest
+from laspy.vlrs.vlr import VLR
+
+from mapper.core.errors import ReadError
+from mapper.io.clouds import read_cloud
+from mapper.io.clouds.projection import units_of
+from mapper.io.maps import load_map
+from mapper.volume import Octree, VolumeConfig, octree_file
+from mapper.volume.octree_files import octree_of_bytes
+from tests.server.cli.running import Run
+
+RNG = np.random.default_rng(12)
+POINTS = np.round(RNG.uniform(-9.0, 9.0, (30, 3)), 3)
+
+
+def lines(form: str, points: np.ndarray = POINTS, head: str = "") -> bytes:
+    """Return a text with a line of this form for each point."""
+    return (head + "".join(form.format(*point) + "\n" for point in points)).encode()
+
+
+def commas(form: str, head: str = "") -> bytes:
+    """Return a text whose decimals follow a comma; ``|`` in the form is one that does not."""
+    return lines(form, head=head).replace(b",", b"|").replace(b".", b",").replace(b"|", b",")
+
+
+def read(tmp_path: Path, data: bytes, name: str = "a.xyz") -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return the points of a file with these bytes, and the notes on it."""
+    path = tmp_path / name
+    path.write_bytes(data)
+    cloud = read_cloud(path)
+    return cloud.points, cloud.notes
+
+
+THREE = "{:.3f}"
+TEXTS: dict[str, bytes] = {
+    "decimal commas, blanks": commas("{:.3f} {:.3f} {:.3f}"),
+    "decimal commas, a tab": commas("{:.3f}\t{:.3f}\t{:.3f}"),
+    "decimal commas, semicolons and blanks": commas("{:.3f}; {:.3f}; {:.3f}"),
+    "decimal commas, a comma and a blank": lines("{:.3f}; {:.3f}; {:.3f}").replace(b".", b",").replace(b";", b","),
+    "decimal commas, quoted": lines('"{:.3f}";"{:.3f}";"{:.3f}"').replace(b".", b","),
+    "quoted, with commas between": lines('"{:.3f}";"{:.3f}";"{:.3f}"').replace(b".", b",").replace(b";", b","),
+    "decimal commas below names": commas("{:.3f};{:.3f};{:.3f}", head="X;Y;Z\n"),
+    "semicolons at the end of each line": lines("{:.3f};{:.3f};{:.3f};"),
+    "a byte-order mark": b"\xef\xbb\xbf" + lines("{:.3f},{:.3f},{:.3f}", head="x,y,z\n"),
+    "UTF-16": b"\xff\xfe" + lines("{:.3f} {:.3f} {:.3f}").decode().encode("utf-16-le"),
+    "carriage returns": lines("{:.3f},{:.3f},{:.3f}").replace(b"\n", b"\r\n"),
+    "CloudCompare's names": lines("{:.3f} {:.3f} {:.3f}", head="//X Y Z\n30\n"),
+    "ParaView's names": lines("{:.3f},{:.3f},{:.3f}", head='"Points:0","Points:1","Points:2"\n'),
+    "surveyors' names": lines("{1:.3f},{0:.3f},{2:.3f}", head="Northing,Easting,Height\n"),
+    "units in the names": lines("{:.1f};{:.1f};{:.1f}", 1000.0 * POINTS, head="x [mm];y [mm];z [mm]\n"),
+    "units after the names": lines("{:.3f} {:.3f} {:.3f}", 100.0 * POINTS, head="x_cm y_cm z_cm\n"),
+    "names with blanks, and a number": lines(
+        "7,{:.3f},{:.3f},{:.3f}", head="scan id,X Coordinate,Y Coordinate,Z Coordinate\n"
+    ),
+    "two scans": lines("{:.3f} {:.3f} {:.3f}", POINTS[:11], "11\n")
+    + lines("{:.3f} {:.3f} {:.3f}", POINTS[11:], "19\n"),
+}
+
+
+@pytest.mark.parametrize("case", TEXTS)
+def test_texts(tmp_path: Path, case: str) -> None:
+    points, _ = read(tmp_path, TEXTS[case])
+    np.testing.assert_allclose(points, POINTS, atol=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (lines("{:.3f};{:.3f};{:.3f}").replace(b".", b",").replace(b";", b","), "decimal commas, and commas stand"),
+        (
+            lines("{:.3f};{:.3f};{:.3f}").replace(b".", b",").replace(b";", b",").replace(b"\n", b",7\n"),
+            "decimal commas",
+        ),
+        (b"1.5 2,5 3.5\n4.5 5,5 6.5\n", "some numbers have decimal commas, others decimal points"),
+        (b"1,234.5 2,345.5 678.5\n" * 3, "commas between their thousands"),
+        (b"id,distance,angle\n1,2.5,3\n1,2.5,3\n", "columns are named id, distance, angle; a cloud needs x, y, z"),
+    ],
+)
+def test_texts_that_could_be_two_things_are_refused(tmp_path: Path, data: bytes, said: str) -> None:
+    """They were other points before, without a word."""
+    with pytest.raises(ReadError, match=said):
+        read(tmp_path, data)
+
+
+def test_whole_numbers_between_commas_are_no_decimals(tmp_path: Path) -> None:
+    rows = np.column_stack(
+        [np.arange(-20, 20), np.arange(40) * 7, np.arange(40), np.arange(40) * 6, np.full((40, 2), 9)]
+    )
+    points, _ = read(tmp_path, b"\n".join(b",".join(b"%d" % v for v in row) for row in rows))
+    assert np.array_equal(points, rows[:, :3])
+
+
+def test_longitude_and_latitude_by_their_names_are_metres(tmp_path: Path) -> None:
+    """A degree of latitude is 110.9 km at 30°, one of longitude 96.5 km there."""
+    text = b"latitude,longitude,altitude\n30.000,-95.000,10\n30.001,-95.000,10\n30.000,-95.001,12\n"
+    points, notes = read(tmp_path, text)
+    sides = points - points[0]
+    assert sides[1] == pytest.approx([0.0, 110.85, 0.0], abs=0.02)
+    assert sides[2] == pytest.approx([-96.49, 0.0, 2.0], abs=0.02)
+    assert "metres east and north of -95.000500°, 30.000500° here (WGS 84)" in notes[0]
+
+
+# -- LAS -----------------------------------------------------------------------------------------------------------
+
+FEET = "US survey foot"
+WKT = (
+    'COMPD_CS["a",PROJCS["b",GEOGCS["c",DATUM["d",SPHEROID["e",6378137,298.257]],PRIMEM["Greenwich",0],'
+    'UNIT["degree",0.0174532925199433]],PROJECTION["f"],PARAMETER["scale_factor",1],'
+    'UNIT["US survey foot",0.304800609601219],AXIS["X",EAST]],VERT_CS["g",VERT_DATUM["h",2005],UNIT["metre",1]]]'
+)
+WKT2 = (
+    'PROJCRS["b",BASEGEOGCRS["c",ANGLEUNIT["degree",0.0174532925199433]],CONVERSION["f",PARAMETER["x",1,'
+    'LENGTHUNIT["metre",1]]],CS[Cartesian,2],AXIS["easting (X)",east,LENGTHUNIT["foot",0.3048]]]'
+)
+
+
+def keys(*entries: tuple[int, int]) -> bytes:
+    """Return a GeoTIFF key directory with these keys and values."""
+    return struct.pack(
+        f"<{4 + 4 * len(entries)}H", 1, 1, 0, len(entries), *(v for k, value in entries for v in (k, 0, 1, value))
+    )
+
+
+def las(
+    path: Path, points: np.ndarray, records: dict[int, bytes], steps: tuple[float, float, float] = (1e-3,) * 3
+) -> Path:
+    header = laspy.LasHeader(point_format=1, version="1.2")
+    header.scales, header.offsets = np.array(steps), np.floor(points[0])
+    header.vlrs.extend(VLR("LASF_Projection", number, "", data) for number, data in records.items())
+    out = laspy.LasData(header)
+    out.x, out.y, out.z = points.T
+    out.write(path)
+    return path
+
+
+UNITS: dict[str, tuple[dict[int, bytes], tuple[float, float, float], str | None]] = {
+    "none stated": ({}, (1.0, 1.0, 1.0), None),
+    "UTM by its number": ({34735: keys((1024, 1), (3072, 32632))}, (1.0, 1.0, 1.0), None),
+    "US survey feet": ({34735: keys((1024, 1), (3076, 9003))}, (1200 / 3937,) * 3, FEET),
+    "feet, heights in metres": ({34735: keys((1024, 1), (3076, 9002), (4099, 9001))}, (0.3048, 0.3048, 1.0), "'foot'"),
+    "metres, heights in feet": ({34735: keys((1024, 1), (3076, 9001), (4099, 9002))}, (1.0, 1.0, 0.3048), "z is in"),
+    "WKT": ({2112: WKT.encode() + b"\0"}, (1200 / 3937, 1200 / 3937, 1.0), FEET),
+    "WKT 2": ({2112: WKT2.encode()}, (0.3048,) * 3, "'foot'"),
+    "a number without its unit": ({34735: keys((1024, 1), (3072, 2277))}, (1.0, 1.0, 1.0), "EPSG:2277 and no unit"),
+}
+
+
+@pytest.mark.parametrize("end", ["las", "laz"])
+@pytest.mark.parametrize("case", UNITS)
+def test_units_of_the_projection_record(tmp_path: Path, case: str, end: str) -> None:
+    records, sizes, said = UNITS[case]
+    cloud = read_cloud(las(tmp_path / f"a.{end}", POINTS, records))
+    np.testing.assert_allclose(cloud.points, POINTS * sizes, atol=1e-6)
+    assert said in " ".join(cloud.notes) if said else cloud.notes == ()
+
+
+@pytest.mark.parametrize("records", [{}, {34735: keys((1024, 2), (2048, 4326))}], ids=["not stated", "stated"])
+def test_degrees_of_las_are_metres_with_a_note(tmp_path: Path, records: dict[int, bytes]) -> None:
+    """0.0001° of longitude at the equator are 11.13 m."""
+    degrees = np.array([[8.0, 0.0, 5.0], [8.0001, 0.0, 6.0], [8.0, 0.0001, 7.0]])
+    cloud = read_cloud(las(tmp_path / "a.las", degrees, records, (1e-7, 1e-7, 0.01)))
+    assert cloud.points[1] - cloud.points[0] == pytest.approx([11.132, 0.0, 1.0], abs=0.02)
+    assert cloud.points[2] - cloud.points[0] == pytest.approx([0.0, 11.057, 2.0], abs=0.02)
+    assert "metres east and north of 8.000050°, 0.000050°" in cloud.notes[0]
+
+
+@pytest.mark.parametrize("text", ["", "PROJCS", "PROJCS[" * 100, 'A["b"', "]][[", 'GEOGCS["x"]', "UNIT[,,]"])
+def test_odd_records_state_no_length(text: str) -> None:
+    found = units_of({2112: text.encode(), 34735: b"\1\0"})
+    assert found is None or found.model == "geographic"
+
+
+# -- what ends early, and what stands in other orders -----------------------------------------------------------------
+
+
+def ply(form: str, lists: tuple[int, ...] = ()) -> bytes:
+    """Return a PLY whose vertices stand between a camera with a list and a face; each with a list of these lengths."""
+    listed = "property list uchar float extra\n" if lists else ""
+    head = (
+        f"ply\nformat {form} 1.0\ncomment by hand\nelement camera 1\nproperty list uchar int at\nproperty float f\n"
+        f"element vertex {len(POINTS)}\nproperty float X\n{listed}property double Y\nproperty float Z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    ).encode()
+    rows = []
+    order = {"binary_little_endian": "<", "binary_big_endian": ">"}.get(form, "")
+    for k, (x, y, z) in enumerate(POINTS):
+        extra = [0.5] * lists[k % len(lists)] if lists else None
+        if not order:
+            rows.append(
+                " ".join(map(str, [x, *([] if extra is None else [len(extra), *extra]), y, z])).encode() + b"\n"
+            )
+        else:
+            middle = b"" if extra is None else struct.pack(f"{order}B{len(extra)}f", len(extra), *extra)
+            rows.append(struct.pack(f"{order}f", x) + middle + struct.pack(f"{order}df", y, z))
+    camera = struct.pack(f"{order}B2if", 2, 5, 6, 0.5) if order else b"2 5 6 0.5\n"
+    face = struct.pack(f"{order}B3i", 3, 0, 1, 2) if order else b"3 0 1 2\n"
+    return head + camera + b"".join(rows) + face
+
+
+@pytest.mark.parametrize("lists", [(), (3,), (0, 2, 5)], ids=["no lists", "even", "uneven"])
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply_with_other_elements_before_and_lists_within(tmp_path: Path, form: str, lists: tuple[int, ...]) -> None:
+    points, notes = read(tmp_path, ply(form, lists), "a.ply")
+    np.testing.assert_allclose(points, POINTS, atol=1e-6)
+    assert notes == ()
+    data = ply(form, lists)
+    cut, notes = read(tmp_path, data[: int(0.7 * len(data))], "a.ply")
+    assert 3 < len(cut) < 30
+    np.testing.assert_allclose(cut, POINTS[: len(cut)], atol=1e-6)
+    assert notes == (f"The file ends early: 30 points claimed, {len(cut)} there; these are read.",)
+
+
+PCD = "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 30\nHEIGHT 1\nPOINTS 30\nDATA ascii\n"
+ROWS = lines("{:.3f} {:.3f} {:.3f}")
+HEADERS: dict[str, tuple[str, bytes]] = {
+    "types in lower case": (PCD.replace("F F F", "f f f"), ROWS),
+    "names in upper case": (PCD.replace("x y z", "X Y Z"), ROWS),
+    "remarks first": ("\n# by a tool\n#\n# .PCD v.7\n" + PCD, ROWS),
+    "no version": (PCD.replace("VERSION 0.7\n", ""), ROWS),
+    "words in lower case": (PCD.lower(), ROWS),
+    "neither width nor height": (PCD.replace("WIDTH 30\nHEIGHT 1\n", ""), ROWS),
+    "another width": (PCD.replace("WIDTH 30", "WIDTH 32"), ROWS),
+    "no counts, sizes and types": (PCD.replace("SIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\n", ""), ROWS),
+    "fields without numbers, and padding": (
+        PCD.replace("x y z", "x y z gone _ _").replace("8 8 8", "8 8 8 4 1 2").replace("F F F", "F F F F U U")
+        .replace("1 1 1", "1 1 1 0 3 1"), lines("{:.3f} {:.3f} {:.3f} 0 0 0 0"),
+    ),
+    "COLUMNS": (PCD.replace("FIELDS", "COLUMNS").replace("0.7", ".5"), ROWS),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HEADERS)
+def test_headers_of_pcd(tmp_path: Path, case: str) -> None:
+    head, rows = HEADERS[case]
+    points, notes = read(tmp_path, head.encode() + rows, "a.pcd")
+    np.testing.assert_allclose(points, POINTS, atol=1e-6)
+    assert [note for note in notes if "width and height 32 × 1" in note] == list(notes)
+    assert bool(notes) == (case == "another width")
+
+
+def cut_pcd() -> bytes:
+    return PCD.replace("ascii", "binary").encode() + POINTS.astype("<f8").tobytes()
+
+
+CUT: dict[str, tuple[str, Callable[[Path], bytes], int]] = {
+    "las": ("a.las", lambda folder: las(folder / "b.las", POINTS, {}).read_bytes(), 30),
+    "pts": ("a.pts", lambda _: b"30\n" + ROWS, 30),
+    "pcd ascii": ("a.pcd", lambda _: PCD.encode() + ROWS, 30),
+    "pcd binary": ("a.pcd", lambda _: cut_pcd(), 30),
+}
+
+
+@pytest.mark.parametrize("case", CUT)
+def test_of_a_cut_cloud_the_whole_points_are_read(tmp_path: Path, case: str) -> None:
+    name, made, n = CUT[case]
+    points, notes = read(tmp_path, made(tmp_path)[:-70], name)
+    assert 24 < len(points) < n
+    np.testing.assert_allclose(points, POINTS[: len(points)], atol=1e-6)
+    assert notes == (f"The file ends early: {n} points claimed, {len(points)} there; these are read.",)
+
+
+def test_of_a_cut_laz_file_the_whole_chunks_are_read(tmp_path: Path) -> None:
+    many = np.round(RNG.uniform(-9.0, 9.0, (120_000, 3)), 3)
+    data = las(tmp_path / "a.laz", many, {}).read_bytes()
+    points, notes = read(tmp_path, data[: int(0.7 * len(data))], "b.laz")
+    assert 40_000 < len(points) < 90_000
+    np.testing.assert_allclose(points, many[: len(points)], atol=1e-6)
+    assert "120000 points claimed" in notes[0]
+
+
+def test_a_las_file_whose_header_was_not_written_to_the_end(tmp_path: Path) -> None:
+    data = bytearray(las(tmp_path / "a.las", POINTS, {}).read_bytes())
+    struct.pack_into("<I", data, 107, 0)
+    points, notes = read(tmp_path, bytes(data), "a.las")
+    np.testing.assert_allclose(points, POINTS, atol=1e-6)
+    assert notes == ("The header says 0 points, and 30 are there: it was not written to the end.",)
+
+
+# -- octrees, and places far from 0 -----------------------------------------------------------------------------------
+
+
+def test_a_coloured_octree_has_its_occupancy_and_bytes_after_a_tree_are_noted() -> None:
+    masks, values = np.array([0b101, 0, 0], dtype=np.uint8), np.array([0.4, 0.85, -0.4], dtype=np.float32)
+    plain = octree_file(Octree(0.1, values, masks), ".ot", VolumeConfig())
+    header = plain.header.replace(b"id OcTree", b"id ColorOcTree")
+    nodes = b"".join(struct.pack("<f3BB", value, 10, 20, 30, mask) for value, mask in zip(values, masks, strict=True))
+    found = octree_of_bytes(header + nodes + b"more", "a.ot")
+    assert found.tree.values.tolist() == values.tolist()
+    assert found.tree.masks.tolist() == masks.tolist()
+    assert found.notes == (
+        "a.ot is a ColorOcTree: its occupancy is read, its colours are not.",
+        "a.ot has 4 bytes after its tree, which say nothing of it.",
+    )
+    again = octree_of_bytes(found.bytes(), "b.ot")
+    assert (again.notes, again.tree.values.tolist()) == ((), values.tolist())
+    with pytest.raises(ReadError, match="OcTree and ColorOcTree are read"):
+        octree_of_bytes(header.replace(b"Color", b"Stamped") + nodes, "a.ot")
+
+
+def test_a_georeferenced_cloud_is_mapped_and_its_files_state_where(tmp_path: Path, run: Run) -> None:
+    far = POINTS + np.array([523_000.25, 4_812_000.5, 612.0])
+    (tmp_path / "far.xyz").write_bytes(lines("{:.3f} {:.3f} {:.3f}", far))
+    names = [tmp_path / f"m.{end}" for end in ("bt", "ply", "glb")]
+    outs = [word for name in names for word in ("--out", name)]
+    done = run("map3d", tmp_path / "far.xyz", *outs, "--map", tmp_path / "above", "--resolution", "0.5", "--json")
+    assert done.status == 0, done.err
+    offset = (523_000.0, 4_812_000.0, 600.0)
+    assert "The map's origin is at 523,000, 4,812,000, 600 m of the file" in json.loads(done.out)["notes"][-1]
+    tree = octree_of_bytes(names[0].read_bytes(), "m.bt")
+    assert tuple(tree.offset) == offset
+    assert b"comment offset 523000.0 4812000.0 600.0\n" in names[1].read_bytes()[:200]
+    assert json.dumps({"offset": offset}, separators=(",", ":")).encode() in names[2].read_bytes()
+    grid = load_map(tmp_path / "above.yaml").grid
+    rows, cols = grid.geometry.world_to_cell(far[:, :2]).T
+    assert (grid.log_odds[rows, cols] > 0.0).all()
+    again = run("map3d", names[0], tmp_path / "far.xyz", "--out", tmp_path / "n.ot", "--json")
+    assert json.loads(again.out)["occupied"] == json.loads(done.out)["occupied"]
+    told = run("info", tmp_path / "n.ot")
+    assert "The map's origin is at 523,000, 4,812,000, 600 m of the file" in told.out
