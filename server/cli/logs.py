@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +21,7 @@ from server.cli.common import (
     TopicNames,
     TumTrajectory,
     configured,
+    fail,
     given_parameters,
     print_json,
     progress_bar,
@@ -36,6 +38,7 @@ from server.cli.held import (
     size_line,
     stream_line,
 )
+from server.version import package_version
 
 if TYPE_CHECKING:
     from mapper.io.contents.inspection import Held
@@ -44,6 +47,7 @@ if TYPE_CHECKING:
     from mapper.sensors.scan import ScanLog
 
 
+REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder
 TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
 
 
@@ -55,9 +59,20 @@ def info(
     contents: Annotated[
         bool, typer.Option(help="Go through the whole recording for the size, span and rate of every topic.")
     ] = True,
+    report: Annotated[
+        bool,
+        typer.Option(
+            "--report",
+            help=f"Write {REPORT}: what the log is made of, without its readings and names, to attach to a report of a "
+            "log that is not read, or read wrong.",
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Print the contents of a log, a recording, a point cloud, a scan graph, depth images, an octree or a mesh."""
+    if report:
+        _write_report(log)
+        return
     from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
     from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
     from server.cli.surface import describe_mesh  # noqa: PLC0415 - start-up
@@ -105,6 +120,22 @@ def info(
         typer.echo(f"  {stream_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _write_report(path: Path) -> None:
+    """Write the excerpt of a log, whether it can be read or not."""
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from mapper.io.contents.report import excerpt  # noqa: PLC0415 - start-up
+
+    if not path.exists():
+        fail(f"{path}: There is no such file.")
+    text = json.dumps({"gridbloom": package_version()} | excerpt(path), indent=1, ensure_ascii=False, allow_nan=False)
+    with atomic_write(Path(REPORT)) as file:
+        file.write(text.encode())
+    typer.echo(
+        f"wrote {REPORT}, {len(text.encode()):,} bytes: types, topics, frames, counts, limits and notes. Readings, "
+        "positions and names of files, users and machines are not in it; look at it before you attach it."
+    )
 
 
 def _causes(log: ScanLog) -> list[str]:

@@ -11,6 +11,7 @@ import typer
 
 from mapper.core.errors import MapperError
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.georeference import NO_OFFSET
 from server.cli.app import app
 from server.cli.common import (
     AsJson,
@@ -97,7 +98,8 @@ def slam(
         before = None if found.odometry is None else map_figures(scans, found.odometry, MappingConfig())
         grid = map_of(corrected, SLAM)
         after = map_figures(corrected, SLAM, MappingConfig())
-    written = [] if out is None else [*save(grid, out, "trinary", "map"), *_write(out, corrected, found)]
+    offset = corrected.trajectory(SLAM).offset
+    written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, found)]
     loops = found.graph.kind == 1
     residuals = found.graph.residual[loops]
     facts: dict[str, Any] = {
@@ -172,7 +174,8 @@ def _configured(values: list[str]) -> SlamConfig:
 def _with_poses(log: ScanLog, found: SlamResult) -> ScanLog:
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
-    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map", from_scans=True)
+    offset = NO_OFFSET if found.odometry is None else log.trajectory(found.odometry).offset
+    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
     return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
 
 

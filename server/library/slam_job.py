@@ -23,6 +23,7 @@ from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
 from server.library.log_pack import StalePackError, read_whole_pack
@@ -110,7 +111,9 @@ def _slam(job: SlamJob) -> SlamOutcome:
     config = SlamConfig().with_values(job.parameters)
     mapping = MappingConfig().with_values(job.mapping)
     result = slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
-    log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses, from_scans=True)})
+    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+    corrected = Trajectory(result.poses, from_scans=True, offset=offset)
+    log = replace(log, trajectories={**log.trajectories, NAME: corrected})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
     Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
     before = log.default_trajectory if result.odometry is None else result.odometry

@@ -26,7 +26,7 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import byte_stream
-from mapper.io.logs.container import Container
+from mapper.io.logs.container import MAX_NOTES, Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import PIECE, Progress, opened
@@ -227,6 +227,9 @@ def _take_all(
         if isinstance(key, int):
             keys.append(key)
             recording.channel(key, str(name), str(kind), cdr=True, readable=form == "cdr")
+            if form != "cdr" and len(recording.notes) < MAX_NOTES:
+                what = f"{printable(str(kind)[:100])} on {printable(str(name)[:100])}"
+                recording.notes.append(f"{what}: the messages are encoded as {str(form)!r:.40}, and only cdr is read.")
     wanted = ",".join(str(key) for key in keys if recording.wants(key))
     last = 1
     with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing

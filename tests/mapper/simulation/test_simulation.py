@@ -71,7 +71,7 @@ def test_teleports_to_free_outside_tight_and_impossible_places():
     assert simulation.world.is_free(outside.pose[:2], ROBOT_RADIUS)
     tight = simulation.teleport(7.0, 7.9)
     assert tight.moved
-    assert "too tight" in tight.message
+    assert "Too tight" in tight.message
     assert simulation.world.is_free(simulation.teleport(1e300, -1e300).pose[:2], ROBOT_RADIUS)
     before = simulation.pose
     for x, y, yaw in ((np.nan, 1.0, None), (1.0, np.inf, None), (1.0, 1.0, np.nan)):

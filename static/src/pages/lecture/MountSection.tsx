@@ -44,12 +44,18 @@ export function MountSection({ id, number, title }: SectionHead) {
       }
       sources={["rep-103", "rep-105"]}
       after={
-        <p>
-          A <b>rotated</b> sensor rotates each scan about the sensor, so a wall appears in a different place from every
-          pose that saw it. The offset of a <b>shifted</b> sensor rotates with the heading: where the robot turned,
-          walls appear twice; on a straight drive the error cannot be seen. A sensor that is <b>upside down</b> mirrors
-          each scan, and a symmetric corridor may even look correct.
-        </p>
+        <>
+          <p>
+            A <b>rotated</b> sensor rotates each scan about the sensor, so a wall appears in a different place from
+            every pose that saw it. The offset of a <b>shifted</b> sensor rotates with the heading: where the robot
+            turned, walls appear twice; on a straight drive the error cannot be seen. A sensor that is{" "}
+            <b>upside down</b> mirrors each scan, and a symmetric corridor may even look correct.
+          </p>
+          <p>
+            The pose is that of the moment of the reading: where the clocks differ, walls fan out in every turn. A scan
+            takes time: in a turn each beam needs a pose of its own, or walls tear where the scan begins and ends.
+          </p>
+        </>
       }
     >
       <p>

@@ -156,7 +156,7 @@ export function DistanceTitle({ layout }: { layout: Layout }) {
     </text>
   ) : (
     <text class="axis-title" x={width - 2} y={strip.bottom + 31} text-anchor="end">
-      s, m
+      r, m
     </text>
   );
 }
