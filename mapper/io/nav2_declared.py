@@ -2,8 +2,8 @@
 
 Source: the calls of declare_parameter in navigation2's costmap_2d_ros.cpp, obstacle_layer.cpp and denoise_layer.cpp,
 with the names that older releases had; the names of the other layers, of AMCL and of what plans and follows paths were
-not compared with their sources. A name that is in none of these tables gets a note and has no effect: rclcpp passes over
-values of parameters that no node declares.
+not compared with their sources. A name that is in none of these tables gets a note and has no effect: rclcpp passes
+over values of parameters that no node declares.
 """
 
 from __future__ import annotations
