@@ -1,5 +1,5 @@
 # serve: build everything and run the service.   test: everything that CI runs.
-# Needs Python 3.11+ and make. Node comes from PyPI; `make test` also needs Chromium and installs it where it can.
+# Needs Python 3.11+ and make. Node comes from PyPI; without Chromium `make test` leaves out the browser tests.
 
 PYTHON ?= python3
 VENV   := .venv
@@ -18,10 +18,14 @@ RUN_TESTS = $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 # and each service that a test starts would be compiled anew.
 export PYTHONDONTWRITEBYTECODE =
 
+# Where the home folder cannot be written, logs are kept in the checkout.
+DATA_DIR = $(shell home="$${XDG_DATA_HOME:-$$HOME/.local/share}"; test -n "$$GRIDBLOOM_DATA_DIR" || \
+             { mkdir -p "$$home" && test -w "$$home"; } 2>/dev/null || echo env GRIDBLOOM_DATA_DIR=.data)
+
 .PHONY: serve setup lock sbom docs pages wire check check-python check-pages test-pages test-python kernels programs test test-long test-shell bench dev clean
 
 serve: setup $(VENV)/.lab ## build and run; ARGS="--port 9000" goes to `gridbloom serve`
-	$(BIN)/gridbloom serve $(ARGS)
+	$(DATA_DIR) $(BIN)/gridbloom serve $(ARGS)
 
 setup: $(VENV)/.installed pages ## .venv with the gridbloom command in it
 

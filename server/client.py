@@ -23,6 +23,7 @@ from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 from websockets.typing import Subprotocol
 
+from server.network_address import is_loopback_name
 from server.stream.protocol import SUBPROTOCOL
 from server.upload_client import ClientError, Progress, accepted, as_one_file, measured, request, sent, visitor_id
 
@@ -79,7 +80,8 @@ class Client:
     ``visitors`` is a file that keeps the visitor id for each service, so that a log that is sent twice is stored once
     and an interrupted upload is resumed in another process; without it every client is a new visitor, who sees none of
     the logs and sessions of another. After a broken connection a request is repeated ``pause_s`` seconds later, and
-    after twice the last pause at each further attempt.
+    after twice the last pause at each further attempt. A proxy that the environment names (``HTTPS_PROXY``) is used,
+    except for a service on this machine's loopback address.
 
     All methods raise :class:`ClientError`: the service's sentence where it refuses, or that it cannot be reached.
     """
@@ -91,10 +93,18 @@ class Client:
         self.base = f"{parts.scheme}://{parts.netloc}"
         self._pause_s = pause_s
         token = token or parse_qs(parts.query).get("token", [""])[0]
+        # A proxy of the environment is for other machines: on it, loopback would be the proxy's own.
+        self._is_local = is_loopback_name(parts.hostname or "")
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         cookies = {"gridbloom_visitor": visitor_id(visitors, self.base)}
         with self._reaching():
-            self._http = httpx.Client(base_url=self.base, headers=headers, cookies=cookies, timeout=TIMEOUT_S)
+            self._http = httpx.Client(
+                base_url=self.base,
+                headers=headers,
+                cookies=cookies,
+                timeout=TIMEOUT_S,
+                trust_env=not self._is_local,
+            )
         self._headers = headers | {"Cookie": "; ".join(f"{name}={value}" for name, value in cookies.items())}
 
     def __enter__(self) -> Self:
@@ -291,6 +301,7 @@ class Client:
                 compression=None,
                 max_size=None,
                 open_timeout=TIMEOUT_S,
+                proxy=None if self._is_local else True,
             ) as socket:
                 yield socket
         except InvalidStatus as error:

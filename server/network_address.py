@@ -43,3 +43,14 @@ def reachable(netloc: str) -> str:
     if name.strip("[]") not in ("localhost", "127.0.0.1", "::1", "0.0.0.0", "::"):  # noqa: S104 - compared, not bound
         return netloc
     return f"{own_address() or name}{colon}{port}"
+
+
+def is_loopback_name(host: str) -> bool:
+    """Return whether a name or an address is a loopback address, without name resolution."""
+    name = host.strip("[]").lower()
+    if name == "localhost" or name.endswith(".localhost"):
+        return True
+    try:
+        return ipaddress.ip_address(name).is_loopback
+    except ValueError:
+        return False

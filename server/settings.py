@@ -12,6 +12,8 @@ from typing import Annotated, Literal
 from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+from server.network_address import is_loopback_name
+
 
 def _default_data_dir() -> Path:
     """Return the folder that the XDG base directory specification gives an application for its data."""
@@ -196,26 +198,15 @@ class Settings(BaseSettings):
     @property
     def is_loopback(self) -> bool:
         """Whether the service listens on this machine's loopback address only."""
-        return _is_loopback(self.host)
+        return is_loopback_name(self.host)
 
     @property
     def is_reached_from_beyond(self) -> bool:
         """Whether other machines may reach the service, by its address or through a reverse proxy."""
-        return not (self.is_loopback and all(map(_is_loopback, self.allowed_hosts)))
+        return not (self.is_loopback and all(map(is_loopback_name, self.allowed_hosts)))
 
     def with_token(self) -> Settings:
         """Return settings with a token if one is required: the given one, or a new one."""
         if self.token is not None or self.no_token or not self.is_reached_from_beyond:
             return self
         return self.model_copy(update={"token": SecretStr(secrets.token_urlsafe(24))})
-
-
-def _is_loopback(host: str) -> bool:
-    """Return whether a name or an address is a loopback address, without name resolution."""
-    name = host.strip("[]").lower()
-    if name == "localhost" or name.endswith(".localhost"):
-        return True
-    try:
-        return ipaddress.ip_address(name).is_loopback
-    except ValueError:
-        return False

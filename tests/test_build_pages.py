@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -58,3 +60,15 @@ def test_folders_that_do_not_count_are_not_listed(
     monkeypatch.setattr(os, "scandir", recording)
     digest_of_sources(tmp_path)
     assert sorted(listed) == [".", "src"]
+
+
+@pytest.mark.parametrize("home", ["/dev/null/none", "{tmp_path}"])
+def test_npm_runs_where_the_home_cannot_be_written(home: str, tmp_path: Path) -> None:
+    home = home.format(tmp_path=tmp_path)
+    kept = {name: value for name, value in os.environ.items() if name.lower() != "npm_config_cache"}
+    done = subprocess.run(
+        [sys.executable, SCRIPT, "--silent", "config", "get", "cache"],
+        env=kept | {"HOME": home}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert (done.stdout.strip() == f"{home}/.npm") == (home == str(tmp_path))

@@ -12,12 +12,26 @@ import pytest
 ROOT = Path(__file__).parents[1]
 TESTS = """
 import pytest
+from tests.programs import MissingProgramError
 
 def test_needs_the_logs(data_file):
     data_file("carmen/none.log")
 
 def test_skips():
     pytest.skip("no such program")
+
+@pytest.fixture(scope="module")
+def program():
+    raise MissingProgramError("The tests of frying need a pan: buy one.")
+
+def test_fries(program):
+    pass
+
+def test_fries_more(program):
+    pass
+
+def test_fries_itself():
+    raise MissingProgramError("The tests of frying need a pan: buy one.")
 
 @pytest.mark.skipif(True, reason="another system")
 def test_of_another_system():
@@ -45,8 +59,20 @@ def outcome(folder: Path, **environment: str) -> tuple[int, str]:
 def test_outside_ci_it_is_skipped_with_the_reason(tmp_path: Path, ci: str) -> None:
     status, said = outcome(tmp_path, CI=ci)
     assert status == 0, said
-    assert "3 skipped, 1 xfailed" in said
+    assert "6 skipped, 1 xfailed" in said
     assert "GRIDBLOOM_TEST_DATA does not name the folder of real logs" in said
+
+
+def test_the_last_lines_say_what_was_left_out(tmp_path: Path) -> None:
+    _, said = outcome(tmp_path)
+    *_, heading, first, second, third, last = said.splitlines()
+    assert "left out" in heading
+    assert first == "3 tests: The tests of frying need a pan: buy one."
+    assert {second, third} == {
+        "1 test: GRIDBLOOM_TEST_DATA does not name the folder of real logs",
+        "1 test: no such program",
+    }
+    assert "skipped" in last, "pytest's own line"
 
 
 def test_in_ci_it_fails_with_the_reason(tmp_path: Path) -> None:
@@ -54,8 +80,10 @@ def test_in_ci_it_fails_with_the_reason(tmp_path: Path) -> None:
     for data in ({}, {"GRIDBLOOM_TEST_DATA": str(tmp_path)}):
         status, said = outcome(tmp_path, CI="true", **data)
         assert status == 1, said
-        assert ", 1 skipped, 1 xfailed" in said, "only the skipif mark holds"
+        failures, errors = (2, 3) if not data else (3, 2)  # of the files, a fixture and a test
+        assert f"{failures} failed, 1 skipped, 1 xfailed, {errors} errors" in said, "only the skipif mark holds"
         assert "no such program" in said
+        assert "Nothing that a test needs may be missing in CI: The tests of frying need a pan" in said
         missing = "has no carmen/none.log" if data else "GRIDBLOOM_TEST_DATA does not name the folder of real logs"
         assert missing in said
 

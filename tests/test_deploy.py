@@ -13,23 +13,18 @@ from contextlib import ExitStack, contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-import pytest
 import yaml
 
 from server.library.given_maps import LIMITS
 from tests.browser.running import free_port
 from tests.haproxy import CONFIGURATION, haproxy, running_haproxy
-from tests.programs import MissingProgramError
 from tests.server.service import until
 
 DEPLOY = Path(__file__).parents[1] / "deploy"
 
 
 def test_haproxy_reads_its_configuration() -> None:
-    try:
-        program = haproxy()
-    except MissingProgramError as missing:
-        pytest.skip(str(missing))
+    program = haproxy()
     environment = os.environ | {"PORT": "8000", "REPLICAS": "localhost:8000"}
     done = subprocess.run(
         [program, "-c", "-f", CONFIGURATION], env=environment, capture_output=True, text=True, check=False
@@ -90,10 +85,7 @@ def stub() -> Iterator[Stub]:
 def test_a_service_that_answers_late_keeps_its_sessions(tmp_path: Path) -> None:
     with ExitStack() as stack:
         stubs = {one.server_address[1]: one for one in (stack.enter_context(stub()), stack.enter_context(stub()))}
-        try:
-            address = stack.enter_context(running_haproxy(tmp_path, free_port(), list(stubs)))
-        except MissingProgramError as missing:
-            pytest.skip(str(missing))
+        address = stack.enter_context(running_haproxy(tmp_path, free_port(), list(stubs)))
 
         def service_of(place: str) -> int | None:
             try:

@@ -1,18 +1,25 @@
 """The log doctor: what is wrong with a log, where, how surely, and what to do about it."""
 
-from mapper.diagnosis.drifting import drift_finding
+from mapper.diagnosis.diagnosis import Diagnosis, diagnose
+from mapper.diagnosis.drifting import drift_finding, first_cause
+from mapper.diagnosis.events import Event, find_events
 from mapper.diagnosis.examination import CHECKS, examine
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.verdict import Limits, Reason, Verdict, judge, named_findings
 
 __all__ = [
     "CHECKS",
+    "Diagnosis",
+    "Event",
     "Finding",
     "Limits",
     "Reason",
     "Verdict",
+    "diagnose",
     "drift_finding",
     "examine",
+    "find_events",
+    "first_cause",
     "judge",
     "named_findings",
 ]

@@ -1,10 +1,15 @@
-"""The stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate."""
+"""The stamps: jumps, duplicates, gaps, dropped scans, and an irregular rate.
+
+Many logs hold a scan for each half metre of the robot's way rather than for each tenth of a second. Their intervals are
+uneven, and long where the robot stood: so the way beside the time decides whether something is missing.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined
 from mapper.diagnosis.finding import MOST_SCANS, Finding
 from mapper.sensors.scan import ScanLog
@@ -12,6 +17,20 @@ from mapper.sensors.scan import ScanLog
 GAP_S = 2.0  #: and at least five times the usual interval
 JITTER = 0.35  #: half of the intervals differ from the usual one by more than this share of it
 DROPPED_SHARE = 0.005  #: of all intervals: fewer are an accident
+REGULAR = 0.6  #: share of intervals within a quarter of the usual one, from which those of twice it are noticed
+#: The same where the robot does not move, or not enough to say how far it came while a scan was missing.
+REGULAR_STILL = 0.8
+TURN_M = 0.3  #: metres of way that a turn by one radian counts
+MOVED_M = 0.02  #: of way, from which a robot moved
+FEWEST_MOVED = 3  #: intervals in which it moved, to judge by its way
+#: Share of the way that the longer interval would have, at the usual speed, from which it was driven: while scans are
+#: missing a robot drives on, but where scans are recorded each time it has come some way, that way is always the same.
+DROVE_ON = 0.7
+FARTHER = 1.5  #: times nearly the longest usual way, from which the robot moved during a gap
+#: Correlation of the speed from one interval to the next, from which stamps are those of measurement: a robot has mass,
+#: and by the stamps of arrival its speed would jump. It is 0.5 to 0.6 of logs that are recorded by distance, and 0 to
+#: 0.1 where stamps are irregular by themselves.
+SMOOTH = 0.4
 
 
 def _places(where: NDArray[np.bool_]) -> tuple[int, ...]:
@@ -22,11 +41,50 @@ def _times(n: int) -> str:
     return "once" if n == 1 else f"{n} times"
 
 
-def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as all checks
-    """Look at the whole log's stamps; none in a log without times."""
+def _way(log: ScanLog, seen: Examined) -> NDArray[np.float64] | None:
+    """Return the robot's way (n - 1,) from scan to scan, metres, with its turns; None where no poses tell it."""
+    along = log.trajectory(seen.trajectory)
+    moved = np.diff(along.poses, axis=0)
+    way = np.hypot(moved[:, 0], moved[:, 1]) + TURN_M * np.abs(wrap_angle(moved[:, 2]))
+    return None if along.is_placeholder or not (way > MOVED_M).any() else way
+
+
+def _are_dropped(missing: NDArray[np.bool_], ratio: NDArray[np.float64], way: NDArray[np.float64] | None) -> bool:
+    """Return whether scans are missing in the intervals ``missing`` (n,), ``ratio`` (n,) times the usual one.
+
+    Where scans are recorded by time, the robot drives on while one is missing; where they are recorded each time it has
+    come some way, a longer interval is a slower robot.
+    """
+    regular = np.abs(ratio - 1.0) < 0.25
+    if missing.mean() <= DROPPED_SHARE or regular.mean() <= REGULAR:
+        return False
+    moved = None if way is None else way > MOVED_M
+    if way is None or moved is None or min((moved & missing).sum(), (moved & regular).sum()) < FEWEST_MOVED:
+        return bool(regular.mean() > REGULAR_STILL)
+    usual = float(np.median(way[moved & regular]))
+    return bool(np.median(way[moved & missing] / np.round(ratio[moved & missing])) > DROVE_ON * usual)
+
+
+def _speeds_are_smooth(steps: NDArray[np.float64], way: NDArray[np.float64] | None) -> bool:
+    """Return whether the robot's speed, by these stamps, goes on from one interval to the next."""
+    if way is None:
+        return False
+    moves = (steps > 0.0) & (way > MOVED_M)
+    both = moves[1:] & moves[:-1]
+    if both.sum() < FEWEST_MOVED:
+        return False
+    speed = way / np.where(steps > 0.0, steps, 1.0)
+    ranks = [np.argsort(np.argsort(one[both])).astype(np.float64) for one in (speed[1:], speed[:-1])]
+    first, second = (one - one.mean() for one in ranks)
+    return float(np.mean(first * second)) > SMOOTH * float(np.std(first) * np.std(second))
+
+
+def check(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Look at the whole log's stamps, beside the robot's way; none in a log without times."""
     steps = np.diff(log.stamps_ns.astype(np.float64)) * 1e-9
     if not steps.any():
         return []
+    way = _way(log, seen)
     found = []
     back = steps < 0.0
     if back.any():
@@ -55,6 +113,9 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as a
         return found
     usual = float(np.median(forward))
     gap = steps > max(GAP_S, 5.0 * usual)
+    if way is not None and (~gap).any():
+        # A robot that stood, or whose scans are recorded by distance, has missed nothing.
+        gap &= way > max(MOVED_M, FARTHER * float(np.quantile(way[~gap], 0.95)))
     if gap.any():
         found.append(
             Finding(
@@ -72,9 +133,8 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as a
         )
     # A scan that is missing leaves an interval of two, three, ... usual ones, while the others are regular.
     ratio = steps / usual
-    regular = np.abs(ratio - 1.0) < 0.25
     missing = ~gap & (ratio > 1.5) & (np.abs(ratio - np.round(ratio)) < 0.25)
-    if regular.mean() > 0.6 and missing.mean() > DROPPED_SHARE:
+    if _are_dropped(missing, ratio, way):
         lost = int(np.round(ratio[missing] - 1.0).sum())
         found.append(
             Finding(
@@ -87,7 +147,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001 - as a
             )
         )
     spread = float(np.median(np.abs(forward - usual))) / usual
-    if spread > JITTER:
+    if spread > JITTER and not _speeds_are_smooth(steps, way):
         found.append(
             Finding(
                 "clock.jitter",

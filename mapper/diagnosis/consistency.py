@@ -19,6 +19,7 @@ from mapper.core.errors import WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog, Trajectory
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ RESOLUTION = 0.1  #: metres: fine enough for a wall, coarse enough to be fast an
 LARGEST_SIDE = 1500  #: cells: a larger place is looked at with coarser ones
 PHASES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.75))  #: of a cell: offsets of the grids over which a mean is taken
 MOST_READINGS = 60_000  #: looked at; a longer log is thinned evenly
+OF_THE_MOUNT = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")  #: parameters that correct it
 
 
 @dataclass(frozen=True)  # without slots: what is derived once is kept
@@ -56,21 +58,41 @@ class Examined:
         if not self.wanted():
             raise WorkCancelledError("doctor.unwanted", "The examination was cancelled: its session has ended.")
 
+    def shifted(self, x: float, y: float) -> Examined:
+        """Return the same scans in a map that is moved by ``x`` and ``y`` metres."""
+        one = self.log.trajectory()
+        by = np.array([x, y, 0.0])
+        timed = None if one.timed is None else replace(one.timed, poses=one.timed.poses + by)
+        moved = replace(one, poses=one.poses + by, timed=timed)
+        return replace(self, log=replace(self.log, trajectories={self.trajectory: moved}))
+
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
         return replace(self, log=replace(self.log, trajectories={self.trajectory: Trajectory(poses)}))
 
 
-def examined(log: ScanLog, trajectory: str | None = None) -> Examined:
-    """Return what is looked at of a log: at most :data:`MOST_READINGS` readings, whole scans, evenly spread."""
+def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READINGS) -> Examined:
+    """Return what is looked at of a log: at most ``most`` readings, whole scans, evenly spread."""
     name = trajectory or log.default_trajectory
-    used = max(1, min(log.n_scans, MOST_READINGS // max(1, log.n_beams)))
+    used = max(1, min(log.n_scans, most // max(1, log.n_beams)))
     scans = np.unique(np.linspace(0, log.n_scans - 1, used).astype(np.int64))
     thinned = replace(log, trajectories={name: Trajectory(log.trajectory(name).poses)}, odometry=None).take(scans)
     span = float(np.ptp(thinned.trajectory().poses[:, :2], axis=0).max()) + 2.0 * min(log.range_max, 30.0)
     resolution = min(1.0, max(RESOLUTION, span / LARGEST_SIDE))
     config = MappingConfig(model="hit_counting", resolution=resolution, range_max=min(30.0, max(0.5, log.range_max)))
     return Examined(thinned, name, scans, config)
+
+
+def examined_as_mapped(log: ScanLog, trajectory: str | None, config: MappingConfig) -> tuple[ScanLog, Examined]:
+    """Return the log at the middle of its sweeps, and what is looked at of it with the mount and range of ``config``.
+
+    Raises :class:`ConfigError` for a trajectory that the log lacks.
+    """
+    whole = at_middle_of_sweep(log, trajectory, config.time_offset)
+    seen = examined(whole, trajectory)
+    values: dict[str, object] = {name: getattr(config, name) for name in OF_THE_MOUNT}
+    values["range_max"] = min(config.range_max, seen.config.range_max)
+    return whole, replace(seen, config=seen.config.with_values(values))
 
 
 def unthinned(log: ScanLog, seen: Examined) -> Examined:
@@ -95,12 +117,11 @@ def consistency(seen: Examined, **parameters: object) -> float:
     so the mean is taken over grids with different offsets.
     """
     config = seen.config.with_values(parameters)
-    poses = seen.log.trajectory().poses
-    values = []
-    for share_x, share_y in PHASES:
-        shift = config.resolution * np.array([share_x, share_y, 0.0])
-        values.append(_agreement(counts(seen.with_poses(poses + shift), config)))
-    return float(np.mean(values))
+    return float(
+        np.mean(
+            [_agreement(counts(seen.shifted(config.resolution * x, config.resolution * y), config)) for x, y in PHASES]
+        )
+    )
 
 
 def _agreement(grid: OccupancyGrid) -> float:

@@ -1,18 +1,18 @@
-"""Check one trajectory for drift; commands that make a map report this finding with it."""
+"""Check one trajectory for drift and its causes; commands that make a map report the first of them with it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from mapper.diagnosis.consistency import examined
-from mapper.diagnosis.examination import LEAST_SCANS
+from mapper.diagnosis.consistency import examined_as_mapped
+from mapper.diagnosis.examination import LEAST_SCANS, causes_of_drift
 from mapper.diagnosis.finding import Finding
+from mapper.diagnosis.readings import max_range_finding
 from mapper.diagnosis.walls import check_drift
+from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.motion import at_middle_of_sweep
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
-
-_OF_THE_MAP = ("mount_x", "mount_y", "mount_yaw", "mount_upside_down")
 
 
 def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
@@ -22,11 +22,30 @@ def drift_finding(log: ScanLog, trajectory: str | None, config: MappingConfig) -
     :data:`mapper.diagnosis.consistency.MOST_READINGS` readings are looked at, however long the log is. Raises
     :class:`ConfigError` for a trajectory that the log lacks.
     """
-    log = at_middle_of_sweep(log, trajectory, config.time_offset)
-    seen = examined(log, trajectory)
+    whole, seen = examined_as_mapped(log, trajectory, config)
     if log.n_scans < LEAST_SCANS:
         return None
-    values: dict[str, object] = {name: getattr(config, name) for name in _OF_THE_MAP}
-    values["range_max"] = min(config.range_max, seen.config.range_max)
-    found = check_drift(log, replace(seen, config=seen.config.with_values(values)))
+    found = check_drift(whole, seen)
     return found[0] if found else None
+
+
+def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> Finding | None:
+    """Return what makes the map of a log with ``config`` bad, as far as it is known cheaply: its first cause, or drift.
+
+    What is not drift is looked for only where walls are double; then a few more maps of some of the readings are made.
+    Raises as :func:`drift_finding`.
+    """
+    if log.n_scans < LEAST_SCANS:
+        return None
+    if not isinstance(log, JointLog):
+        for finding in max_range_finding(log):
+            if (finding.parameters or {}).get("range_max", 0.0) < config.range_max:
+                return finding
+    drift = drift_finding(log, trajectory, config)
+    if drift is None or isinstance(log, JointLog):
+        return drift
+    corrected = as_mapped(log, config)
+    if config.deskew == "off":
+        corrected = replace(corrected, time_increment=0.0)
+    found = [one for one in causes_of_drift(corrected, trajectory) if not one.possible]
+    return found[0] if found and all(one.check != drift.check for one in found) else drift

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mapper.core.errors import ConfigError
-from mapper.diagnosis import clock, mounting, readings, time_unit, timing, walls
+from mapper.diagnosis import clock, mounting, readings, sweep, time_unit, timing, walls
 from mapper.diagnosis.between import check_between
-from mapper.diagnosis.consistency import Examined, examined
+from mapper.diagnosis.consistency import MOST_READINGS, Examined, examined
 from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.several import of_sensors, share_of
@@ -16,17 +16,27 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
+FEWER_READINGS = 20_000  #: that are looked at for :func:`causes_of_drift`
+#: Findings that draw walls double, and drift itself.
+DOUBLING = frozenset({sweep.CHECK, "mount.turned", "timing.delay", "mount.offset", "walls.drift"})
 LEAST_SCANS = 10  #: below this there is nothing to compare
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check: ``names`` are those of its findings; it is left out where one of ``spoiled_by`` was found."""
+    """One check: ``names`` are those of its findings; it is left out where one of ``spoiled_by`` was found.
+
+    Of :data:`REMEDIED` findings the parameters that help are applied before the checks that follow, so that what they
+    cause is not found again under another name.
+    """
 
     look: Callable[[ScanLog, Examined], list[Finding]]
     names: tuple[str, ...]
     spoiled_by: frozenset[str] = frozenset()
 
+
+#: Findings whose remedy the following checks use.
+REMEDIED = frozenset({"readings.max_range", sweep.CHECK, "mount.offset"})
 
 _FEW = frozenset({readings.FEW})
 _TURNED = _FEW | {"mount.turned"}
@@ -36,6 +46,7 @@ CHECKS: tuple[Check, ...] = (
     Check(clock.check, ("clock.backwards", "clock.doubled", "clock.gap", "clock.dropped", "clock.jitter")),
     Check(lambda log, seen: time_unit.check(log, seen.trajectory), ("clock.unit",)),
     Check(readings.check, (readings.FEW, "readings.max_range", "readings.itself")),
+    Check(sweep.check_sweep, (sweep.CHECK,), _FEW),
     Check(mounting.check_turned, ("mount.turned",), _FEW),
     Check(timing.check, ("timing.delay",), _TURNED),
     Check(mounting.check_offset, ("mount.offset",), _TURNED | {"timing.delay"}),
@@ -82,6 +93,15 @@ def examine(
     return [*of_sensors(log, found), *check_between(log, trajectory, found, wanted, time_offset)]
 
 
+def causes_of_drift(log: ScanLog, trajectory: str | None) -> list[Finding]:
+    """Return what a log of one sensor has that draws walls double, and drift, if that remains with the remedies.
+
+    Only some of the readings are looked at, so that it costs little.
+    """
+    checks = [check for check in CHECKS if set(check.names) & DOUBLING]
+    return _examine_one(log, trajectory, None, lambda: True, 0.0, lambda _: None, checks, FEWER_READINGS)
+
+
 def _too_short(log: ScanLog) -> ConfigError:
     return ConfigError("doctor.short", f"A log of {log.n_scans} scans is too short to judge; {LEAST_SCANS} are enough.")
 
@@ -93,20 +113,36 @@ def _examine_one(
     wanted: Callable[[], bool],
     time_offset: float,
     compared: Callable[[Contradiction], None],
+    checks: Sequence[Check] = CHECKS,
+    most: int = MOST_READINGS,
 ) -> list[Finding]:
-    """Return :func:`examine` of a log of one sensor."""
+    """Return :func:`examine` of a log of one sensor by some of the checks, which look at ``most`` readings."""
     if log.n_scans < LEAST_SCANS:
         raise _too_short(log)
-    log = at_middle_of_sweep(log, trajectory, time_offset)
-    seen = replace(examined(log, trajectory), time_offset=time_offset, wanted=wanted, compared=compared)
+    stated, log = log, at_middle_of_sweep(log, trajectory, time_offset)
+    seen = replace(examined(log, trajectory, most), time_offset=time_offset, wanted=wanted, compared=compared)
     found: list[Finding] = []
-    for done, check in enumerate(CHECKS):
+    for done, check in enumerate(checks):
         if progress is not None:
-            progress(done / len(CHECKS))
-        if not check.spoiled_by & {finding.check for finding in found}:
-            new = check.look(log, seen)
-            found += new
-            for finding in new:
-                if finding.check == "mount.offset":  # so that what the mount spoils is not taken for drift
-                    seen = replace(seen, config=seen.config.with_values(finding.parameters or {}))
+            progress(done / len(checks))
+        if check.spoiled_by & {finding.check for finding in found}:
+            continue
+        new = check.look(stated if check.names == (sweep.CHECK,) else log, seen)
+        found += new
+        for finding in new:
+            if finding.check not in REMEDIED or finding.parameters is None:
+                continue
+            if finding.check == sweep.CHECK:
+                log = at_middle_of_sweep(replace(stated, time_increment=0.0), trajectory, time_offset)
+                seen = replace(seen, log=examined(log, trajectory, most).log)
+            else:
+                seen = replace(seen, config=seen.config.with_values(remedy_of(finding, seen)))
     return found
+
+
+def remedy_of(finding: Finding, seen: Examined) -> dict[str, object]:
+    """Return the parameters of a finding as the examination uses them: no range beyond that which it looks at."""
+    values = dict(finding.parameters or {})
+    if "range_max" in values:
+        values["range_max"] = min(values["range_max"], seen.config.range_max)
+    return values

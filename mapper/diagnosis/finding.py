@@ -29,7 +29,12 @@ class Finding:
     @property
     def possible(self) -> bool:
         """Whether the finding is to be stated as possible only: it is less sure than :data:`POSSIBLE`."""
-        return self.sure < POSSIBLE
+        return self.stated_sure < POSSIBLE
+
+    @property
+    def stated_sure(self) -> float:
+        """How sure it is, as it is stated: in whole percent. It is this that is compared with :data:`POSSIBLE`."""
+        return round(self.sure, 2)
 
     def public(self) -> dict[str, Any]:
         """Return the fields and ``possible``, for JSON."""

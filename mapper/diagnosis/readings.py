@@ -10,7 +10,10 @@ from mapper.sensors.scan import ScanLog
 
 FEW = "readings.few"
 LEAST_MEASURED = 1000  #: ranges: of fewer, chance decides which of two maps is sharper
-LEAST_SHARE = 0.003  #: of all measured readings: an exact value that comes so often is a code
+LEAST_SHARE = 0.003  #: of all measured readings: an exact value that comes so often may be a code
+BELOW = 20  #: values next below the greatest one, in order
+OFTENER = 5.0  #: times as often as any of these comes a code: a real wall is measured at many distances
+AT_LIMIT = 0.001  #: share of the stated range_max, from which a value is at it
 SELF_RANGE = 1.5  #: metres: parts of the robot are nearer
 SELF_SPREAD = 0.02  #: metres
 SELF_SHARE = 0.7  #: of a beam's readings
@@ -19,7 +22,7 @@ MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wa
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
     """Look at what was measured."""
-    return [*_few(log), *_at_max_range(log), *_of_itself(log, seen)]
+    return [*_few(log), *max_range_finding(log), *_of_itself(log, seen)]
 
 
 def _few(log: ScanLog) -> list[Finding]:
@@ -42,7 +45,8 @@ def few_scans(n_scans: int) -> Finding:
     return Finding(FEW, f"Only {n_scans} scans: too few to judge.", "Record for longer.", 1.0)
 
 
-def _at_max_range(log: ScanLog) -> list[Finding]:
+def max_range_finding(log: ScanLog) -> list[Finding]:
+    """Look for readings that say "no return" but are written as the greatest range; one finding, or none."""
     measured = (log.ranges >= log.range_min) & (log.ranges <= log.range_max)
     if not measured.any():
         return []
@@ -50,7 +54,16 @@ def _at_max_range(log: ScanLog) -> list[Finding]:
     greatest = float(values.max())
     exactly = values == np.float32(greatest)
     # Of truly measured ranges hardly two are equal to the last bit, and the greatest one is the rarest.
-    if exactly.sum() < max(20, LEAST_SHARE * len(values)):
+    count = int(exactly.sum())
+    if count < max(20, LEAST_SHARE * len(values)):
+        return []
+    # Rounded ranges come again and again, as do those of a robot that stands: then those below do as well.
+    _, below = np.unique(values[~exactly & (values > 0.5 * greatest)], return_counts=True)
+    if len(below) and count < OFTENER * int(below[-BELOW:].max()):
+        return []
+    # A log that states what did not return in another way has no code for it, unless the value is the sensor's limit.
+    stated = int(np.count_nonzero(np.isinf(log.ranges) | (log.ranges > log.range_max)))
+    if stated >= count and greatest < (1.0 - AT_LIMIT) * log.range_max:
         return []
     scans = np.flatnonzero((log.ranges == np.float32(greatest)).any(axis=1))
     return [

@@ -21,7 +21,7 @@ BY = 0.015
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
     """Take each scan's pose from a little earlier or later on the trajectory."""
     stamps = log.stamps_ns.astype(np.float64) * 1e-9
-    if np.ptp(stamps) == 0.0:
+    if np.ptp(stamps) == 0.0 or log.trajectory(seen.trajectory).from_scans:
         return []
     order = np.argsort(stamps, kind="stable")
     poses = log.trajectory(seen.trajectory).poses[order]

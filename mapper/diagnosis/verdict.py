@@ -25,6 +25,8 @@ from mapper.sensors.scan import ScanLog
 FINDINGS = (*(name for check in CHECKS for name in check.names), between.CHECK)
 ALL = "all"
 DRIFT = "walls.drift"
+DRIFT_PLACES, SHARPNESS_PLACES = 2, 3  #: with which sentences state them, and are compared with their limits
+ROUNDING = 1e-9  #: a limit that is reached is kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,29 +190,31 @@ def _sharpness(
     if limits.min_sharpness is None:
         return None, []
     sharpness = sharpness_of(log, trajectory, time_offset)
-    if sharpness >= limits.min_sharpness:
+    if round(sharpness, SHARPNESS_PLACES) >= limits.min_sharpness - ROUNDING:
         return sharpness, []
     said = f"The sharpness of the walls is {sharpness:.3f}; the limit is {limits.min_sharpness:.3f}."
     return sharpness, [Reason("sharpness", sharpness, limits.min_sharpness, said)]
 
 
-def map_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> OccupancyGrid:
-    """Return the map of a log with the default parameters of its sensor."""
-    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"time_offset": time_offset}))
+def map_of(log: ScanLog, trajectory: str | None, config: MappingConfig | None = None) -> OccupancyGrid:
+    """Return the map of a log with ``config``; None stands for the default parameters of its sensor."""
+    if config is None:
+        config = MappingConfig().with_values(sensor_defaults(log.beam_width, {}))
     grid = grid_for(log, config, trajectory)
     integrate_log(grid, log, config, trajectory)
     return grid
 
 
 def sharpness_of(log: ScanLog, trajectory: str | None, time_offset: float = 0.0) -> float:
-    """Return the sharpness, 0 … 1, of the walls in :func:`map_of` a log."""
-    return wall_contrast(map_of(log, trajectory, time_offset))
+    """Return the sharpness, 0 … 1, of the walls in the map of a log with the default parameters of its sensor."""
+    config = MappingConfig().with_values(sensor_defaults(log.beam_width, {"time_offset": time_offset}))
+    return wall_contrast(map_of(log, trajectory, config))
 
 
 def _drift_reasons(drift: float | None, limit: float, why: str) -> list[Reason]:
     if drift is None:
         return [Reason("drift", None, limit, f"Drift could not be measured: {why}; the limit is {limit:.2f} m.")]
-    if drift <= limit:
+    if round(drift, DRIFT_PLACES) <= limit + ROUNDING:
         return []
     said = (
         f"Only {100 * WITHIN:.0f} % of the readings end within {drift:.2f} m of the walls that were seen at another "
@@ -238,7 +242,7 @@ def _spoilers(name: str, findings: Iterable[Finding]) -> list[str]:
 
 def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reason]:
     least = 0.0 if limits.possible else POSSIBLE
-    counted = [one for one in findings if one.check in limits.no_findings and one.sure >= least]
+    counted = [one for one in findings if one.check in limits.no_findings and one.stated_sure >= least]
     reasons = [
         Reason(
             one.check,
@@ -250,7 +254,7 @@ def _finding_reasons(findings: tuple[Finding, ...], limits: Limits) -> list[Reas
     ]
     failed = {one.check for one in counted}
     for name in FINDINGS:
-        sure = [one for one in findings if one.sure >= least]
+        sure = [one for one in findings if one.stated_sure >= least]
         spoilers = _spoilers(name, sure) if name in limits.no_findings else []
         # What is a reason already needs no second one for what it hides.
         if spoilers and not failed.intersection(spoilers):

@@ -25,6 +25,9 @@ STRETCHES = 8  #: of the whole log, for what comes and goes
 SOLID, PASSED = 0.6, 0.05  #: shares of hits of a cell that was there, and of one that was gone
 LEAST_VISITS = 5
 LEAST_CELLS = 12  #: of one thing that moved
+#: Cells around what is solid in a stretch in which nothing that came or went is looked for: poses that drift a little,
+#: too little for a finding, draw a wall beside where it was drawn before. A table's middle is farther from anything.
+BESIDE = 4
 LEAST_CONSISTENT = 0.35  #: below this nothing can be said of what moves
 
 #: What corrects poses, in advice
@@ -129,6 +132,8 @@ def check_moving(log: ScanLog, seen: Examined) -> list[Finding]:  # noqa: ARG001
         around = ndimage.maximum_filter(hits, 3)
         solid[k] = (visits >= LEAST_VISITS) & (hits > SOLID * visits)
         passed[k] = (visits >= LEAST_VISITS) & (around < PASSED * visits)
+    for k in range(STRETCHES):  # where a wall is beside it, what was passed may be that wall at a pose that drifted
+        passed[k] &= ~ndimage.binary_dilation(solid[k], structure=np.ones((3, 3)), iterations=BESIDE)
     labels, n = ndimage.label(solid.any(axis=0) & passed.any(axis=0), structure=np.ones((3, 3)))
     sizes = ndimage.sum_labels(labels > 0, labels, np.arange(1, n + 1)) if n else np.zeros(0)
     things = np.flatnonzero(sizes >= LEAST_CELLS) + 1

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError, WorkCancelledError
+from mapper.core.se2 import compose, inverse
 from mapper.grid import OccupancyGrid
 from mapper.localization.map_model import MapModel
 from mapper.localization.monte_carlo import MonteCarloLocalizer
@@ -21,13 +22,15 @@ from mapper.sensors.scan import ScanLog
 Float64Array = NDArray[np.float64]
 
 LOCALIZED = "localized"  #: name of the trajectory
+SETTLED = 20  #: scans after convergence, of which the most certain one's pose is carried back
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Localized:
     """Estimated poses at each scan, in the log's order.
 
-    ``poses`` (n, 3) are ``T_map_base``; ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
+    ``poses`` (n, 3) are ``T_map_base``, before the filter first converged those that the odometry leads back to from
+    there (:func:`carry_back`); ``covariance`` (n, 3, 3) that of x, y and yaw, of all particles before the
     filter ``is_converged`` (n,); ``share`` (n,) is the weight of the heaviest cluster, ``fit`` (n,) how well the last
     scan that was used fits, ``n_particles`` (n,) how many there were, ``entropy`` (n,) that of their histogram, bits,
     and ``is_updated`` (n,) whether the scan was used. ``odometry`` names the trajectory that was used.
@@ -120,10 +123,29 @@ def localize_log(
             watch(i, robot)
         if progress is not None:
             progress((i + 1) / n)
+    carry_back(poses, odometry, covariance, converged)
     return Localized(
         poses, covariance, converged, numbers[:, 0], numbers[:, 1], counts, numbers[:, 2], used, name,
         time.process_time() - began,
     )  # fmt: skip
+
+
+def carry_back(
+    poses: Float64Array, odometry: Float64Array, covariance: Float64Array, converged: NDArray[np.bool_]
+) -> None:
+    """Replace the poses (n, 3) before the filter converged by that at which it had, carried back along the odometry.
+
+    Before that its estimates are the middle of particles all over the map, where the robot never was. It is carried
+    from the most certain of the first :data:`SETTLED` scans after convergence. Where it never converged nothing is
+    changed.
+    """
+    found = np.flatnonzero(converged)
+    if not len(found) or found[0] == 0:
+        return
+    first = int(found[0])
+    stop = first + int(np.argmin(np.append(converged[first : first + SETTLED], False)))
+    anchor = first + int(np.argmin(covariance[first:stop, 0, 0] + covariance[first:stop, 1, 1]))
+    poses[:first] = compose(poses[anchor], compose(inverse(odometry[anchor]), odometry[:first]))
 
 
 def covariance_lines(log: ScanLog, found: Localized) -> list[str]:

@@ -16,7 +16,7 @@ from mapper.core.se2 import compose
 from mapper.mapping.scan_batch import ScanBatch
 from mapper.mapping.update_plan import UpdatePlan
 from mapper.sensors.beam_fields import beam_fields, cones
-from mapper.sensors.motion import Motion, can_deskew, seconds
+from mapper.sensors.motion import Motion, can_deskew, offset_along, seconds
 from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 
 _DESKEWED_READINGS = 1 << 18  # in one batch: each has a pose of its own, some 200 bytes with what is computed from it
@@ -33,14 +33,19 @@ def deskewed_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> ND
         return np.zeros(log.n_scans, dtype=np.bool_)
     if plan.deskew == "on":
         return np.ones(log.n_scans, dtype=np.bool_)
-    return _are_dense(log, Motion.of(log, trajectory), seconds(log) + plan.time_offset)
+    return _are_dense(log, Motion.of(log, trajectory), _shifted(log, plan, trajectory))
 
 
 def covered_scans(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.bool_]:
     """Return which scans (n_scans,) lie between the first and the last pose by the time offset; others say nothing."""
-    if plan.time_offset == 0.0 or log.n_scans == 0:
+    if offset_along(log, trajectory, plan.time_offset) == 0.0 or log.n_scans == 0:
         return np.ones(log.n_scans, dtype=np.bool_)
-    return Motion.of(log, trajectory).covers(seconds(log) + plan.time_offset)
+    return Motion.of(log, trajectory).covers(_shifted(log, plan, trajectory))
+
+
+def _shifted(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
+    """Return the times (n_scans,), seconds, at which the poses of the scans are looked up along a trajectory."""
+    return seconds(log) + offset_along(log, trajectory, plan.time_offset)
 
 
 def _are_dense(log: ScanLog, motion: Motion, first: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -50,9 +55,9 @@ def _are_dense(log: ScanLog, motion: Motion, first: NDArray[np.float64]) -> NDAr
 
 def base_poses(log: ScanLog, plan: UpdatePlan, trajectory: str | None) -> NDArray[np.float64]:
     """Return the robot's pose (n_scans, 3) at each scan's stamp, the stamps shifted by the plan's time offset."""
-    if plan.time_offset == 0.0 or log.n_scans == 0:
+    if offset_along(log, trajectory, plan.time_offset) == 0.0 or log.n_scans == 0:
         return log.trajectory(trajectory).poses
-    return Motion.of(log, trajectory).at(seconds(log) + plan.time_offset)
+    return Motion.of(log, trajectory).at(_shifted(log, plan, trajectory))
 
 
 def sensor_poses_of_readings(
@@ -76,7 +81,7 @@ def _poses_of_beams(
 ) -> NDArray[np.float64]:
     """Return the robot's poses (n, b, 3) at the times of the deskewed ``beams`` (n or 1, b) of ``scans`` (n,)."""
     motion = Motion.of(log, trajectory)
-    first = seconds(log)[scans] + plan.time_offset
+    first = _shifted(log, plan, trajectory)[scans]
     poses = motion.along(first[:, np.newaxis] + log.time_increment * beams)
     if plan.deskew == "auto":
         sparse = ~_are_dense(log, motion, first)

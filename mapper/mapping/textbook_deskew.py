@@ -27,12 +27,13 @@ def deskewed(
     stamps = [float(stamp) * 1e-9 for stamp in log.stamps_ns]
     order = sorted(range(len(stamps)), key=lambda scan: stamps[scan])
     times, poses = [stamps[scan] for scan in order], log.trajectory(trajectory).poses[order]
-    first = stamps[index] + config.time_offset
+    offset = 0.0 if log.trajectory(trajectory).from_scans else config.time_offset
+    first = stamps[index] + offset
     last = first + log.time_increment * (log.n_beams - 1)
     before = [t for t in times if t <= min(first, last)]
     after = [t for t in times if t >= max(first, last)]
     dense = bool(before and after) and min(after) - max(before) <= DENSE_S
-    own = log.trajectory(trajectory).poses[index] if config.time_offset == 0 else pose_at(first, times, poses)
+    own = log.trajectory(trajectory).poses[index] if offset == 0.0 else pose_at(first, times, poses)
     mount = compose(np.array(log.mount), np.array(config.mount))
     ranges = log.ranges[index] if times[0] <= first <= times[-1] else np.full(log.n_beams, np.nan)
     found = []

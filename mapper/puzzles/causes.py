@@ -12,8 +12,9 @@ class Cause:
     """One cause.
 
     ``label`` is the answer to choose, ``section`` the section of the lecture about it, ``hints`` are one sentence each,
-    from where to look to what to do, ``explanation`` is shown at the end. ``of_log`` says whether any log can be
-    spoiled so, ``amount`` the least and the greatest size of the fault (``unit``), (0, 0) where it has none.
+    from where to look to what to do, ``explanation`` is shown at the end, with ``lesson``, a sentence that the section
+    has. ``of_log`` says whether any log can be spoiled so, ``amount`` the least and the greatest size of the fault
+    (``unit``), (0, 0) where it has none.
     """
 
     name: str
@@ -21,6 +22,7 @@ class Cause:
     section: str
     hints: tuple[str, str, str]
     explanation: str
+    lesson: str
     of_log: bool = True
     amount: tuple[float, float] = (0.0, 0.0)
     unit: str = ""
@@ -38,6 +40,8 @@ _ROWS = (
         ),
         "A cell has one state. A large cell holds a surface and free space at once, and doors narrower than two cells "
         "close. Small cells cost memory and time: halving the side takes four times the cells.",
+        lesson="Cells of 1 cm show the noise of the sensor; in cells of 10 cm a door of 80 cm may lose a quarter of "
+        "its width.",
         amount=(0.3, 0.5),
         unit="m",
     ),
@@ -52,6 +56,7 @@ _ROWS = (
         ),
         "The window around a reading absorbs noise of the range and the size of a cell. A window wider than that makes "
         "walls thick and closes narrow passages.",
+        lesson="Without it the wall is broken; much wider, the wall is thick and narrows the doors.",
         amount=(0.6, 1.0),
         unit="m",
     ),
@@ -66,6 +71,7 @@ _ROWS = (
         ),
         "Some drivers report the max range where nothing came back. Taken as a reading, each such beam draws an "
         "obstacle there: arcs in free space. A reading at or beyond the max range is no hit.",
+        lesson="A hit is always wrong: it happens when a driver writes the max range where there was no echo.",
     ),
     Cause(
         "mount_yaw",
@@ -78,6 +84,8 @@ _ROWS = (
         ),
         "A wrong mount yaw turns each scan about the robot. While the robot drives straight on, walls ahead slide "
         "sideways from scan to scan, so that they are smeared; a turn on the spot alone does not show it.",
+        lesson="A rotated sensor rotates each scan about the sensor, so a wall appears in a different place from "
+        "every pose that saw it.",
         amount=(0.08, 0.2),
         unit="rad",
     ),
@@ -92,6 +100,8 @@ _ROWS = (
         ),
         "A wrong place of the sensor shifts each scan along the robot's heading. As long as the heading stays the map "
         "is only shifted; after a turn the same wall is drawn a second time beside the first.",
+        lesson="The offset of a shifted sensor rotates with the heading: where the robot turned, walls appear twice; "
+        "on a straight drive the error cannot be seen.",
         amount=(0.25, 0.45),
         unit="m",
     ),
@@ -106,6 +116,7 @@ _ROWS = (
         ),
         "With the order of the beams reversed each scan is a mirror image: what is on the left is drawn on the right. "
         "As the robot turns, the image turns the opposite way, and nothing agrees.",
+        lesson="A sensor that is upside down mirrors each scan, and a symmetric corridor may even look correct.",
     ),
     Cause(
         "drift",
@@ -118,6 +129,7 @@ _ROWS = (
         ),
         "Errors of odometry add up. Each scan is right by itself, but a wall that is seen again later is drawn at "
         "another place. Poses from localization or SLAM repair it; parameters of the sensor model do not.",
+        lesson="Wheels slip, and the errors of odometry add up: after one lap the same wall is in several places.",
         amount=(1.0, 2.0),
         unit="× worn wheels",
     ),
@@ -133,6 +145,7 @@ _ROWS = (
         "Positions and cells count from the origin of the grid, which map.yaml states. When a map is saved, cut and "
         "loaded with its old origin, everything found in it afterwards is displaced by the same distance. A wrong "
         "origin alone only shifts the map; two origins in one map draw each wall twice.",
+        lesson="Column and row are the distances from the origin, counted in cells and rounded down.",
         amount=(0.4, 0.8),
         unit="m",
     ),
@@ -148,6 +161,7 @@ _ROWS = (
         "A cell is floor((p − origin) / resolution). A conversion to an integer truncates: above zero it is the same, "
         "below zero it is one cell too high, and the two cells beside zero become one. Here positions were stored as "
         "a cell and a remainder, so that all scans taken at negative x or y are displaced by one cell.",
+        lesson="Converting to an integer is wrong below zero: −0.3 becomes 0, not −1, and two columns become one.",
         amount=(0.3, 0.5),
         unit="m",
     ),
@@ -162,13 +176,14 @@ _ROWS = (
         ),
         "With a time offset each scan is placed where the robot was a moment before or after. In a turn the error is "
         "the angular velocity times the offset: walls fan out there, and stay thin on straight drives.",
+        lesson="The pose is that of the moment of the reading: where the clocks differ, walls fan out in every turn.",
         amount=(0.3, 0.6),
         unit="s",
     ),
     Cause(
         "sweep",
         "All beams of a scan are placed at one pose",
-        "endpoint",
+        "mount",
         (
             "Look at single scans that were taken in a turn.",
             "Where a full turn of the sensor begins and ends, straight walls are torn apart.",
@@ -177,6 +192,8 @@ _ROWS = (
         "A scan takes time, and the robot moves meanwhile. Each beam has a pose of its own, which is interpolated "
         "between the poses of the trajectory. Without that, walls are torn at the seam of the scan while the robot "
         "turns.",
+        lesson="A scan takes time: in a turn each beam needs a pose of its own, or walls tear where the scan begins "
+        "and ends.",
         of_log=False,
     ),
     Cause(
@@ -190,6 +207,7 @@ _ROWS = (
         ),
         "Without a clamp a cell that was hit for minutes needs as much evidence again before it becomes free. The "
         "clamp limits the log-odds, so that a few scans are enough.",
+        lesson="The clamp limits the certainty of a cell, so the number of misses needed is always the same.",
         of_log=False,
     ),
     Cause(
@@ -203,6 +221,7 @@ _ROWS = (
         ),
         "The map assumes that the world does not move. A person leaves a row of occupied cells, which stay where the "
         "robot does not look again. Evidence of more misses removes some; what moves belongs into another layer.",
+        lesson="A trail disappears where later beams pass, and stays where none do.",
     ),
     Cause(
         "polished",
@@ -215,6 +234,8 @@ _ROWS = (
         ),
         "A slanting beam that meets a polished wall or glass does not return. If no return is taken for free space up "
         "to the max range, the wall is erased and free space leaks out of the building.",
+        lesson="A polished wall reflects like a mirror: unless the beam meets it almost at a right angle, nothing "
+        "comes back.",
         of_log=False,
     ),
     Cause(
@@ -228,6 +249,7 @@ _ROWS = (
         ),
         "A sonar tells the distance of the nearest object within its cone, and not its bearing. Drawn as a thin beam, "
         "the echo stands at one wrong place, and most of the free space stays unknown.",
+        lesson="A laser beam is thin; the beam of a sonar is a cone.",
         of_log=False,
     ),
     Cause(
@@ -241,6 +263,7 @@ _ROWS = (
         ),
         "A planar laser maps one height. What is lower or higher, a low table or the top of one, is free space in the "
         "map, and the robot runs into it. A sensor with height, or a layer of its own, is needed.",
+        lesson="A cell has no height: which obstacles are in the map depends on the height of the laser.",
         of_log=False,
     ),
 )  # fmt: skip

@@ -160,7 +160,7 @@ def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:
     """Return a note where sensors' stamps have no time in common, as those of different clocks."""
     spans = [(int(log.stamps_ns.min()), int(log.stamps_ns.max()), log.topic) for log in logs if log.n_scans]
     first = min(spans, key=lambda span: span[1], default=None)
-    late = [name for start, _, name in spans if first is not None and start > first[1]]
+    late = [name for start, _, name in spans if first is not None and start > first[1] and name != first[2]]
     if first is None or not late:
         return []
     note = (

@@ -67,6 +67,15 @@ class Motion:
         return np.asarray(inside & (self.times[high] - self.times[low] <= DENSE_S))
 
 
+def offset_along(log: ScanLog, trajectory: str | None, time_offset: float) -> float:
+    """Return the seconds that are added to the scans' stamps to find their poses along a trajectory.
+
+    That is ``time_offset``, but 0 for poses that were found from the scans. Raises :class:`ConfigError` for a
+    trajectory that the log lacks.
+    """
+    return 0.0 if log.trajectory(trajectory).from_scans else time_offset
+
+
 def seconds(log: ScanLog) -> Float64Array:
     """Return the stamps of the scans (n_scans,) in seconds."""
     return log.stamps_ns.astype(np.float64) * 1e-9
@@ -90,6 +99,7 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
     """
     name = trajectory or log.default_trajectory
     way = log.trajectory(name)
+    time_offset = offset_along(log, name, time_offset)
     times, sweep, ranges = seconds(log) + time_offset, 0.0, log.ranges
     if can_deskew(log, name):
         sweep = (log.n_beams - 1) * log.time_increment

@@ -161,7 +161,9 @@ class Trajectory:
     can be mapped. ``timed`` are the poses as their source states them, with stamps of their own on the scans' clock,
     where it states them by itself, as tf and odometry messages do; between them the motion during a scan is known
     better than between the poses at the scans. ``offset`` (x, y), metres, has been subtracted from what the source
-    states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset.
+    states, of projected coordinates: a position in ``frame_id`` is a map's plus the offset. ``from_scans`` marks poses
+    that were found from the scans, as by SLAM: they are at the times at which the scans were taken, whatever the clocks
+    of scans and odometry are apart, so that a time offset between the two does not concern them.
     """
 
     poses: NDArray[np.float64]
@@ -171,6 +173,7 @@ class Trajectory:
     is_placeholder: bool = False
     timed: TimedPoses | None = None
     offset: Offset = NO_OFFSET
+    from_scans: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "poses", np.ascontiguousarray(self.poses, dtype=np.float64))

@@ -198,11 +198,10 @@ class Simulation:
         away = math.hypot(pose[0] - x, pose[1] - y)
         # Two digits, unless the place asked for is extremely far away.
         distance = f"{away:.2f}" if away < 1e4 else f"{away:.3g}"
-        why = "outside the world" if np.isneginf(clearance) else "inside a wall" if clearance <= 0.0 else "too tight"
-        return (
-            f"That place is {why}: the robot is at the nearest free one, ({pose[0]:.2f}, {pose[1]:.2f}), "
-            f"{distance} m away."
+        why = (
+            "Outside the map" if np.isneginf(clearance) else "Inside a wall" if clearance <= 0.0 else "Too tight there"
         )
+        return f"{why}, so the robot moved to the nearest free spot, {distance} m away."
 
     def set_sensor(self, sensor: SensorConfig) -> None:
         """Exchange the lidar; the next scan comes from the new one."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -70,6 +71,8 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and 
 #: Codes of files that are no map, or no cloud → what is said where they are logs.
 _A_MAP = "This is a log, and a map is needed here. `gridbloom map {path} --out out/map` makes one: out/map.yaml."
 _A_CLOUD = "This is a log, and a file of a point cloud is needed here, as PCD, PLY or LAS."
+#: Errors of a log that should perhaps be read, and is not; the page has the same.
+TO_REPORT = re.compile(r"log\.(unknown_format|binary|garbage|no_scans|version|header|beam\w*|not_a_number|range\w*)")
 NOT_A_LOG = {"map.yaml": _A_MAP, "map.key_missing": _A_MAP, "cloud.format": _A_CLOUD}
 
 
@@ -85,7 +88,15 @@ def refusing(path: Path) -> Iterator[None]:
     try:
         yield
     except MapperError as error:
-        fail(f"{path}: {_instead_of(path, error.code) or error.message}")
+        fail(f"{path}: {_instead_of(path, error.code) or error.message}{_how_to_report(error.code)}")
+
+
+def _how_to_report(code: str) -> str:
+    """Return how to report a log that is not read, a line of its own; nothing for other errors."""
+    if not TO_REPORT.fullmatch(code):
+        return ""
+    what = "writes what a report of it needs, without readings or names."
+    return f"\nIf it should be read: gridbloom info LOG --report {what}"
 
 
 def _instead_of(path: Path, code: str) -> str | None:

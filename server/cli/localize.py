@@ -183,7 +183,9 @@ def _write(path: Path, log: ScanLog, found: Localized, frame: str) -> list[Path]
     from mapper.localization.localize import LOCALIZED, covariance_lines  # noqa: PLC0415 - start-up
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
-    placed = replace(log, trajectories={LOCALIZED: Trajectory(found.poses, "localized in a map", frame)})
+    placed = replace(
+        log, trajectories={LOCALIZED: Trajectory(found.poses, "localized in a map", frame, from_scans=True)}
+    )
     texts = {path: tum_text(placed, LOCALIZED), path.with_suffix(COVARIANCE): "".join(covariance_lines(log, found))}
     for place, text in texts.items():
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +21,7 @@ from server.cli.common import (
     TopicNames,
     TumTrajectory,
     configured,
+    fail,
     given_parameters,
     print_json,
     progress_bar,
@@ -36,13 +38,16 @@ from server.cli.held import (
     size_line,
     stream_line,
 )
+from server.version import package_version
 
 if TYPE_CHECKING:
     from mapper.io.contents.inspection import Held
     from mapper.io.contents.model import TopicContents
     from mapper.sensors.robot_log import RobotLog
+    from mapper.sensors.scan import ScanLog
 
 
+REPORT = "gridbloom-report.json"  #: what ``info --report`` writes, in the current folder
 TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, which look like other tables of numbers
 
 
@@ -54,9 +59,20 @@ def info(
     contents: Annotated[
         bool, typer.Option(help="Go through the whole recording for the size, span and rate of every topic.")
     ] = True,
+    report: Annotated[
+        bool,
+        typer.Option(
+            "--report",
+            help=f"Write {REPORT}: what the log is made of, without its readings and names, to attach to a report of a "
+            "log that is not read, or read wrong.",
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Print the contents of a log, a recording, a point cloud, a scan graph, depth images, an octree or a mesh."""
+    if report:
+        _write_report(log)
+        return
     from mapper.io.contents.inspection import Held  # noqa: PLC0415 - start-up
     from server.cli.map3d import describe_octree  # noqa: PLC0415 - start-up
     from server.cli.surface import describe_mesh  # noqa: PLC0415 - start-up
@@ -73,6 +89,7 @@ def info(
         return
     robot, topics = read
     facts = asdict(summarise(robot.first))
+    facts["notes"] = [*facts["notes"], *_causes(robot.first)]
     facts["contents"] = contents_facts(topics)
     facts["clouds"], facts["imus"] = clouds_facts(robot.clouds), imus_facts(robot.imus)
     if as_json:
@@ -103,6 +120,30 @@ def info(
         typer.echo(f"  {stream_line(one)}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _write_report(path: Path) -> None:
+    """Write the excerpt of a log, whether it can be read or not."""
+    from mapper.core.atomic_file import atomic_write  # noqa: PLC0415 - start-up
+    from mapper.io.contents.report import excerpt  # noqa: PLC0415 - start-up
+
+    if not path.exists():
+        fail(f"{path}: There is no such file.")
+    text = json.dumps({"gridbloom": package_version()} | excerpt(path), indent=1, ensure_ascii=False, allow_nan=False)
+    with atomic_write(Path(REPORT)) as file:
+        file.write(text.encode())
+    typer.echo(
+        f"wrote {REPORT}, {len(text.encode()):,} bytes: types, topics, frames, counts, limits and notes. Readings, "
+        "positions and names of files, users and machines are not in it; look at it before you attach it."
+    )
+
+
+def _causes(log: ScanLog) -> list[str]:
+    """Return a note on what makes the log's map bad, as far as the readings alone tell it."""
+    from mapper.diagnosis.readings import max_range_finding  # noqa: PLC0415 - start-up
+    from server.cli.drift import cause_line  # noqa: PLC0415 - start-up
+
+    return [cause_line(one) for one in max_range_finding(log)]
 
 
 def _print_cloud(path: Path, *, as_json: bool) -> bool:
@@ -191,17 +232,29 @@ def doctor(
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
-    """Print what is wrong with a log, where, with what confidence, and what to do about it."""
-    from mapper.diagnosis import examine  # noqa: PLC0415 - start-up
+    """Print what is wrong with a log, where, with what confidence, and what to do about it; then its events.
+
+    Events are pushes, slips and lifts of the robot, which its wheels did not measure, and steps of its clock.
+    """
+    from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
 
     config = configured(given_parameters(parameters))
     scans = read_joint(log, topic or (), tum_trajectory, tf)
     with refusing(log), progress_bar("Examining") as bar:
-        found = examine(scans, trajectory, bar, time_offset=config.time_offset)
+        diagnosis = diagnose(scans, trajectory, bar, time_offset=config.time_offset)
+    found, events = diagnosis.findings, diagnosis.events
     if as_json:
-        print_json({"log": scans.name, "findings": [finding.public() for finding in found]})
+        print_json(
+            {
+                "log": scans.name,
+                "findings": [finding.public() for finding in found],
+                "events": [event.public() for event in events],
+            }
+        )
         return
-    typer.echo(f"{scans.name}: {len(found)} finding{'' if len(found) == 1 else 's'}")
+    counts = [(len(found), "finding"), (len(events), "event")]
+    said = [f"{n} {name}{'' if n == 1 else 's'}" for n, name in counts if n or name == "finding"]
+    typer.echo(f"{scans.name}: {', '.join(said)}")
     for finding in found:
         possible = "possible, " if finding.possible else ""
         of = f" of {finding.sensor}" if finding.sensor else ""
@@ -212,3 +265,7 @@ def doctor(
             typer.echo(f"    at scan {', '.join(map(str, finding.scans[:FEW]))}{more}")
         if finding.parameters:
             typer.echo(f"    with {', '.join(f'{name} = {value}' for name, value in finding.parameters.items())}")
+    for event in events:
+        utc = "" if event.utc is None else f", {event.utc}"
+        typer.echo(f"  {event.kind} at {event.time}{utc}: {event.sentence}")
+        typer.echo(f"    at scan {event.scan}")

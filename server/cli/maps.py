@@ -32,7 +32,7 @@ from server.cli.common import (
     refusing,
     with_parameter_options,
 )
-from server.cli.drift import Quiet, drift_note
+from server.cli.drift import Quiet, cause_and_drift
 from server.cli.map_files import OUT_HELP, MapMode, check_mode, save, states
 from server.cli.prior import Prior, PriorFrame, given_prior
 
@@ -110,7 +110,7 @@ def map_log(
             seconds = time.perf_counter() - start
     deskewed, notes_on_times = _deskewed(logs, config, trajectory)
     notes += notes_on_times
-    drift = None if quiet else drift_note(scans, trajectory, config)
+    cause, drift = (None, None) if quiet else cause_and_drift(scans, trajectory, config)
     offset = scans.trajectory(trajectory).offset
     written = save(grid, out, mode, frame, offset) if out is not None else []
     if mcap is not None or tum is not None:
@@ -138,7 +138,7 @@ def map_log(
     if len(logs) > 1:
         facts["sensors"] = [{"topic": one.topic, "scans": one.n_scans, "beams": one.n_beams} for one in logs]
     if not quiet:
-        facts["drift"] = drift
+        facts |= {"cause": cause, "drift": drift}
     if as_json:
         print_json(facts)
         return
@@ -160,7 +160,7 @@ def map_log(
         typer.echo(f"  wrote {path}")
     if quiet:
         return
-    for note in [*notes, *([drift] if drift else [])]:
+    for note in [*notes, *(one for one in (cause, drift) if one)]:
         typer.echo(f"  note: {note}")
 
 

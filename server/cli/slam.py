@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,30 +10,44 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import MapperError
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.georeference import NO_OFFSET
 from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
+    Mount,
     TfTopic,
     TopicName,
     TrajectoryName,
+    configured,
     fail,
+    given_parameters,
     print_json,
     progress_bar,
     read_log,
     refusing,
+    with_parameter_options,
 )
 from server.cli.map_files import save
 
 if TYPE_CHECKING:
+    from mapper.diagnosis.figures import MapFigures
     from mapper.sensors.scan import ScanLog
     from mapper.slam import SlamConfig, SlamProgress, SlamResult
 
 SLAM = "slam"  #: name of the trajectory
+#: of :class:`mapper.diagnosis.figures.MapFigures`: words, and how a value is printed
+FIGURES: Mapping[str, tuple[str, Callable[[float], str]]] = {
+    "drift_m": ("drift of the walls", "{:.2f} m".format),
+    "contradicted": ("readings contradicted by those of another time", lambda share: f"{100 * share:.1f} %"),
+    "sharpness": ("sharpness of the walls", "{:.3f}".format),
+}
 WORTH_SAYING_S = 10.0  #: seconds of processor time that are announced
 
 
 @app.command()
+@with_parameter_options("mount_upside_down", "time_offset")
 def slam(
     log: LogPath,
     out: Annotated[
@@ -50,16 +65,21 @@ def slam(
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="A SLAM parameter; given again, another one."),
     ] = None,
+    mount: Mount = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Correct the poses of a log by aligning its scans with one another (SLAM)."""
-    from mapper.diagnosis.verdict import map_of, sharpness_of  # noqa: PLC0415 - start-up
-    from mapper.grid.compare import wall_contrast  # noqa: PLC0415 - start-up
+    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - start-up
+    from mapper.diagnosis.verdict import map_of  # noqa: PLC0415 - start-up
+    from mapper.mapping.corrections import as_mapped  # noqa: PLC0415 - start-up
     from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
 
     config = _configured(values or [])
+    mapping = configured(given_parameters(parameters, mount))
     scans = read_log(log, topic, tf=tf)
     with refusing(log):
+        scans = as_mapped(scans, mapping)
         expected = estimate(scans, config, trajectory)
         if expected.seconds > WORTH_SAYING_S and not as_json:
             typer.echo(
@@ -75,10 +95,11 @@ def slam(
 
             found = slam_log(scans, config, trajectory=trajectory, progress=report)
         corrected = _with_poses(scans, found)
-        before = None if found.odometry is None else sharpness_of(scans, found.odometry)
+        before = None if found.odometry is None else map_figures(scans, found.odometry, MappingConfig())
         grid = map_of(corrected, SLAM)
-        after = wall_contrast(grid)
-    written = [] if out is None else [*save(grid, out, "trinary", "map"), *_write(out, corrected, found)]
+        after = map_figures(corrected, SLAM, MappingConfig())
+    offset = corrected.trajectory(SLAM).offset
+    written = [] if out is None else [*save(grid, out, "trinary", "map", offset), *_write(out, corrected, found)]
     loops = found.graph.kind == 1
     residuals = found.graph.residual[loops]
     facts: dict[str, Any] = {
@@ -94,8 +115,11 @@ def slam(
             "mean": round(float(residuals.mean()), 4) if len(residuals) else None,
             "max": round(float(residuals.max()), 4) if len(residuals) else None,
         },
-        "sharpness_before": None if before is None else round(before, 4),
-        "sharpness_after": round(after, 4),
+        **{
+            f"{name}_{when}": None if one is None or (value := getattr(one, name)) is None else round(value, 4)
+            for name in FIGURES
+            for when, one in (("before", before), ("after", after))
+        },
         "files": [str(path) for path in written],
         "notes": [*scans.notes, *found.notes],
     }
@@ -110,12 +134,22 @@ def slam(
     )
     if len(residuals):
         typer.echo(f"  residuals of the loops: mean {residuals.mean():.2f}, largest {residuals.max():.2f} σ")
-    was = "" if before is None else f", before {before:.3f}"
-    typer.echo(f"  sharpness of the walls {after:.3f}{was}")
+    for line in _figure_lines(before, after):
+        typer.echo(f"  {line}")
     for path in written:
         typer.echo(f"  wrote {path}")
     for note in facts["notes"]:
         typer.echo(f"  note: {note}")
+
+
+def _figure_lines(before: MapFigures | None, after: MapFigures) -> list[str]:
+    """Return what tells whether the map can be trusted, along the poses after SLAM and before."""
+    lines = []
+    for name, (words, form) in FIGURES.items():
+        was, now = (None if one is None else getattr(one, name) for one in (before, after))
+        if now is not None:
+            lines.append(f"{words} {form(now)}{'' if was is None else f', before {form(was)}'}")
+    return lines
 
 
 def _configured(values: list[str]) -> SlamConfig:
@@ -140,7 +174,8 @@ def _configured(values: list[str]) -> SlamConfig:
 def _with_poses(log: ScanLog, found: SlamResult) -> ScanLog:
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415 - start-up
 
-    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map")
+    offset = NO_OFFSET if found.odometry is None else log.trajectory(found.odometry).offset
+    corrected = Trajectory(found.poses, "poses corrected by SLAM", "map", from_scans=True, offset=offset)
     return replace(log, trajectories={SLAM: corrected, **{k: v for k, v in log.trajectories.items() if k != SLAM}})
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from hashlib import sha256
+from html import escape
 from pathlib import Path
 
 from fastapi import Request
@@ -59,6 +61,23 @@ def built_file(request: Request, relative: str, cache: str) -> Response:
     if response.headers["etag"] in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers | {"ETag": response.headers["etag"]})
     return response
+
+
+def front_page(request: Request) -> Response:
+    """Return the front page, in which the address of its preview is absolute, as those who show links want it.
+
+    Raises HTTPException 404 where the pages are not built.
+    """
+    root = find_pages()
+    if root is None:
+        raise HTTPException(404)
+    relative = 'property="og:image" content="'
+    page = (root / "index.html").read_text()
+    body = page.replace(f"{relative}/", f"{relative}{escape(str(request.base_url))}").encode()
+    headers = {"Cache-Control": "no-cache", "ETag": f'"{sha256(body).hexdigest()[:32]}"'}
+    if headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    return Response(body, media_type=TYPES[".html"], headers=headers)
 
 
 def page_file(request: Request, name: str) -> Response:

@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Table, delete, insert, select
 from server.library.log_rows import ensure_log
 from server.library.records import Failure, Record
 
-_TEXTS = ("result", "parameters", "cut", "other_cut")  # columns of JSON
+_TEXTS = ("result", "parameters", "cut", "other_cut", "mapping")  # columns of JSON
 
 JobState = Literal["none", "queued", "running", "done", "failed", "cancelled"]
 

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import LimitError
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
 from server.library import job as jobs
 from server.library.course_file import Course, course_bytes, thinned
 from server.library.given_map import read_given_map
@@ -42,7 +44,8 @@ class LocalizeJob:
     """Localize the log in ``pack`` by the odometry ``trajectory`` (None: the log's) in the map in the file ``given``.
 
     ``initial_pose`` is in the map, None: anywhere. ``out`` is the path of its files without their endings,
-    ``parameters`` those that differ from the first values.
+    ``parameters`` those that differ from the first values. ``mapping`` are parameters of the log's own map, whose mount
+    and time offset are used.
     """
 
     pack: str
@@ -51,6 +54,7 @@ class LocalizeJob:
     trajectory: str | None
     initial_pose: tuple[float, float, float] | None
     parameters: dict[str, Any]
+    mapping: dict[str, Any]
     timeout_s: float
     cpu_s: float
     memory_bytes: int
@@ -117,15 +121,16 @@ def _localize(job: LocalizeJob) -> LocalizeOutcome:
     grid = grid_of_values(given.geometry, given.values)
     watch = _Watch(job.out, log.n_scans)
     found = localize_log(
-        log, grid, LocalizationConfig().with_values(job.parameters), trajectory=job.trajectory,
-        initial_pose=job.initial_pose, watch=watch,
+        as_mapped(log, MappingConfig().with_values(job.mapping)), grid,
+        LocalizationConfig().with_values(job.parameters), trajectory=job.trajectory, initial_pose=job.initial_pose,
+        watch=watch,
     )  # fmt: skip
     offsets, particles = thinned(watch.clouds)
     course = Course(
         found.covariance, found.is_converged, found.is_updated, found.share, found.fit, found.entropy,
         found.n_particles, offsets, particles, given,
     )  # fmt: skip
-    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(found.poses)})
+    log = replace(log, trajectories={**log.trajectories, LOCALIZED: Trajectory(found.poses, from_scans=True)})
     Path(job.out + COURSE).write_bytes(course_bytes(course))
     Path(job.out + TUM).write_text(tum_text(log, LOCALIZED), encoding="ascii")
     jobs.note_progress(1.0)

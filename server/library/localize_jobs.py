@@ -55,7 +55,7 @@ class LocalizationKind:
         pose = record.parameters["initial_pose"]
         return LocalizeJob(
             str(pack), str(given), str(out), record.trajectory, None if pose is None else (pose[0], pose[1], pose[2]),
-            record.parameters["values"], limits.timeout_s, limits.cpu_s, limits.memory_bytes,
+            record.parameters["values"], record.mapping or {}, limits.timeout_s, limits.cpu_s, limits.memory_bytes,
         )  # fmt: skip
 
     def read_progress(self, out: Path) -> LocalizeProgress | None:

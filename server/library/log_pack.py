@@ -85,6 +85,7 @@ def _described(log: ScanLog, store: Store) -> dict[str, Any]:
             "child_frame_id": one.child_frame_id,
             "is_placeholder": one.is_placeholder,
             "offset": one.offset,
+            "from_scans": one.from_scans,
             "poses": store(one.poses),
             "timed": None if one.timed is None else _timed_described(one.timed, store),
         }
@@ -178,6 +179,7 @@ def _log_of(about: dict[str, Any], topics: list[dict[str, Any]], load: Load) -> 
                     one["is_placeholder"],
                     None if one["timed"] is None else _timed_of(one["timed"], load),
                     tuple(one.get("offset", NO_OFFSET)),
+                    one.get("from_scans", False),
                 )
                 for one in values["trajectories"]
             },

@@ -13,12 +13,14 @@ class PoseJobRecord(JobRecord):
     """A job that makes poses of a log from those of ``trajectory``.
 
     ``parameters`` are the kind's own, as its ``checked`` returns them, ``cut`` how the scans are cut out of clouds and
-    depth images (None: as by default).
+    depth images (None: as by default), ``mapping`` the parameters of the map that the poses are for (None: as by
+    default): the job uses its mount and its time offset.
     """
 
     trajectory: str | None = None
     parameters: dict[str, Any] = field(default_factory=dict)
     cut: dict[str, float] | None = None
+    mapping: dict[str, Any] | None = None
 
     def public(self) -> dict[str, Any]:
         """Return what the HTTP interface shows."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from mapper.core.errors import LimitError
+from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.robot_log import RobotLog
@@ -87,10 +88,12 @@ class PoseJobs(Generic[P, T]):
         trajectory: str | None = None,
         parameters: dict[str, Any] | None = None,
         cut: dict[str, float] | None = None,
+        mapping: dict[str, Any] | None = None,
     ) -> dict[str, Any]:
         """Queue a job on a log, and return its state; one that is queued or running goes on.
 
-        ``cut`` says how its scans are cut out of clouds and depth images, None as by default.
+        ``cut`` says how its scans are cut out of clouds and depth images, None as by default; ``mapping`` are
+        parameters of the map that the poses are for, whose mount and time offset the job uses.
 
         Raises :class:`LimitError` for one job too many, :class:`mapper.core.errors.ConfigError` for a parameter that
         is refused and for an invalid cut, and as the library for a log that the owner may not open.
@@ -98,6 +101,7 @@ class PoseJobs(Generic[P, T]):
         kind = self._kind
         checked = await asyncio.to_thread(kind.checked, parameters or {})
         PlanarCut.of(cut or {})
+        MappingConfig().with_values(mapping or {})
         self._logs.get(owner, log_id)
         if (owner, log_id) not in self._queue.running:
             if sum(one == owner for one, _ in self._queue.running) >= MOST_OF_OWNER:
@@ -109,7 +113,7 @@ class PoseJobs(Generic[P, T]):
                 raise LimitError(f"{kind.name}.busy", f"Too many {kind.title} jobs are under way; try again later.")
             record = PoseJobRecord(
                 log_id=log_id, owner=owner, topic=topic, trajectory=trajectory, state="queued", created_s=time.time(),
-                parameters=checked, cut=cut,
+                parameters=checked, cut=cut, mapping=mapping,
             )  # fmt: skip
             await self._queue.begin([record])
         return self.state(owner, log_id)

@@ -21,11 +21,15 @@ from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
 from mapper.core.errors import ConfigError, LimitError, ReadError
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.scan import ScanLog
 from server.library import job as jobs
 from server.library.log_pack import StalePackError, read_whole_pack
 
 if TYPE_CHECKING:
+    from mapper.diagnosis.figures import MapFigures
     from mapper.slam import SlamProgress
 
 DOING = "SLAM of this log"  #: in errors
@@ -42,12 +46,15 @@ class SlamJob:
     """Correct the poses of the log in ``pack``, beginning with those of ``trajectory`` (None: SLAM's own choice).
 
     ``out`` is the path of its files without their endings, ``parameters`` those that differ from the first values.
+    ``mapping`` are parameters of the map that the poses are for: SLAM uses its mount and its time offset, and the
+    figures of the result are those of that map.
     """
 
     pack: str
     out: str
     trajectory: str | None
     parameters: dict[str, Any]
+    mapping: dict[str, Any]
     timeout_s: float
     cpu_s: float
     memory_bytes: int
@@ -64,13 +71,14 @@ class SlamJob:
 
 @dataclass(frozen=True, slots=True)
 class SlamOutcome:
-    """Result of SLAM of a log. ``sharpness`` is that of the walls, 0 … 1, before and after."""
+    """Result of SLAM of a log, with the figures of the map along the poses from ``before`` and ``after`` it."""
 
     odometry: str | None
     loops: int
     nodes: int
     cpu_s: float
-    sharpness: tuple[float, float]
+    before: MapFigures
+    after: MapFigures
     notes: tuple[str, ...]
 
 
@@ -91,7 +99,7 @@ def do_slam_job(job: SlamJob) -> SlamOutcome:
 
 
 def _slam(job: SlamJob) -> SlamOutcome:
-    from mapper.diagnosis.verdict import sharpness_of  # noqa: PLC0415 - only this process needs SciPy and SLAM
+    from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - only this process needs SciPy and SLAM
     from mapper.io.export import tum_text  # noqa: PLC0415
     from mapper.sensors.scan import Trajectory  # noqa: PLC0415
     from mapper.slam import SlamConfig, slam_log  # noqa: PLC0415
@@ -101,15 +109,26 @@ def _slam(job: SlamJob) -> SlamOutcome:
     if not ((log.ranges >= log.range_min) & (log.ranges <= log.range_max)).any():
         raise ConfigError("slam.no_returns", "No scan of this log has a return: there is nothing to align.")
     config = SlamConfig().with_values(job.parameters)
-    result = slam_log(log, config, trajectory=job.trajectory, progress=_Reporter(job.out))
-    log = replace(log, trajectories={**log.trajectories, NAME: Trajectory(result.poses)})
+    mapping = MappingConfig().with_values(job.mapping)
+    result = slam_log(as_mapped(log, mapping), config, trajectory=job.trajectory, progress=_Reporter(job.out))
+    offset = NO_OFFSET if result.odometry is None else log.trajectory(result.odometry).offset
+    corrected = Trajectory(result.poses, from_scans=True, offset=offset)
+    log = replace(log, trajectories={**log.trajectories, NAME: corrected})
     Path(job.out + GRAPH).write_bytes(graph_bytes(result.graph, result.candidates))
     Path(job.out + TUM).write_text(tum_text(log, NAME), encoding="ascii")
     before = log.default_trajectory if result.odometry is None else result.odometry
-    sharpness = (sharpness_of(log, before), sharpness_of(log, NAME))
+    along_odometry, along_slam = (map_figures(log, name, mapping) for name in (before, NAME))
     jobs.note_progress(1.0)
     nodes = len(result.graph.nodes)
-    return SlamOutcome(result.odometry, result.graph.n_loops, nodes, result.cpu_seconds, sharpness, result.notes)
+    return SlamOutcome(
+        result.odometry,
+        result.graph.n_loops,
+        nodes,
+        result.cpu_seconds,
+        along_odometry,
+        along_slam,
+        result.notes,
+    )
 
 
 def log_in(pack: str) -> ScanLog:

@@ -30,8 +30,8 @@ class SlamKind:
     async def job(self, record: PoseJobRecord, pack: Path, out: Path, limits: JobLimits) -> SlamJob:
         """Return the job on the log in ``pack``."""
         return SlamJob(
-            str(pack), str(out), record.trajectory, record.parameters, limits.timeout_s, limits.cpu_s,
-            limits.memory_bytes,
+            str(pack), str(out), record.trajectory, record.parameters, record.mapping or {}, limits.timeout_s,
+            limits.cpu_s, limits.memory_bytes,
         )  # fmt: skip
 
     def read_progress(self, out: Path) -> PartialPoses | None:
@@ -64,9 +64,16 @@ class SlamKind:
             "loops": outcome.loops,
             "nodes": outcome.nodes,
             "cpu_s": round(outcome.cpu_s, 2),
-            "sharpness": [round(value, 4) if math.isfinite(value) else None for value in outcome.sharpness],
+            **{
+                name: [_rounded(getattr(one, name)) for one in (outcome.before, outcome.after)]
+                for name in ("drift_m", "contradicted", "sharpness")
+            },
             "notes": list(outcome.notes),
         }
+
+
+def _rounded(value: float | None) -> float | None:
+    return round(value, 4) if value is not None and math.isfinite(value) else None
 
 
 def changed_parameters(values: dict[str, Any]) -> dict[str, Any]:

@@ -114,6 +114,7 @@ def _job_table(name: str) -> Table:
         Column("result", Text),  # JSON
         Column("parameters", Text),  # JSON, what the job was begun with
         Column("cut", Text),  # JSON, how its scans are cut out of clouds; empty: as by default
+        Column("mapping", Text),  # JSON, parameters of the map that the poses are for; empty: as by default
     )
 
 

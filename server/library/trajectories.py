@@ -277,7 +277,8 @@ class Trajectories:
         trajectory: Trajectory | None = None
         try:
             async with self._reading.of(added.owner), self._files.file(f"{added.id}.tum") as path:
-                _, trajectory, _ = await asyncio.to_thread(_read, path, log, added.description)
+                _, read, _ = await asyncio.to_thread(_read, path, log, added.description)
+                trajectory = replace(read, from_scans=added.source != "tum")
         except MapperError as error:
             _log.warning("an added trajectory could not be joined", trajectory=added.id, code=error.code)
             if isinstance(error, StorageError):

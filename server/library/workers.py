@@ -22,6 +22,7 @@ from typing import Any, Protocol, TypeVar
 from server.library import job as jobs
 from server.library.job import WorkerJob
 from server.library.storage import StorageError
+from server.process_folder import process_folder
 
 GRACE_S = 10.0  #: how long a job over its time may take to notice before its process is ended
 DIED = 70  #: exit status of a process whose job was cancelled
@@ -63,6 +64,8 @@ class PoolWorker:
         self._memory_bytes = memory_bytes
         # Forks of a process of its own: one of the service would copy its threads' locks and its sockets.
         self._context = multiprocessing.get_context("forkserver")
+        # The folder of its socket; one that multiprocessing makes itself stays where this process is killed.
+        multiprocessing.current_process()._config["tempdir"] = str(process_folder())  # type: ignore[attr-defined]  # noqa: SLF001
         self._context.set_forkserver_preload(["server.library.fork_server"])
         self._pool: ProcessPoolExecutor | None = None
         self._progress: Synchronized[float] | None = None

@@ -143,6 +143,7 @@ class Game:
             "cause": cause.name,
             "label": cause.label,
             "explanation": cause.explanation,
+            "lesson": cause.lesson,
             "section": cause.section,
             "repair": dict(self.puzzle.repair),
             "trajectory": self.puzzle.repair_trajectory or None,

@@ -8,10 +8,12 @@ folder of mode 0700. The class of its message buffers is replaced by one that li
 
 from __future__ import annotations
 
+import asyncio
 import os
 import socket
 import tempfile
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,20 +29,23 @@ from viser import _assignable_props_api as _props
 from viser.infra import _infra
 from websockets.asyncio.server import Server, ServerConnection, unix_serve
 
+from server.process_folder import process_folder
 from server.scenes.message_buffer import MessageBuffer
 from server.scenes.visitors import VISITOR_HEADER, visitor_of_connection
 
 ZSTD_LEVEL = 6  #: of messages to browsers,
 QUICK_LEVEL = 2  #: and of more than this many bytes at once, for which it takes a fifth of the time and 1.1 × the bytes
 QUICK_BYTES = 1 << 18
+ROUNDS_OF_ACCEPT = 5  #: rounds of the loop, at least, from the acceptance of a connection to its handler
 
 
-def _serve(
+@asynccontextmanager
+async def _serve(
     handler: Callable[[ServerConnection], Awaitable[None]],
     host: str,
     port: int,
     **options: Any,  # noqa: ANN401 - passed on
-) -> Awaitable[Server]:
+) -> AsyncIterator[Server]:
     """Replacement of ``websockets.asyncio.server.serve``: listen on the bound socket whose descriptor is ``host``."""
     del port
     options["process_request"] = None  # viser's own serves files over HTTP
@@ -52,7 +57,17 @@ def _serve(
         visitor_of_connection.set("" if request is None else request.headers.get(VISITOR_HEADER, ""))
         await handler(connection)
 
-    return unix_serve(of_visitor, sock=bound, **options)
+    server = await unix_serve(of_visitor, sock=bound, **options)
+    try:
+        yield server
+    finally:
+        # asyncio forgets a connection, with its socket open, that it accepts in the round of the loop in which the
+        # server is closed (Server._attach refuses it): none is accepted any more before that.
+        asyncio.get_running_loop().remove_reader(bound)
+        for _ in range(ROUNDS_OF_ACCEPT):
+            await asyncio.sleep(0)
+        server.close()
+        await server.wait_closed()
 
 
 class Compressor:
@@ -87,7 +102,7 @@ class ViserServer(viser.ViserServer):
     def __init__(self) -> None:
         # viser prints a banner at every start and "Server stopped" at every end through rich's global console.
         rich.get_console().quiet = True
-        self._folder = tempfile.TemporaryDirectory(prefix="gridbloom-")  # of mode 0700
+        self._folder = tempfile.TemporaryDirectory(dir=process_folder())
         self.path = Path(self._folder.name) / "viser"
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as bound:
             bound.bind(str(self.path))  # here, because viser would retry without end

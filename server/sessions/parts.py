@@ -13,7 +13,7 @@ from server.sessions.view import GraphChange, LogView, Wanted
 
 if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array
-    from mapper.diagnosis import Finding
+    from mapper.diagnosis import Diagnosis
     from mapper.io.costmaps import RecordedCostmap
     from mapper.io.export import GrowingMap
 
@@ -47,7 +47,7 @@ class Recording(Protocol):
     def examined_share(self) -> float | None:
         """The share of the examination with the present trajectory that is done, 0 to 1; None before it has begun."""
 
-    async def examined(self) -> list[Finding]:
+    async def examined(self) -> Diagnosis:
         """Return the diagnosis of the log with the present trajectory.
 
         Raises as :func:`mapper.diagnosis.examine`.

@@ -37,11 +37,14 @@ class ClassSlide(Struct):
     """The slide that is shown now, without its notes: all that followers get of the lecturer's deck."""
 
     kind: Annotated[
-        Literal["section", "derivation", "text", "lab", "log"],
-        Meta(description="a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide"),
+        Literal["title", "section", "derivation", "text", "lab", "log"],
+        Meta(
+            description="the title with a map, a section of the lecture, its derivation, a text of the lecturer's, or "
+            "a page in the slide"
+        ),
     ]
     section: Annotated[Name | None, Meta(description="name of the section; null for other kinds")] = None
-    title: Annotated[Sentence | None, Meta(description="title of a text or a page; null for a section")] = None
+    title: Annotated[Sentence | None, Meta(description="title; null for a section")] = None
     text: Annotated[
         Annotated[str, Meta(max_length=MAX_SLIDE_TEXT)] | None,
         Meta(description="the paragraphs of a text that are shown so far; null for other kinds"),

@@ -1,28 +1,21 @@
 """The kernels with index checks, and as plain Python: runs of the table in separate processes."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[2]
+from tests.agreement.modes import run_table
 
 
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize(
     ("mode", "examples"),
     [
-        pytest.param({"NUMBA_BOUNDSCHECK": "1"}, 60, id="bounds", marks=pytest.mark.long),  # compiles all kernels again
-        pytest.param({"NUMBA_DISABLE_JIT": "1"}, 25, id="plain", marks=pytest.mark.long),
-        pytest.param({"NUMBA_DISABLE_JIT": "1"}, 2, id="plain, few"),
+        pytest.param("bounds", 60, id="bounds", marks=pytest.mark.long),  # compiles all kernels again
+        pytest.param("plain", 25, id="plain", marks=pytest.mark.long),
+        pytest.param("plain", 2, id="plain, few"),
     ],
 )
-def test_table_holds(mode: dict[str, str], examples: int, tmp_path: Path) -> None:
-    # A cache of its own: numba's cache does not tell checked code from unchecked code.
-    environment = os.environ | mode | {"NUMBA_CACHE_DIR": str(tmp_path), "GRIDBLOOM_EXAMPLES": str(examples)}
-    table = str(Path(__file__).with_name("test_agreement.py"))
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", table]
-    done = subprocess.run(command, cwd=CHECKOUT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+def test_table_holds(mode: str, examples: int, tmp_path: Path) -> None:
+    status, text = run_table(mode, examples, tmp_path)
+    assert status == 0, text

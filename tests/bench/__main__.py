@@ -26,6 +26,7 @@ from mapper.tools.bench import bench_map
 from tests.bench.chunk_files import chunk_files
 from tests.bench.costmap import costmap
 from tests.bench.doctor import doctor
+from tests.bench.events import events
 from tests.bench.feel import feel
 from tests.bench.fleet import fleet
 from tests.bench.inspecting import inspecting
@@ -215,6 +216,7 @@ BENCHES: dict[str, Callable[[], None]] = {
     "inspecting": lambda: inspecting(hall(20_000, 360)),
     "sharing": lambda: sharing(hall(800, 360)),
     "doctor": doctor,
+    "events": events,
     "match": matching,
     "slam": slam,
     "localization": localization,

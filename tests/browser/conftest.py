@@ -1,4 +1,4 @@
-"""The running service and Chromium, for every browser test. Without Chromium the tests fail, they never skip."""
+"""The running service and Chromium, for every browser test."""
 
 from __future__ import annotations
 

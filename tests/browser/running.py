@@ -88,9 +88,10 @@ def _ready_address(process: subprocess.Popen[bytes], log: Path, told: int) -> st
 @contextmanager
 def running_chromium(*arguments: str) -> Iterator[Browser]:
     """Run headless Chromium until the block ends, with ``arguments`` beside :data:`CHROMIUM_ARGUMENTS` if need be."""
+    program = chromium()  # before Playwright is started, which takes longer than to find that there is none
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=str(chromium()),
+            executable_path=str(program),
             args=[*CHROMIUM_ARGUMENTS, *arguments],
             ignore_default_args=["--hide-scrollbars"],  # a person's pages have them
         )

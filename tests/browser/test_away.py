@@ -108,18 +108,3 @@ def test_the_lecture_needs_no_server_once_it_is_open(context: BrowserContext, se
         section.scroll_into_view_if_needed()
         section.get_by_role("button", name="Forward one cell").click()
         expect(section.locator("figcaption")).to_contain_text("Cell 11 of 19")
-        page.locator("#log").scroll_into_view_if_needed()
-        with page.expect_event("requestfailed"):
-            page.locator("#log input[type=file]").set_input_files(
-                {
-                    "name": "away.log",
-                    "mimeType": "text/plain",
-                    "buffer": b"FLASER 3 1.0 1.0 1.0 0 0 0 0 0 0 0 here 0\n" * 3,
-                }
-            )
-        proxy.mend()
-        # The upload goes on where the server has it, and the page with it.
-        page.wait_for_url("**/logs.html")
-        card = page.locator(".log-card", has_text="away.log")
-        opened = page.get_by_role("heading", name="away.log")  # a single log opens by itself once it is read
-        expect(card.or_(opened).first).to_be_visible()

@@ -162,7 +162,7 @@ def test_a_slide_is_scaled_to_the_room_above_the_line_of_the_class(page: Page, s
     opened_on_slides(page, server, "/lecture.html?present#cell/2")
     page.get_by_role("button", name="Ask the class").click()
     line = page.get_by_role("complementary", name="Class")
-    for place in ("#model/3", "#rays/3", "#table/3"):  # with the question of another slide open, and of its own
+    for place in ("#model/3", "#rays/3", "#algorithm/3"):  # with the question of another slide open, and of its own
         page.evaluate("place => { location.hash = place; }", place)
         expect(page.locator(f"{place.split('/')[0]} figure").first).to_be_visible()
         settle(page)
@@ -219,7 +219,9 @@ NARROW = ("model", "grid", "layers", "sensor-models")
 
 
 @pytest.mark.parametrize("context", ["phone"], indirect=True)
-@pytest.mark.parametrize("sections", [NARROW, *also_long(("matching", "graph", "rays", "sonar", "table", "log-odds"))])
+@pytest.mark.parametrize(
+    "sections", [NARROW, *also_long(("matching", "graph", "rays", "sonar", "algorithm", "log-odds"))]
+)
 def test_slides_on_a_phone_are_legible(page: Page, server: str, sections: tuple[str, ...]) -> None:
     never_idle(page)
     page.goto(f"{server}/lecture.html?present#{sections[0]}/99")

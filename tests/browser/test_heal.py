@@ -25,7 +25,7 @@ def opened(page: Page, server: str, name: str, data: bytes) -> None:
 
 def facts(panel: Locator) -> tuple[float, float]:
     """The sharpness before and after."""
-    cell = panel.locator("dd[data-before]")
+    cell = panel.locator('dd[data-figure="sharpness"]')
     return float(str(cell.get_attribute("data-before"))), float(str(cell.get_attribute("data-after")))
 
 

@@ -160,6 +160,8 @@ def test_a_finger_moves_the_end_of_the_beam(page: Page, server: str) -> None:
 @pytest.mark.moving
 def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
     section = open_section(page, server, "algorithm")
+    section.get_by_text("beam by beam", exact=True).click()
+    section = section.locator(".program")
     lit, output = section.locator(".program-text .lit"), section.locator("output")
     expect(lit).to_have_count(1)
     expect(lit).to_contain_text("low, high = config.clamp_limits")
@@ -189,6 +191,7 @@ def test_the_program_runs_forwards_and_back(page: Page, server: str) -> None:
 
 def test_the_program_is_the_textbooks_own_text(page: Page, server: str) -> None:
     section = open_section(page, server, "algorithm")
+    section.get_by_text("beam by beam", exact=True).click()
     file = (Path(__file__).parents[2] / "mapper" / "mapping" / "textbook.py").read_text().splitlines()
     shown = [line for line in section.locator(".program-text").inner_text().splitlines() if line.strip()]
     assert len(shown) > 40

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.lecturing import numbers, open_section
-from tests.browser.looking import await_map, drag, frames, until
-from tests.mapper.io.contents.recorded_robot import robot
-from tests.mapper.io.logs import recorded
+from tests.browser.looking import drag, frames, until
 
 # --- no return -------------------------------------------------------------------------------------------------------
 
@@ -153,12 +148,3 @@ def test_thresholds_change_the_file_and_its_reading(page: Page, server: str) -> 
     expect(words).to_contain_text("All unknown cells are read as free")
     page.keyboard.press("ArrowLeft")
     expect(words).not_to_contain_text("All unknown cells")
-
-
-def test_a_log_that_is_chosen_on_the_lecture_opens(page: Page, server: str, tmp_path: Path) -> None:
-    (tmp_path / "robot.mcap").write_bytes(recorded.mcap_bytes(robot(1)))
-    page.goto(f"{server}/lecture.html#log")
-    page.locator(".your-log input[type=file]").set_input_files(tmp_path / "robot.mcap")
-    expect(page.get_by_role("heading", name="robot.mcap")).to_be_visible()
-    await_map(page)
-    expect(page).not_to_have_url(re.compile("arrived"))

@@ -25,7 +25,6 @@ from tests.browser.looking import await_map, await_true, frame, open_group, sett
 from tests.browser.running import free_port
 from tests.browser.test_class import shows_cell
 from tests.haproxy import running_haproxy
-from tests.programs import MissingProgramError
 from tests.server.library.postgresql import running_postgresql
 from tests.server.library.small_logs import carmen
 from tests.server.service import PATIENCE_S
@@ -101,12 +100,9 @@ class Replicas:
 def two_services(folder: Path, **environment: str) -> Iterator[Replicas]:
     """Two services behind a proxy, which have not begun yet."""
     with ExitStack() as stack:
-        try:
-            cluster = stack.enter_context(running_postgresql())
-            ports = [free_port(), free_port()]
-            address = stack.enter_context(running_haproxy(folder, free_port(), ports))
-        except MissingProgramError as missing:
-            pytest.skip(str(missing))
+        cluster = stack.enter_context(running_postgresql())
+        ports = [free_port(), free_port()]
+        address = stack.enter_context(running_haproxy(folder, free_port(), ports))
         endpoint = f"http://127.0.0.1:{free_port()}"
         moto = [sys.executable, "-m", "moto.server", "-p", endpoint.rsplit(":", 1)[1]]
         stack.enter_context(process(moto, folder / "s3.log"))

@@ -299,7 +299,7 @@ def test_the_rows_in_view_have_pictures_of_their_slides(page: Page, server: str)
 def test_a_damaged_link_of_a_deck_says_so(page: Page, server: str) -> None:
     present(page, server, "#&deck=abc")
     expect(page.locator(".toast")).to_contain_text("incomplete or damaged")
-    expect(page.locator(".slide-question-text")).to_be_visible()
+    expect(page.locator(".title-map canvas")).to_be_visible()
 
 
 # --- what is on them -------------------------------------------------------------------------------------------------

@@ -141,6 +141,21 @@ def test_a_service_that_is_not_there(path: Path) -> None:
             client.logs()
 
 
+def test_a_service_of_this_machine_is_not_asked_through_a_proxy(
+    service: Service, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("http_proxy", "https_proxy", "all_proxy"):
+        monkeypatch.setenv(name, "http://127.0.0.1:9")  # nothing listens there
+    monkeypatch.delenv("no_proxy", raising=False)
+    monkeypatch.delenv("NO_PROXY", raising=False)
+    for host in ("127.0.0.1", "localhost"):
+        with Client(f"{host}:{service.port}", pause_s=0.01) as client:
+            session = client.seek(client.open(sent(client, path)))  # requests, and the stream
+            assert session.index == session.count
+    with pytest.raises(ClientError, match="cannot be reached"), Client("192.0.2.1", pause_s=0.001) as client:
+        client.logs()
+
+
 def test_a_token_is_required_and_accepted_as_argument_or_in_the_url(path: Path, tmp_path: Path) -> None:
     with running(settings_for(tmp_path, token=TOKEN)) as service:
         base = f"http://127.0.0.1:{service.port}"

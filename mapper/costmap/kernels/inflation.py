@@ -113,7 +113,7 @@ def tile_distances(
         best[:] = far
         nearest = radius + 1
         for k in range(line.shape[0]):
-            nearest = min(nearest, line[k])
+            nearest = min(nearest, int(np.int64(line[k])))
         if nearest > radius:
             continue
         # Only columns within the radius of the first and the last obstacle near this row, and no step sideways that

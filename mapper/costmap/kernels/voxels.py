@@ -60,7 +60,7 @@ def mark_columns(
         level = int((max(points[i, 2], heights.origin_z) - heights.origin_z) / heights.z_resolution)
         if 0.0 <= u < cols and 0.0 <= v < rows and level < heights.z_voxels:
             row, col = int(_cell_of(v)), int(_cell_of(u))
-            bits = int(columns[row, col]) | (0x10001 << level)
+            bits = int(np.int64(columns[row, col])) | (0x10001 << level)
             columns[row, col] = np.uint32(bits)
             if _count(bits >> 16) > heights.mark_threshold:
                 costs[row, col] = np.uint8(254)
@@ -70,7 +70,7 @@ def mark_columns(
 @jit
 def _clear_voxel(row: int, col: int, level: int, heights: Heights, columns: Columns, costs: UInt8Array) -> None:
     """Clear a voxel; the column's cost follows unless it still has enough marked voxels."""
-    bits = int(columns[row, col]) & ~(0x10001 << level)
+    bits = int(np.int64(columns[row, col])) & ~(0x10001 << level)
     columns[row, col] = np.uint32(bits)
     if _count(bits >> 16) <= heights.mark_threshold:
         unknown = _count((bits >> 16) ^ (bits & 0xFFFF))

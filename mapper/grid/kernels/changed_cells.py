@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy import int16, int32, uint16
+from numpy import int16, int32, int64, uint16
 
 from mapper.core.array_types import Int8Array, Int16Array, UInt16Array, UInt32Array
 from mapper.core.jit import jit
@@ -32,11 +32,11 @@ def sort_by_tile(
     tile_rows = -(-picture.shape[0] // tile)
     at = np.zeros(tile_rows * tile_cols, dtype=int32)
     for i in range(len(cells)):
-        row, col = int32(cells[i] >> ROW_SHIFT), int32(cells[i] & COL_MASK)
+        row, col = int64(cells[i] >> ROW_SHIFT), int64(cells[i] & COL_MASK)
         at[(row // tile) * tile_cols + col // tile] += 1
     count, first = 0, 0
     for t in range(len(at)):
-        number = at[t]
+        number = int(int64(at[t]))
         at[t] = first
         if number > 0:
             tiles[count, 0], tiles[count, 1] = int16(t % tile_cols), int16(t // tile_cols)
@@ -44,7 +44,7 @@ def sort_by_tile(
             count += 1
             first += number
     for i in range(len(cells)):
-        row, col = int32(cells[i] >> ROW_SHIFT), int32(cells[i] & COL_MASK)
+        row, col = int64(cells[i] >> ROW_SHIFT), int64(cells[i] & COL_MASK)
         t = (row // tile) * tile_cols + col // tile
         places[at[t]] = uint16((row % tile) * tile + col % tile)
         values[at[t]] = picture[row, col]

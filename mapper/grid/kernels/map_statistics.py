@@ -72,7 +72,7 @@ def sum_map(
                 keys[slot], cells[slot] = bits[i], 0
             cells[slot] += observed[i]  # without a branch: a cell that is not observed adds nothing
     for i in range(whole, n):
-        _add_value(float64(log_odds[i]), int(observed[i]), unset, free_below, occupied_above, counts, sums)
+        _add_value(float64(log_odds[i]), int(int64(observed[i])), unset, free_below, occupied_above, counts, sums)
     for slot in range(SLOTS):
         if cells[slot]:
             _add_value(float64(values[slot]), cells[slot], unset, free_below, occupied_above, counts, sums)

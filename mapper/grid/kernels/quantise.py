@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy import int8, int32, uint32
+from numpy import int8, int32, int64, uint32
 
 from mapper.core.array_types import BoolArray, Float32Array, Int8Array, UInt32Array
 from mapper.core.jit import jit
@@ -44,7 +44,7 @@ def _step_of(
     scaled = (value - low) * scale
     scaled = max(scaled, 0.0)
     scaled = min(scaled, 254.0)
-    q = int32(scaled + 0.5) - int32(127)
+    q = int32(int32(scaled + 0.5) - int32(127))
     is_free, is_occupied = value < free_below, value > occupied_above
     least = int32(-127) if is_free else (occupied if is_occupied else first)
     most = free if is_free else (int32(127) if is_occupied else last)
@@ -93,11 +93,11 @@ def quantise(
         while start < col_high:
             stop = min((start // tile + 1) * tile, col_high)
             values, seen, shown = log_odds[r, start:stop], observed[r, start:stop], picture[r, start:stop]
-            differing = int32(0)
+            differing = int64(0)
             for c in range(stop - start):
                 q = _step_of(float(values[c]), low, scale, free_below, occupied_above, bounds)
                 new = int8(q) if seen[c] else int8(NEVER_OBSERVED)
-                differing += int32(shown[c] != new)
+                differing += int64(shown[c] != new)
                 quantised[c] = new
             if differing > 0:
                 changed[r // tile, start // tile] = True

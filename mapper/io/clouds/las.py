@@ -27,6 +27,7 @@ PART = 1 << 20  #: points that are unpacked at a time
 SMALL_PART = 1 << 12  #: and of a file that ends early, of which the last part is lost
 HEADER_BYTES = 227  #: of the shortest version
 RECORD_BYTES, EXTENDED_BYTES = 54, 60  #: of the header of a variable-length record, and of an extended one
+LEAST_POINT_BYTES = 20  #: of a point of any format
 DIMENSIONS = ("intensity", "classification", "return_number", "number_of_returns", "gps_time", "red", "green", "blue")
 FINE_DEGREES = 2e-6  #: a step of coordinates below which, beside a coarse one of heights, they are no metres
 
@@ -139,12 +140,19 @@ def _checked(data: bytes) -> tuple[bytes, tuple[str, ...]]:
 
 
 def _chunk_table(data: bytes) -> int | None:
-    """Return where the table of chunks of compressed points begins; None where it is not in the file."""
+    """Return where the table of chunks of compressed points begins; None where it is not in the file.
+
+    Nor is it where it claims more chunks than fit before it, each with its first point as it is: lazrs reserves memory
+    for what it claims, and ends the process where there is none.
+    """
     at = _sizes(data).points_at
     if at + 8 > len(data):
         return None
     table = int(struct.unpack_from("<q", data, at)[0])
-    return table if at + 8 <= table <= len(data) - 8 else None
+    if not at + 8 <= table <= len(data) - 8:
+        return None
+    (chunks,) = struct.unpack_from("<I", data, table + 4)
+    return table if chunks * LEAST_POINT_BYTES <= table - at - 8 else None
 
 
 def _with_table(data: bytes, end: int) -> bytes:

@@ -11,6 +11,9 @@ from mapper.io.logs.unpacking import GZIP_MAGIC
 
 OLD_BAGS = (b"#ROSRECORD V", b"#ROSLOG V")  #: first bytes of ROS 1 bags before format 2.0
 KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, gmapping (.gfs), BreezySLAM, a sonar ring or CSV"
+KNOWN_3D = "PCD, PLY, VTK, LAS, LAZ, XYZ, PTS, CSV, a scan graph, an octree (.bt, .ot) or a zip of depth images"
+#: What every file of an unknown kind is told.
+READ_HERE = f"Read are logs ({KNOWN}) and clouds ({KNOWN_3D})."
 
 #: First bytes of files that are no text log, and what they are.
 FOREIGN: tuple[tuple[bytes, str], ...] = (
@@ -72,9 +75,9 @@ def not_a_log(head: bytes) -> ReadError:
         return _old_bag(head)
     foreign = next((what for magic, what in FOREIGN if head.startswith(magic)), None)
     if foreign is not None:
-        return ReadError("log.unknown_format", f"The file is {foreign}, and no log ({KNOWN}).")
+        return ReadError("log.unknown_format", f"The file is {foreign}. {READ_HERE}")
     if b"\0" in head:
-        return ReadError("log.binary", "The file is binary data, not a text log.")
+        return ReadError("log.binary", f"The file is binary data of an unknown kind. {READ_HERE}")
     if sonar.is_sonar_poses(head):
         return ReadError(
             "log.poses",
@@ -94,5 +97,5 @@ def not_a_log(head: bytes) -> ReadError:
         return ReadError("log.no_scans", "The log holds no scans: it has nothing but comments and empty lines.")
     return ReadError(
         "log.unknown_format",
-        f"The file is no log of a known kind ({KNOWN}): it starts with {lines[0][:40].decode('latin-1')!r}.",
+        f"The file is of no known kind: it starts with {lines[0][:40].decode('latin-1')!r}. {READ_HERE}",
     )

@@ -16,7 +16,7 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, mcap_file, ros1_bag, ros2_db3, sonar
 from mapper.io.logs.archive import Member, Source
 from mapper.io.logs.container import Container, are_parts_by_name, in_order
-from mapper.io.logs.foreign import KNOWN, not_a_log
+from mapper.io.logs.foreign import READ_HERE, not_a_log
 from mapper.io.logs.lines import BOM
 from mapper.io.logs.packed_archive import archive_members, is_archive
 from mapper.io.logs.selection import ALL_SENSORS, Selection
@@ -87,7 +87,7 @@ def open_log(
     limits: Limits = DEFAULT_LIMITS,
     progress: Progress | None = None,
 ) -> ScanLog:
-    """Return one range sensor of the log at ``path``, plain or compressed, of any known kind (:data:`KNOWN`).
+    """Return one range sensor of the log at ``path``, plain or compressed, of any kind in ``foreign.KNOWN``.
 
     Of a folder, or a tar archive of one, plain or packed, the log in it is read: the one file that is a log, the files
     that ROS 2 split a recording into, a ring of sonars' two.
@@ -202,7 +202,7 @@ def _one_log(files: Sequence[Source], where: str) -> tuple[list[Source], Contain
             if len(files) == 1:
                 raise
     if not kinds:
-        raise ReadError("log.folder", f"The {where} holds no log of a known kind ({KNOWN}).")
+        raise ReadError("log.folder", f"The {where} holds no log of a known kind. {READ_HERE}")
     logs = list(kinds)
     why = _apart(logs, set(kinds.values()), by_place) if len(logs) > 1 else None
     if why is not None:

@@ -277,7 +277,11 @@ class RecordedLog:
         if not choice.others:
             return []
         others = listed(list(choice.others))
-        return [f"Frames are looked up in {choice.moving}; there are more transforms to choose (tf): {others}."]
+        said = (
+            f"Frames are looked up in {choice.moving}. The log has other transforms, {others}: what the robot does in "
+            "them is among the trajectories, and on the command line --tf looks all frames up in them."
+        )
+        return [said]
 
     def _topics(self, chosen: SensorScans) -> tuple[Topic, ...]:
         sensors = [self._described(sensor, sensor is chosen) for sensor in self._taken.sensors.values()]

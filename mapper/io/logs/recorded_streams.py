@@ -89,18 +89,31 @@ class _Recorded:
         """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN where it is not known; None where nothing says it.
 
         The fixed frame is tf's ``map`` around the frame, else the farthest in which it moves, else that of odometry
-        messages, or of others with poses, of a frame to which this one is connected.
+        messages, or of others with poses, of a frame to which this one is connected. Where the clock of the recording
+        began again, a stamp that is one of several runs has no pose.
         """
+        found = np.full((len(stamps_ns), 4, 4), np.nan)
+        times_known = np.zeros(len(stamps_ns), dtype=np.int64)
+        for offset in self.taken.run_offsets:
+            poses = self._poses_at(topic, frame, Moments(stamps_ns + offset))
+            if poses is None:
+                return None
+            known = np.isfinite(poses[:, 0, 0])
+            found[known] = poses[known]
+            times_known += known
+        found[times_known > 1] = np.nan
+        return found
+
+    def _poses_at(self, topic: str, frame: str, when: Moments) -> NDArray[np.float64] | None:
         tree = self.taken.tf.tree_of(topic, frame)
-        when = Moments(stamps_ns)
         worlds = tree.worlds(frame)
         if worlds:
-            return _matrices(tree.lookup(worlds[0], when), tree.covers(worlds[0], stamps_ns))
+            return _matrices(tree.lookup(worlds[0], when), tree.covers(worlds[0], when.stamps_ns))
         base = tree.base_of(frame, self.taken.children)
         for known in self.taken.poses.values():
             mount = tree.relative(frame, known.child or base, when) if len(known.timeline) else None
             if mount is not None:
-                return _matrices(known.timeline.at(stamps_ns) @ mount, known.timeline.covers(stamps_ns))
+                return _matrices(known.timeline.at(when.stamps_ns) @ mount, known.timeline.covers(when.stamps_ns))
         return None
 
     def depths(self, topic: str, kind: str) -> Iterator[PointCloud]:

@@ -270,6 +270,7 @@ class Recording:
         offsets = offsets_of_runs(tracks)
         if offsets is None:
             return
+        taken.run_offsets = tuple(int(one) for one in np.unique(np.concatenate(offsets)))
         for (_, line), own in zip(lines, offsets, strict=False):
             line.count_on(own)
         for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):

@@ -26,7 +26,7 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.logs.archive import Source
 from mapper.io.logs.bytestream import byte_stream
-from mapper.io.logs.container import Container
+from mapper.io.logs.container import MAX_NOTES, Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.sink import MessageSink
 from mapper.io.logs.unpacking import PIECE, Progress, opened
@@ -210,6 +210,11 @@ def _check_tables(connection: sqlite3.Connection) -> None:
             raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
 
 
+def _database_bytes(connection: sqlite3.Connection) -> int:
+    (pages,), (size,) = (connection.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    return int(pages) * int(size)
+
+
 def _take_all(
     connection: sqlite3.Connection, recording: MessageSink, limits: Limits, progress: Progress | None
 ) -> None:
@@ -222,15 +227,25 @@ def _take_all(
         if isinstance(key, int):
             keys.append(key)
             recording.channel(key, str(name), str(kind), cdr=True, readable=form == "cdr")
+            if form != "cdr" and len(recording.notes) < MAX_NOTES:
+                what = f"{printable(str(kind)[:100])} on {printable(str(name)[:100])}"
+                recording.notes.append(f"{what}: the messages are encoded as {str(form)!r:.40}, and only cdr is read.")
     wanted = ",".join(str(key) for key in keys if recording.wants(key))
     last = 1
     with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
         last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
+    # A row has five bytes at least, and each of its bytes a place of its own: cells or pages that a damaged or hostile
+    # file names again and again would be read for hours.
+    room = _database_bytes(connection)
+    read = 0
     cursor = connection.execute(
         "SELECT rowid, topic_id, timestamp, length(data), "  # noqa: S608 - the ids are whole numbers, and as such here
         f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
     )
     for index, (row, key, stamp, size, data) in enumerate(cursor):
+        read += 5 + (len(data) if isinstance(data, bytes | str) else 0)
+        if read > room:
+            raise sqlite3.DatabaseError(f"its messages have more than the {room} bytes of the file")
         if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
             recording.take(key, stamp, data, size)
         if progress is not None and index % 256 == 0:

@@ -83,7 +83,7 @@ class _Grouping:
         keys = np.column_stack([angles, limits, steps])
         if len(np.unique(keys, axis=0)) > MOST_GROUPS:
             keys[:, 2] = 0
-        if len(np.unique(keys, axis=0)) > MOST_GROUPS:
+        if len(np.unique(keys, axis=0)) > MOST_GROUPS and np.ptp(limits):
             ranges = self._within_own_limits(ranges, largest)
             keys[:, 1] = 0
         if len(np.unique(keys, axis=0)) > MOST_GROUPS:

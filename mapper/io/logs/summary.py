@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mapper.core.time_units import EPOCH_S
 from mapper.sensors.gaps import are_gaps
+from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog, Topic
 
 
@@ -83,14 +84,14 @@ class LogSummary:
 
 def summarise(log: ScanLog) -> LogSummary:
     """Return the figures of ``log``."""
-    seconds = recorded_seconds(log)
+    seconds, parts = recorded_seconds(log), sensors_of(log)
     return LogSummary(
         name=log.name,
         format=log.format,
         scans=log.n_scans,
         beams=log.n_beams,
         duration_s=float(seconds[-1]) if len(seconds) else 0.0,
-        field_of_view_deg=math.degrees(float(np.ptp(log.angles))) if log.n_beams else 0.0,
+        field_of_view_deg=max(math.degrees(float(np.ptp(one.angles))) if one.n_beams else 0.0 for one in parts),
         angle_min=log.angle_min,
         angle_increment=log.angle_increment,
         range_max=log.range_max,
@@ -143,6 +144,9 @@ def path_length(poses: NDArray[np.float64]) -> float:
 
 
 def _count_readings(log: ScanLog) -> ReadingCounts:
-    measured = int(np.count_nonzero((log.ranges >= log.range_min) & (log.ranges <= log.range_max)))
-    no_return = int(np.count_nonzero(log.ranges > log.range_max))
-    return ReadingCounts(measured, no_return, log.ranges.size - measured - no_return)
+    measured = no_return = total = 0
+    for part in sensors_of(log):
+        measured += int(np.count_nonzero((part.ranges >= part.range_min) & (part.ranges <= part.range_max)))
+        no_return += int(np.count_nonzero(part.ranges > part.range_max))
+        total += part.ranges.size
+    return ReadingCounts(measured, no_return, total - measured - no_return)

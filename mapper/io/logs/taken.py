@@ -33,7 +33,8 @@ class Taken:
     """Messages taken so far; ``children`` are frames of which odometry messages state the poses.
 
     Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut. ``low`` is, by
-    topic, the share of a cloud's beams that end at low points, probably on the floor.
+    topic, the share of a cloud's beams that end at low points, probably on the floor. ``run_offsets`` are what is added
+    to stamps so that those of each run follow the run before, see :mod:`mapper.io.logs.runs`.
     """
 
     limits: Limits
@@ -46,3 +47,4 @@ class Taken:
     tf_clock: Clock = field(default_factory=Clock)
     unplaced: set[str] = field(default_factory=set)
     low: dict[str, float] = field(default_factory=dict)
+    run_offsets: tuple[int, ...] = (0,)

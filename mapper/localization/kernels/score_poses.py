@@ -41,5 +41,5 @@ def score_poses(
             u = u0 + c * x[b] - s * y[b]
             v = v0 + s * x[b] + c * y[b]
             if 0.0 <= u < cols and 0.0 <= v < rows:
-                total += int(scores[int(v), int(u)])
+                total += int(np.int64(scores[int(v), int(u)]))
         out[i] = total

@@ -50,7 +50,7 @@ def _note(
     sticky = -1 if sticks else 0
     rows = len(used)
     for j in range(len(toggles)):
-        toggle = int(toggles[j])
+        toggle = np.int64(toggles[j])
         row, column = (toggle >> _COLUMN_BITS) - first_row, toggle & ((1 << _COLUMN_BITS) - 1)
         if 0 <= row < rows:
             r, w = np.uint64(row), np.uint64(column >> WORD_BITS)

@@ -64,7 +64,7 @@ def _add_block(scores: UInt8Array, cells: Int32Array, n: int, row: int, col: int
     flat, out = scores.reshape(-1), total.reshape(-1)
     out[:] = 0
     for k in range(n):
-        top, left = cells[k, 0] + row, cells[k, 1] + col
+        top, left = np.int64(cells[k, 0]) + row, np.int64(cells[k, 1]) + col
         if top >= rows or left >= cols or top + h * step <= 0 or left + w * step <= 0:
             continue
         first = 0 if left >= 0 else -left // step
@@ -141,7 +141,7 @@ def _bound_blocks(
         _add_block(levels[levels.shape[0] - 1], cells[a], n, -window.cells, -window.cells, side, bounds[a])
     flat = bounds.reshape(-1)
     candidates = np.flatnonzero(flat >= least)
-    return cells, n, flat, candidates[np.argsort(-flat[candidates], kind="mergesort")]
+    return cells, n, flat, candidates[np.argsort(-flat[candidates].astype(np.int64), kind="mergesort")]
 
 
 @jit

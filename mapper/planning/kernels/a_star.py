@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
+
 from mapper.core.array_types import Float64Array, Int32Array, UInt8Array
 from mapper.core.jit import jit
 from mapper.planning.kernels.steps import D_COL, D_ROW, DIAGONAL, _is_open
@@ -67,7 +69,7 @@ def search(
     keys[0], cells[0], slots[start] = 0.0, start, 0
     n = 1
     while n > 0:
-        cell = cells[0]
+        cell = np.int64(cells[0])
         _drop_first(keys, cells, slots, n)
         n -= 1
         slots[cell] = EXPANDED
@@ -90,7 +92,7 @@ def search(
                 _sift_up(keys, cells, slots, n, new + to_go, to)
                 n += 1
             else:
-                _sift_up(keys, cells, slots, slots[to], new + to_go, to)
+                _sift_up(keys, cells, slots, int(slots[to]), new + to_go, to)
     for row in range(out.shape[0]):
         for col in range(cols):
             if slots[row * cols + col] != EXPANDED:

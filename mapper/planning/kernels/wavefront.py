@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from math import inf
 
+import numpy as np
+
 from mapper.core.array_types import Float64Array, Int32Array, UInt8Array
 from mapper.core.jit import jit
 from mapper.planning.kernels.steps import D_COL, D_ROW, DIAGONAL, _is_open
@@ -44,7 +46,7 @@ def spread(
     while waiting > 0:
         slot = bucket % n
         while heads[slot] >= 0:
-            cell = heads[slot]
+            cell = np.int64(heads[slot])
             heads[slot] = after[cell]
             if after[cell] >= 0:
                 before[after[cell]] = -1

@@ -62,7 +62,7 @@ def shortest_paths(
     first[0], after[start], before[start], bucket_of[start] = start, -1, -1, 0
     waiting, bucket = 1, 0
     while waiting > 0:
-        cell = first[bucket]
+        cell = np.int64(first[bucket])
         if cell < 0:
             bucket = bucket + 1 if bucket + 1 < count else 0
             continue
@@ -111,6 +111,6 @@ def shortest_paths(
     for r in range(rows):
         for c in range(cols):
             cell = (r + 1) * wide + c + 1
-            distance[r, c] = best[cell]
-            if origin[cell] >= 0:
-                parent[r, c] = (origin[cell] // wide - 1) * cols + origin[cell] % wide - 1
+            distance[r, c], cell_before = best[cell], np.int64(origin[cell])
+            if cell_before >= 0:
+                parent[r, c] = (cell_before // wide - 1) * cols + cell_before % wide - 1

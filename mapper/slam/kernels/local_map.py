@@ -77,7 +77,7 @@ def write_states(hits: Int32Array, passes: Int32Array, states: UInt8Array) -> No
     """Write for each cell whether it is a wall, free or unknown (rows, cols)."""
     for row in range(hits.shape[0]):
         for col in range(hits.shape[1]):
-            if hits[row, col] > 0 and MOST_PASSES * hits[row, col] >= passes[row, col]:
+            if hits[row, col] > 0 and MOST_PASSES * np.int64(hits[row, col]) >= passes[row, col]:
                 states[row, col] = WALL
             else:
                 states[row, col] = FREE if passes[row, col] > 0 else UNKNOWN

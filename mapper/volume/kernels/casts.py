@@ -64,7 +64,7 @@ def index_blocks(codes: Int64Array, found: UInt8Array, x: int, y: int, z: int, o
     out[:] = _ABSENT
     for slot in range(codes.shape[0]):
         code = codes[slot]
-        out[(code >> 26) - z, (code >> 13 & _BLOCKS) - y, (code & _BLOCKS) - x] = slot << 2 | found[slot]
+        out[(code >> 26) - z, (code >> 13 & _BLOCKS) - y, (code & _BLOCKS) - x] = slot << 2 | np.int64(found[slot])
 
 
 @jit
@@ -79,7 +79,7 @@ def _indexed(table: BlockTable, masks: StopMasks, x: int, y: int, z: int) -> int
     if (x | y | z) & ~_BLOCKS != 0:
         return _ABSENT
     slot = slot_of(table, z << 26 | y << 13 | x)
-    return slot << 2 | int(masks.found[slot]) if slot >= 0 else _ABSENT
+    return slot << 2 | int(np.int64(masks.found[slot])) if slot >= 0 else _ABSENT
 
 
 @jit

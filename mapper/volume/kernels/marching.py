@@ -44,8 +44,8 @@ def sign_rows(
         for row in range(64):
             signs, sure = np.uint8(0), np.uint8(0)
             for x in range(8):
-                signs |= np.uint8(distance[8 * row + x] < zero) << np.uint8(x)
-                sure |= np.uint8(weight[8 * row + x] >= least) << np.uint8(x)
+                signs |= np.uint8(np.uint8(distance[8 * row + x] < zero) << np.uint8(x))
+                sure |= np.uint8(np.uint8(weight[8 * row + x] >= least) << np.uint8(x))
             negative[row], known[row] = signs, sure
 
 
@@ -97,7 +97,7 @@ def surface_cells(
                     while mixed != 0:
                         if mixed & 1:
                             case = a >> x & 3 | (b >> x & 3) << 2 | (c >> x & 3) << 4 | (d >> x & 3) << 6
-                            count += tables.counts[case]
+                            count += int(np.int64(tables.counts[case]))
                         mixed >>= 1
                         x += 1
         out_counts[i] = count
@@ -152,5 +152,5 @@ def vertex_rows(
                     used = beside | beside >> 1
                 found = crossing & used & 255
                 out_rows[i, axis, row], out_starts[i, axis, row] = found, n
-                n += tables.bits[found]
+                n += int(np.int64(tables.bits[found]))
         out_counts[i] = n

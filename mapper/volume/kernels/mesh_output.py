@@ -160,7 +160,7 @@ def write_triangles(
                             to, place = line[edge], x + step[edge]
                             number = beyond[to]
                             if place < 8:
-                                number = here[to] + tables.bits[bits[to] & ((1 << place) - 1)]
+                                number = here[to] + np.int64(tables.bits[bits[to] & ((1 << place) - 1)])
                             out[n, k] = number
                         n += 1
                 mixed >>= 1

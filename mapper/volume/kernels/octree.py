@@ -110,7 +110,7 @@ def prune_tree(
                 leaves &= out_masks[child] == 0
                 size += sizes[child]
                 children += 1
-                bits &= bits - np.uint8(1)
+                bits &= np.uint8(bits - np.uint8(1))
             sizes[i], out_values[i] = size, greatest
             if join and children == 8 and leaves and greatest == least:
                 out_masks[i] = 0
@@ -132,7 +132,7 @@ def place_nodes(masks: UInt8Array, out_codes: Int64Array, out_depths: UInt8Array
     codes[0], depths[0], top = 0, 0, 1
     for i in range(masks.shape[0]):
         top -= 1
-        code, depth = codes[top], depths[top]
+        code, depth = codes[top], np.int64(depths[top])
         out_codes[i], out_depths[i] = code, depth
         for k in range(7, -1, -1):
             if masks[i] >> k & 1:
@@ -167,7 +167,7 @@ def read_ot(data: UInt8Array, out_masks: UInt8Array) -> int:
             left[depth] = 0
             while mask != 0:
                 left[depth] += 1
-                mask &= mask - np.uint8(1)
+                mask &= np.uint8(mask - np.uint8(1))
 
 
 @jit
@@ -239,7 +239,7 @@ def fill_leaves(
     b = 0
     for i in range(codes.shape[0]):
         code = codes[i]
-        voxels = np.int64(1) << 3 * (DEPTH - depths[i])
+        voxels = np.int64(1) << 3 * (DEPTH - np.int64(depths[i]))
         while blocks[b] < code >> 9:
             b += 1
         first = code & 511

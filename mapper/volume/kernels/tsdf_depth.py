@@ -161,5 +161,5 @@ def fuse_depth(
             mean = np.divide(sure * old + w * (band if before else distance), total)
             line[k] = mean if update else old
             weight[k] = min(total, most) if update else sure
-            touched |= np.int32(update) | (np.int32(update & ~before) << np.int32(1))
+            touched |= np.int32(update) | np.int32(np.int32(update & ~before) << np.int32(1))
         out_touched[i] = touched

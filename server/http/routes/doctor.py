@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
+from msgspec import to_builtins
 
 from mapper.core.errors import MapperError
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.clients import while_connected
 from server.http.services import Sessions, Visitor
+from server.stream.answers import LogEvent
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -25,7 +27,7 @@ async def doctor(
         str | None, Query(max_length=100, description="Name under which /api/sessions/making/{name} has the progress.")
     ] = None,
 ) -> dict[str, Any]:
-    """Return the diagnosis of the session's log with its current trajectory.
+    """Return the diagnosis of the session's log with its current trajectory, and the events of its recording.
 
     The examination ends when every client that waits for it has disconnected.
     """
@@ -35,5 +37,9 @@ async def doctor(
     trajectory = recording.trajectory  # which may be another one when the examination is over
     with sessions.under_way.making(visitor, name) as making:
         making.watched = lambda: ("Examining the log", recording.examined_share)
-        findings = await while_connected(request, recording.examined())
-    return {"trajectory": trajectory, "findings": [finding.public() for finding in findings]}
+        found = await while_connected(request, recording.examined())
+    return {
+        "trajectory": trajectory,
+        "findings": [finding.public() for finding in found.findings],
+        "events": [to_builtins(LogEvent(**event.public())) for event in found.events],
+    }

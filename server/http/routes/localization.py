@@ -170,7 +170,7 @@ async def begin(library: Logs, sessions: Sessions, session_id: str, wanted: NewL
     await library.maps.get(owner, log_id)
     values = {"values": wanted.parameters, "initial_pose": wanted.initial_pose}
     view = of_log.recording.view()
-    state = await library.localization.begin(owner, log_id, view.topic, wanted.odometry, values, view.cut)
+    state = await library.localization.begin(owner, log_id, view.topic, wanted.odometry, values, view.cut, view.values)
     follow_localization(session, library, log_id)
     tell_at_end(library, sessions, library.localization, owner, log_id)
     return state

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from server.http.guests import GuestRight, guests_may
-from server.http.page_files import NOT_BUILT, built_file, find_pages, page_file, page_names
+from server.http.page_files import NOT_BUILT, built_file, find_pages, front_page, page_file, page_names
 from server.http.services import Sessions
 
 router = APIRouter(include_in_schema=False)
@@ -17,7 +17,7 @@ async def index(request: Request) -> Response:
     """Return the front page."""
     if find_pages() is None:
         return HTMLResponse(NOT_BUILT, status_code=503)
-    return built_file(request, "index.html", "no-cache")
+    return front_page(request)
 
 
 @router.api_route("/assets/{name:path}", methods=["GET", "HEAD"])

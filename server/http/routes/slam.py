@@ -42,6 +42,12 @@ class NewSlam(BaseModel):
         max_length=20,
         description="How scans are cut out of clouds and depth images, see /api/parameters; else as by default.",
     )
+    mapping: dict[str, Any] | None = Field(
+        None,
+        max_length=50,
+        description="Parameters of the map that the poses are for, see /api/parameters: SLAM uses its mount and its "
+        "time offset.",
+    )
 
 
 class Healing(BaseModel):
@@ -77,7 +83,9 @@ async def parameters(_visitor: Visitor) -> dict[str, Any]:
 @router.post("/logs/{log_id}/slam", status_code=202)
 async def begin(library: Logs, sessions: Sessions, visitor: Visitor, log_id: str, wanted: NewSlam) -> dict[str, Any]:
     """Correct the poses of a log with SLAM, as a job; its trajectory is added to the log. One that runs goes on."""
-    state = await library.slam.begin(visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters, wanted.cut)
+    state = await library.slam.begin(
+        visitor, log_id, wanted.topic, wanted.trajectory, wanted.parameters, wanted.cut, wanted.mapping
+    )
     tell_at_end(library, sessions, library.slam, visitor, log_id)
     return state
 
@@ -100,13 +108,15 @@ async def heal(
 ) -> dict[str, Any]:
     """Correct the poses of the session's log with SLAM, and show the map along the poses so far.
 
+    SLAM uses the mount and the time offset of the session's map.
+
     A job that is under way goes on, and the session follows it. The job is that of the visitor who began the session.
     """
     session, recording = _healed(sessions, session_id)
     owner, log_id = session.owner, recording.log_id
     values = {} if wanted is None else wanted.parameters
     view = recording.view()
-    state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut)
+    state = await library.slam.begin(owner, log_id, view.topic, parameters=values, cut=view.cut, mapping=view.values)
     follow_slam(session, library, log_id)
     tell_at_end(library, sessions, library.slam, owner, log_id)
     return state

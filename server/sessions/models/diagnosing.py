@@ -12,7 +12,7 @@ from server.work.priority import lower_priority
 from server.work.scheduler import JobOwner, Scheduler
 
 if TYPE_CHECKING:
-    from mapper.diagnosis import Finding
+    from mapper.diagnosis import Diagnosis
 
 AT_ONCE = 2  #: logs that the whole service examines at the same time
 
@@ -27,18 +27,18 @@ async def examination(
     job_owner: JobOwner,
     wanted: Callable[[], bool],
     progress: Callable[[float], None],
-) -> list[Finding]:
-    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.examine`, which checks ``wanted``.
+) -> Diagnosis:
+    """Return the diagnosis of a log. Raises as :func:`mapper.diagnosis.diagnose`, which checks ``wanted``.
 
     ``progress`` is called with the share that is done, on a worker thread.
 
     Examinations wait for a thread in the order of the scheduler.
     """
 
-    def examined() -> list[Finding]:
-        from mapper.diagnosis import examine  # noqa: PLC0415 - imports SciPy, which few sessions need
+    def examined() -> Diagnosis:
+        from mapper.diagnosis import diagnose  # noqa: PLC0415 - imports SciPy, which few sessions need
 
-        return examine(log, trajectory, progress, wanted=wanted)
+        return diagnose(log, trajectory, progress, wanted=wanted)
 
     turn = _TURNS.request(job_owner, interactive=False)
     try:

@@ -41,7 +41,7 @@ class LogHealing:
         own = log.trajectory(before).poses
         correction = compose(poses[-1], inverse(own[count - 1]))
         whole = np.concatenate([poses, compose(correction, own[count:])])
-        healing = Trajectory(whole, "poses that are being computed", "map")
+        healing = Trajectory(whole, "poses that are being computed", "map", from_scans=True)
         log = replace(log, trajectories={**log.trajectories, self._name: healing})
         return self._recording.show(log, self._name)
 

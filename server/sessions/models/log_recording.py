@@ -27,7 +27,7 @@ from server.sessions.view import LogView, RobotState, as_pose
 from server.sessions.why import Source
 
 if TYPE_CHECKING:
-    from mapper.diagnosis import Finding
+    from mapper.diagnosis import Diagnosis
 
 COARSER = (0.1, 0.2, 0.5, 1.0)  #: resolutions to try if a log's map is too large at the default one, metres
 
@@ -62,7 +62,7 @@ class _Examination:
     """One examination that is under way or done: how many wait for it, and the share that is done (None: not begun)."""
 
     def __init__(self) -> None:
-        self.future: asyncio.Future[list[Finding]]
+        self.future: asyncio.Future[Diagnosis]
         self.waiting = 0
         self.share: float | None = None
 
@@ -200,12 +200,12 @@ class LogRecording:
         known = self._examinations.get(self.trajectory)
         return None if known is None else known.share
 
-    async def examined(self) -> list[Finding]:
+    async def examined(self) -> Diagnosis:
         """Return the diagnosis of the log with the present trajectory.
 
         Requests during an examination wait for its result; it ends when the last of them was cancelled, and with the
         session. One that failed or ended early begins again at the next request. Raises as
-        :func:`mapper.diagnosis.examine`.
+        :func:`mapper.diagnosis.diagnose`.
         """
         name = self.trajectory
         known = self._examinations.get(name)

@@ -16,7 +16,7 @@ from mapper.matching.match import match_scan
 from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import scan_target
 from mapper.sensors.pose_graph import LOOP, PoseGraph
-from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.scan import ScanLog
 from mapper.slam import LoopCandidates, optimise
 from mapper.slam.scan_store import scans_of
 from server.sessions.view import GraphChange
@@ -279,7 +279,7 @@ class SolvedGraph:
     def in_log(self, log: ScanLog) -> ScanLog:
         """Return ``log`` with the present poses as the trajectory that the graph belongs to."""
         known = log.trajectory(self.trajectory)
-        changed = Trajectory(self.poses, known.description, known.frame_id, known.child_frame_id)
+        changed = replace(known, poses=self.poses, timed=None)
         return replace(log, trajectories={**log.trajectories, self.trajectory: changed})
 
 

@@ -88,16 +88,16 @@ export function evidenceAlongBeam(
   z: number,
   config: MappingConfig,
 ): readonly Evidence[] {
-  const r = config.window;
+  const w = config.window;
   const end = cellOfBeam(geometry, pose, bearing, z);
   const found: Evidence[] = [];
   let endFound = false;
-  for (const cell of cellsAlong(geometry, pose, bearing, z + r / 2, config)) {
+  for (const cell of cellsAlong(geometry, pose, bearing, z + w / 2, config)) {
     const isEnd = cell.row === end.row && cell.col === end.col;
-    const s = r === 0 ? 0 : distance(geometry, pose, cell);
+    const s = w === 0 ? 0 : distance(geometry, pose, cell);
     if (isEnd) found.push({ cell, evidence: config.log_odds_hit });
-    else if (r === 0 || s < z - r / 2) found.push({ cell, evidence: config.log_odds_miss });
-    else if (s <= z + r / 2) found.push({ cell, evidence: config.log_odds_hit });
+    else if (w === 0 || s < z - w / 2) found.push({ cell, evidence: config.log_odds_miss });
+    else if (s <= z + w / 2) found.push({ cell, evidence: config.log_odds_hit });
     endFound ||= isEnd;
   }
   if (!endFound) found.push({ cell: end, evidence: config.log_odds_hit });
@@ -147,7 +147,7 @@ export function inverseRangeSensorModel(
   config: MappingConfig,
 ): Float64Array {
   const { rows, cols, resolution } = geometry;
-  const r = config.window;
+  const w = config.window;
   const zMax = Math.min(scan.range_max, config.range_max);
   const found = new Float64Array(rows * cols).fill(Number.NaN);
   const [col0, row0] = toLattice(geometry, pose[0], pose[1]);
@@ -161,7 +161,7 @@ export function inverseRangeSensorModel(
     const right = heading + bearingOf(scan, beam) - half;
     const [cr, sr, cl, sl] = [Math.cos(right), Math.sin(right), Math.cos(right + 2 * half), Math.sin(right + 2 * half)];
     // Cells farther away get no evidence from this beam.
-    const reach = Math.ceil((free ? zMax : Math.min(zMax, z + r / 2)) / resolution);
+    const reach = Math.ceil((free ? zMax : Math.min(zMax, z + w / 2)) / resolution);
     const [bottom, top] = [Math.max(0, Math.floor(row0 - reach)), Math.min(rows - 1, Math.ceil(row0 + reach))];
     const [first, last] = [Math.max(0, Math.floor(col0 - reach)), Math.min(cols - 1, Math.ceil(col0 + reach))];
     for (let row = bottom; row <= top; row++) {
@@ -173,8 +173,8 @@ export function inverseRangeSensorModel(
         const index = row * cols + col;
         if (free) {
           if (s < zMax) found[index] = config.log_odds_miss;
-        } else if (s < z - r / 2) found[index] = config.log_odds_miss;
-        else if (r > 0 && s <= Math.min(zMax, z + r / 2)) found[index] = config.log_odds_hit;
+        } else if (s < z - w / 2) found[index] = config.log_odds_miss;
+        else if (w > 0 && s <= Math.min(zMax, z + w / 2)) found[index] = config.log_odds_hit;
       }
     }
   });

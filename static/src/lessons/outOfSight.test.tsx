@@ -6,7 +6,6 @@ import { setParameter } from "./common/parameters";
 import { Endpoint } from "./endpoint/Endpoint";
 import { LATER } from "./later";
 import { Pipeline } from "./pipeline/Pipeline";
-import { Terminal } from "./pipeline/Terminal";
 import { MapHistory } from "./stage/history";
 
 /** The figures whose content follows from a map with the lecture's parameters, and those whose content might. */
@@ -14,7 +13,6 @@ const FIGURES = {
   ...Object.fromEntries(Object.entries(LATER).map(([id, { figure }]) => [id, figure])),
   endpoint: Endpoint,
   pipeline: Pipeline,
-  characters: Terminal,
 };
 
 /** Shows a figure by its IntersectionObserver. */
@@ -43,7 +41,7 @@ afterEach(() => {
 });
 
 /** Those that make one when they come into sight again. */
-const FOLLOWING = ["layers", "path", "endpoint", "pipeline", "characters"];
+const FOLLOWING = ["layers", "path", "endpoint", "pipeline"];
 
 test.each(Object.entries(FIGURES))("%s makes no map for a parameter while it is out of sight", (id, figure) => {
   act(() => render(h(figure, {}), document.body));

@@ -13,7 +13,6 @@ import { firstPicture } from "../store/firstPicture";
 import type { Store } from "../store/store";
 import { ClassButton, ClassHost } from "../tools/classroom/ClassHost";
 import { showOther } from "../tools/classroom/pages";
-import { changedOf } from "../tools/parameters/parameters";
 import { BeliefView } from "../tools/picture/BeliefView";
 import { Plate } from "../tools/picture/Plate";
 import { WorldView } from "../tools/picture/WorldView";
@@ -24,6 +23,7 @@ import { Button } from "../ui/Button";
 import { Icon } from "../ui/Icon";
 import { reducedMotion } from "../ui/reducedMotion";
 import { SiteHeader } from "../ui/SiteHeader";
+import { Slider } from "../ui/Slider";
 import { Toasts, toast } from "../ui/Toast";
 import { FREE_THRESHOLD, LIVE_RANGE_MAX, LIVE_WINDOW } from "../wire/constants";
 import { exposeHook } from "./debugHook";
@@ -80,30 +80,26 @@ function Hero() {
   const lab = session.value ? `/lab.html?session=${encodeURIComponent(session.value)}` : "/lab.html";
   return (
     <section class="hero" aria-label="A live map">
-      <div class="hero-text">
+      <div class="hero-head">
         <h1>Watch a map fill in</h1>
-        <p class="prose">
-          A <b class="noun-robot">robot</b> drives through unknown rooms. Each <b class="noun-beam">laser beam</b> is
-          evidence: the cells that it passes are probably <b class="noun-miss">free</b>, the cell that it hits is
-          probably <b class="noun-hit">occupied</b>. The sum of this evidence in each cell is the map.
-        </p>
-        <Invitations store={store} />
         <div class="actions">
-          <Button kind="primary" size="large" href={lab}>
+          <Button kind="primary" href={lab}>
             Open the lab
           </Button>
-          <Button size="large" href="/logs.html">
-            Open a robot log
-          </Button>
+          <Button href="/logs.html">Open a robot log</Button>
+          {reducedMotion.value && store && <Steps store={store} />}
         </div>
-        <Facts />
-        {reducedMotion.value && store && <Steps store={store} />}
+        <p>
+          A <b class="noun-robot">robot</b> drives through unknown rooms. The cells that a{" "}
+          <b class="noun-beam">laser beam</b> passes are probably <b class="noun-miss">free</b>, the cell that it hits
+          is probably <b class="noun-hit">occupied</b>; the map is the sum of this evidence.
+        </p>
       </div>
       <div class="hero-maps">
-        <Plate title="The world" note="ground truth">
+        <Plate title="The world" note={`${isTouched() ? "tap" : "click"} to teleport the robot`}>
           {pictured && <WorldView store={pictured} />}
         </Plate>
-        <Plate title="The belief" note="the map of the robot">
+        <Plate title="The map" actions={<Legend />}>
           {pictured && (
             <BeliefView store={pictured} onTap={(point) => pictured.teleport(point)} onPicture={onPicture} />
           )}
@@ -111,9 +107,8 @@ function Hero() {
         {store && <RobotAnnouncement store={store} />}
         <Starting isInside />
       </div>
-      <div class="hero-curve">
-        <Curve />
-      </div>
+      <Model />
+      <Facts />
       <a class="hero-more" href="#cell">
         <Icon name="unfold" /> One cell, the lecture, your own log
       </a>
@@ -121,44 +116,96 @@ function Hero() {
   );
 }
 
-/** What a visitor can do at once, each checked off once it was done. */
-function Invitations({ store }: { readonly store: Store | null }) {
-  const isSent = store !== null && store.teleported.value !== null;
-  const isModelled = store !== null && hasOtherValues(store);
+const isTouched = (): boolean => matchMedia("(pointer: coarse)").matches;
+
+/** The colours of the map. */
+function Legend() {
   return (
-    <ul class="hero-try">
-      <li class={isSent ? "done" : ""}>
-        <Icon name={isSent ? "check" : "target"} />
-        <span>
-          <b>Click the world</b>: the robot goes there.
-        </span>
-      </li>
-      <li class={isModelled ? "done" : ""}>
-        <Icon name={isModelled ? "check" : "curve"} />
-        <span>
-          <b>Drag the curve</b>: the whole map is computed again.
-        </span>
-      </li>
+    <ul class="map-legend" title="RViz and map.pgm draw free cells white and unknown ones grey.">
+      <li class="occupied">occupied</li>
+      <li class="free">free</li>
+      <li class="undecided">undecided</li>
+      <li class="unobserved">not seen</li>
     </ul>
   );
 }
 
-function hasOtherValues(store: Store): boolean {
-  const table = store.hello.value?.parameters.table ?? [];
-  return changedOf(table, store.mapping.values.value) > 0;
-}
+/** The parameters of a hit and a miss. */
+const INCREMENTS = ["log_odds_hit", "log_odds_miss"] as const;
+const PROBABILITIES = ["p_occ", "p_free"] as const;
 
-/** The inverse sensor model of the map: a curve of which every part can be dragged. */
-function Curve() {
-  const view = useProfileView(parameters, reading);
+/** The reading that was set by hand, metres; null while the curve follows the beam. */
+const handReading = signal<number | null>(null);
+
+/** The inverse sensor model of the map: a curve of which every part can be dragged, and its four numbers. */
+function Model() {
+  const view = useProfileView(parameters, reading, handReading);
   const isPointed = Boolean(shown.value?.probe.value);
+  const { window, range_max } = view.values.value;
+  const [hit, miss] = view.values.value.model === "step_window" ? PROBABILITIES : INCREMENTS;
+  const number = (name: string): number => Number(parameters.value[name] ?? INITIAL_PARAMETERS[name as "window"]);
+  const isProbability = hit === "p_occ";
   return (
-    <ProfileFigure
-      view={view}
-      setParameter={setParameter}
-      beamName={isPointed ? "the beam towards the pointer" : "the beam straight ahead"}
-      fits
-    />
+    <div class="hero-model">
+      <div class="hero-curve">
+        <ProfileFigure
+          view={view}
+          setParameter={setParameter}
+          beamName={isPointed ? "the beam towards the pointer" : "the beam straight ahead"}
+          fits
+        />
+      </div>
+      <div class="hero-numbers">
+        <Slider
+          label="Range"
+          sentence="The measured range z of the curve. It follows a beam of the robot until you set it."
+          value={Math.min(view.z.value, range_max)}
+          initial={Math.min(view.z.value, range_max)}
+          low={0}
+          high={range_max}
+          step={0.01}
+          unit="m"
+          tone="beam"
+          onInput={(value) => {
+            handReading.value = value;
+          }}
+        />
+        <Slider
+          label="Window"
+          sentence="Width w of the zone around the reading that counts as hit."
+          value={window}
+          initial={LIVE_WINDOW}
+          low={0}
+          high={2}
+          step={0.05}
+          unit="m"
+          tone="hit"
+          onInput={(value) => setParameter("window", value)}
+        />
+        <Slider
+          label="Hit"
+          sentence="What a cell that a beam hits gains: log-odds, or the probability of the step window."
+          value={number(hit)}
+          initial={INITIAL_PARAMETERS[hit]}
+          low={isProbability ? 0.5 : 0}
+          high={isProbability ? 0.99 : 3}
+          step={isProbability ? 0.01 : 0.05}
+          tone="hit"
+          onInput={(value) => setParameter(hit, value)}
+        />
+        <Slider
+          label="Miss"
+          sentence="What a cell that a beam passes gains: log-odds, or the probability of the step window."
+          value={number(miss)}
+          initial={INITIAL_PARAMETERS[miss]}
+          low={isProbability ? 0.01 : -3}
+          high={isProbability ? 0.5 : 0}
+          step={isProbability ? 0.01 : 0.05}
+          tone="miss"
+          onInput={(value) => setParameter(miss, value)}
+        />
+      </div>
+    </div>
   );
 }
 
@@ -168,11 +215,9 @@ const SCANS_PER_STEP = 10;
 /** A button that advances the simulation by one step, if reduced motion is preferred. */
 function Steps({ store }: { readonly store: Store }) {
   return (
-    <div class="actions">
-      <Button icon="stepForward" onClick={() => store.send({ type: "step", scans: SCANS_PER_STEP })}>
-        Forward {SCANS_PER_STEP} scans
-      </Button>
-    </div>
+    <Button icon="stepForward" onClick={() => store.send({ type: "step", scans: SCANS_PER_STEP })}>
+      Forward {SCANS_PER_STEP} scans
+    </Button>
   );
 }
 
@@ -272,7 +317,7 @@ function Page() {
             </Button>
           </div>
         </div>
-        <Contents page="/lecture.html" />
+        <Contents />
       </section>
       <section class="home-section">
         <div class="prose">
@@ -312,6 +357,8 @@ function Page() {
 }
 
 showOther();
+const app = document.getElementById("app") as HTMLElement;
+app.replaceChildren(); // the picture that the page showed until this script ran
 render(
   <>
     <SiteHeader current="home">
@@ -323,5 +370,5 @@ render(
     <ClassHost />
     <Toasts />
   </>,
-  document.getElementById("app") as HTMLElement,
+  app,
 );

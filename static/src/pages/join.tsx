@@ -15,7 +15,7 @@ const REFUSALS: Readonly<Record<string, string>> = {
   "class.crowded": "As many people as may follow this class already do.",
   "class.crowded_address":
     "As many people of your network as may follow this class already do. Another network, such as mobile data, may have room.",
-  "class.guesses": "Too many wrong codes came from this network. Wait a minute, then try again.",
+  "class.guesses": "Too many wrong codes came from this browser or its network. Wait a minute, then try again.",
 };
 const LENGTH = 6;
 

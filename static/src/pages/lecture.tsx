@@ -3,7 +3,7 @@ import "./lecture/lecture.css";
 import "./lecture/present/present.css";
 import "./lecture/present/figures.css";
 import { computed } from "@preact/signals";
-import { type ComponentType, render } from "preact";
+import { type ComponentType, Fragment, render } from "preact";
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { fetchLater, isLater, later } from "../lessons/stage/later";
 import { followedCode } from "../store/classroom";
@@ -16,7 +16,6 @@ import { Toasts, toast } from "../ui/Toast";
 import { AlgorithmSection } from "./lecture/AlgorithmSection";
 import { renderNearFigures, showSection } from "./lecture/awaitedFigures";
 import { CellSection } from "./lecture/CellSection";
-import { CharactersSection } from "./lecture/CharactersSection";
 import { CountingSection } from "./lecture/CountingSection";
 import { DigitsSection } from "./lecture/DigitsSection";
 import { EndpointSection } from "./lecture/EndpointSection";
@@ -31,8 +30,7 @@ import { LandmarksSection } from "./lecture/LandmarksSection";
 import { LayersSection } from "./lecture/LayersSection";
 import { LectureStage } from "./lecture/LectureStage";
 import { LifetimeSection } from "./lecture/LifetimeSection";
-import { LogSection } from "./lecture/LogSection";
-import { LESSONS, type Lesson, type LessonId } from "./lecture/lessons";
+import { LECTURE_PARTS, LESSONS, type Lesson, type LessonId, sectionOf } from "./lecture/lessons";
 import { MatchingSection } from "./lecture/MatchingSection";
 import { ModelSection } from "./lecture/ModelSection";
 import { MountSection } from "./lecture/MountSection";
@@ -40,9 +38,9 @@ import { NextSection } from "./lecture/NextSection";
 import { NoReturnSection } from "./lecture/NoReturnSection";
 import { OctreeSection } from "./lecture/OctreeSection";
 import { OdometrySection } from "./lecture/OdometrySection";
+import { PartHead } from "./lecture/PartHead";
 import { ParticlesSection } from "./lecture/ParticlesSection";
 import { PathSection } from "./lecture/PathSection";
-import { PipelineSection } from "./lecture/PipelineSection";
 import { ProbableSection } from "./lecture/ProbableSection";
 import { ClassPointer } from "./lecture/present/ClassPointer";
 import { attendLecture } from "./lecture/present/classSlides";
@@ -64,17 +62,16 @@ import { SectionList } from "./lecture/SectionList";
 import { SensorModelsSection } from "./lecture/SensorModelsSection";
 import { SonarSection } from "./lecture/SonarSection";
 import { StackSection } from "./lecture/StackSection";
-import { TableSection } from "./lecture/TableSection";
 import { TerrainSection } from "./lecture/TerrainSection";
 import { TsdfSection } from "./lecture/TsdfSection";
 import { WindowSection } from "./lecture/WindowSection";
 
-interface Part extends Lesson {
+interface Entry extends Lesson {
   readonly body: ComponentType<SectionHead>;
 }
 
 /** The body of each lesson, by its id. */
-const BODIES: Record<LessonId, Part["body"]> = {
+const BODIES: Record<LessonId, Entry["body"]> = {
   landmarks: LandmarksSection,
   grid: GridSection,
   cell: CellSection,
@@ -84,10 +81,7 @@ const BODIES: Record<LessonId, Part["body"]> = {
   "no-return": NoReturnSection,
   endpoint: EndpointSection,
   rays: RaysSection,
-  table: TableSection,
   algorithm: AlgorithmSection,
-  pipeline: PipelineSection,
-  characters: CharactersSection,
   sonar: SonarSection,
   mount: MountSection,
   forgetting: ForgettingSection,
@@ -113,16 +107,15 @@ const BODIES: Record<LessonId, Part["body"]> = {
   tsdf: TsdfSection,
   terrain: TerrainSection,
   next: NextSection,
-  log: LogSection,
 };
-const PARTS: readonly Part[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
-const FIRST_LATER = PARTS.findIndex(({ id }) => isLater(id));
+const ENTRIES: readonly Entry[] = LESSONS.map((lesson) => ({ ...lesson, body: BODIES[lesson.id] }));
+const FIRST_LATER = ENTRIES.findIndex(({ id }) => isLater(id));
 
 /**
  * The sections on the page. Those from the first whose figure is not there yet are added once it is: the page grows at
  * its end only, so nothing in view moves.
  */
-const partsNow = computed(() => (later.value || presenting.value ? PARTS : PARTS.slice(0, FIRST_LATER)));
+const entriesNow = computed(() => (later.value || presenting.value ? ENTRIES : ENTRIES.slice(0, FIRST_LATER)));
 
 /** Fonts that come after the first text is shown move it; they are smaller than the page's code and load beside it. */
 const FONTS_MS = 1000;
@@ -132,19 +125,20 @@ function useAddress(): void {
   useLayoutEffect(() => {
     const follow = (): void => {
       readAddress().catch((error: Error) => toast(`${error.message} The slides stay as they are.`, "error"));
-      if (!presenting.peek()) showSection(location.hash.slice(1));
+      if (!presenting.peek()) showSection(sectionOf(location.hash.slice(1)));
     };
     follow(); // the sections were not yet rendered when the browser looked for the anchor
     addEventListener("hashchange", follow);
     return () => removeEventListener("hashchange", follow);
   }, []);
-  const known = useRef(partsNow.peek());
-  const parts = partsNow.value;
+  const known = useRef(entriesNow.peek());
+  const entries = entriesNow.value;
   useLayoutEffect(() => {
-    const added = parts.slice(known.current.length).map(({ id }) => id as string);
-    known.current = parts;
-    if (added.includes(location.hash.slice(1))) showSection(location.hash.slice(1));
-  }, [parts]);
+    const added = entries.slice(known.current.length).map(({ id }) => id as string);
+    known.current = entries;
+    const wanted = sectionOf(location.hash.slice(1));
+    if (added.includes(wanted)) showSection(wanted);
+  }, [entries]);
 }
 
 /** Keep what is read where it is while the figures are rendered. */
@@ -152,8 +146,8 @@ function useStillText() {
   const main = useRef<HTMLElement>(null);
   useLayoutEffect(() => (main.current ? anchorScroll(main.current, ".lesson > *, .prose > *") : undefined), []);
   const shown = presenting.value;
-  const parts = partsNow.value;
-  useLayoutEffect(renderNearFigures, [shown, parts]);
+  const entries = entriesNow.value;
+  useLayoutEffect(renderNearFigures, [shown, entries]);
   return main;
 }
 
@@ -168,7 +162,7 @@ function useReturn(): void {
 }
 
 /** Present from the section in sight. */
-const present = (): void => setPresenting(true, PARTS[sectionInSight(PARTS)]?.id as LessonId | undefined);
+const present = (): void => setPresenting(true, ENTRIES[sectionInSight(ENTRIES)]?.id as LessonId | undefined);
 
 function Page() {
   usePresentation();
@@ -192,10 +186,8 @@ function Page() {
             <div class="lecture-head">
               <h1>Occupancy grid mapping</h1>
               <p class="prose">
-                How a robot makes a map from measured distances: from a single cell to the map file that it navigates
-                with. All figures are interactive: drag their coloured parts, and drag the numbers in the text that are{" "}
-                <span class="drag-number-sample">underlined</span>. The figures compute the same results as the mapper
-                of this site; where a figure shows something else, the text says so.
+                How a robot makes a map from measured distances, and how it uses that map. Drag the coloured parts of
+                the figures, and the numbers that are <span class="drag-number-sample">underlined</span>.
               </p>
               <div class="actions no-print">
                 <Button icon="fit" onClick={present}>
@@ -205,8 +197,16 @@ function Page() {
               </div>
             </div>
           )}
-          {partsNow.value.map(({ id, title, body: Body }, i) => (
-            <Body key={id} id={id} number={i + 1} title={title} />
+          {LECTURE_PARTS.map((part, i) => (
+            <Fragment key={part.title}>
+              {!presenting.value && <PartHead number={i + 1} part={part} />}
+              {part.lessons
+                .filter(({ index }) => index < entriesNow.value.length)
+                .map(({ id, title, index }) => {
+                  const Body = BODIES[id];
+                  return <Body key={id} id={id} number={index + 1} title={title} />;
+                })}
+            </Fragment>
           ))}
           <OwnSlide />
         </main>
@@ -221,6 +221,6 @@ function Page() {
 
 const speaker = new URLSearchParams(location.search).get("speaker");
 void fetchLater(async () => (await import("../lessons/later")).LATER);
-if (speaker === null && !isPreview) attendLecture(PARTS);
+if (speaker === null && !isPreview) attendLecture(ENTRIES);
 await fontsLoaded(FONTS_MS);
 render(speaker === null ? <Page /> : <SpeakerView channel={speaker} />, document.getElementById("app") as HTMLElement);

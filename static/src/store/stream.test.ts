@@ -51,6 +51,13 @@ class FakeBrowser implements Environment {
       this.waits = this.waits.filter((one) => one !== wait);
     };
   }
+  tick: () => void = () => undefined;
+  every(task: () => void): () => void {
+    this.tick = task;
+    return () => {
+      this.tick = () => undefined;
+    };
+  }
   painted(task: () => void): void {
     this.paints.push(task);
   }
@@ -287,5 +294,21 @@ test.each([
   await browser.wait();
   browser.socket.open();
   browser.socket.receive(hello);
+  expect(stream.trouble.value).toBeNull();
+});
+
+test("a server that sends nothing is asked, and what does not answer is named until it does", () => {
+  stream.start();
+  browser.socket.open();
+  browser.socket.receive(hello);
+  browser.tick();
+  browser.tick();
+  expect(browser.socket.sent).toContainEqual({ type: "ping", id: 0 });
+  browser.socket.receive({ type: "pong", id: 0, t: 0 });
+  for (let i = 0; i < 2; i++) browser.tick();
+  expect(stream.trouble.value).toBeNull();
+  browser.tick();
+  expect(stream.trouble.value).toContain("The server does not answer");
+  browser.socket.receive({ type: "pong", id: 0, t: 0 });
   expect(stream.trouble.value).toBeNull();
 });

@@ -44,6 +44,8 @@ export interface Environment {
   open(url: string, protocol: string): Socket;
   /** Run a task after `ms`; the result cancels it. */
   later(task: () => void, ms: number): () => void;
+  /** Run a task every `ms`; the result ends it. */
+  every(task: () => void, ms: number): () => void;
   /** Run a task at the next animation frame. */
   painted(task: () => void): void;
   hidden(): boolean;
@@ -56,6 +58,9 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
 /** Failed attempts after which the page asks whether the session still exists. */
 const DOUBTFUL = 2;
+/** How often the connection is listened to. After a whole interval of silence the server is asked for a `pong`. */
+const LISTEN_MS = 1000;
+const STALLED = "The server does not answer. What is shown stays, and the page goes on by itself.";
 /** Connections with an unreadable frame, after which the page is considered outdated. */
 const MAX_UNREADABLE = 3;
 const OUTDATED = "This page is older than the server. Reload the page.";
@@ -65,6 +70,10 @@ export const browser: Environment = {
   later: (task, ms) => {
     const timer = setTimeout(task, ms);
     return () => clearTimeout(timer);
+  },
+  every: (task, ms) => {
+    const timer = setInterval(task, ms);
+    return () => clearInterval(timer);
   },
   painted: (task) => void requestAnimationFrame(task),
   hidden: () => document.hidden,
@@ -92,8 +101,11 @@ export class Stream {
   #failures = 0;
   #unreadable = 0;
   #stopped = false;
+  /** Intervals without anything from the server; the first one ends with a ping. */
+  #silent = 0;
   #cancelWait: (() => void) | null = null;
   #unwatch: (() => void) | null = null;
+  #stopListening: (() => void) | null = null;
 
   /** `isGone` asks the server whether the session has ended; `status` is then "gone" and the stream stops. */
   constructor(url: string, receiver: Receiver, isGone: () => Promise<boolean>, environment: Environment = browser) {
@@ -105,12 +117,14 @@ export class Stream {
 
   start(): void {
     this.#unwatch = this.#environment.watch(() => this.#visibilityChanged());
+    this.#stopListening = this.#environment.every(() => this.#listen(), LISTEN_MS);
     this.#visibilityChanged();
   }
 
   stop(): void {
     this.#stopped = true;
     this.#unwatch?.();
+    this.#stopListening?.();
     this.#disconnect();
   }
 
@@ -132,7 +146,21 @@ export class Stream {
     }
   }
 
+  /** A server that keeps the connection and sends nothing has stalled: one interval after a ping the page says so. */
+  #listen(): void {
+    if (this.#socket?.readyState !== OPEN) return;
+    this.#silent++;
+    if (this.#silent === 2) this.send({ type: "ping", id: 0 });
+    else if (this.#silent > 2) this.trouble.value ??= STALLED;
+  }
+
+  #heard(): void {
+    this.#silent = 0;
+    if (this.trouble.peek() === STALLED) this.trouble.value = null;
+  }
+
   #disconnect(): void {
+    this.#silent = 0;
     this.#cancelWait?.();
     this.#cancelWait = null;
     const socket = this.#socket;
@@ -153,6 +181,7 @@ export class Stream {
       for (const command of this.#receiver.opening()) this.send(command);
     };
     socket.onmessage = ({ data }) => {
+      this.#heard();
       try {
         this.#take(socket, data);
       } catch (error) {

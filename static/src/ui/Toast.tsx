@@ -7,31 +7,33 @@ interface ToastData {
   readonly kind: "note" | "error";
 }
 
-const shown = signal<readonly ToastData[]>([]);
+/** The message that is shown, if one is: a new one replaces it. */
+const shown = signal<ToastData | null>(null);
 let next = 1;
 
 const drop = (id: number): void => {
-  shown.value = shown.value.filter((one) => one.id !== id);
+  if (shown.value?.id === id) shown.value = null;
 };
 
-/** Show a short message in a live region. A message that is already shown is not repeated. */
+/** Show a short message in a live region, in place of the one before. A message that is already shown is not repeated. */
 export function toast(text: string, kind: "note" | "error" = "note"): void {
-  if (shown.value.some((one) => one.text === text)) return;
+  if (shown.value?.text === text) return;
   const id = next++;
-  shown.value = [...shown.value.slice(-2), { id, text, kind }];
+  shown.value = { id, text, kind };
   setTimeout(() => drop(id), kind === "error" ? 9000 : 5000);
 }
 
-/** The container of the toasts: once on each page. */
+/** The container of the message: once on each page. */
 export function Toasts() {
+  const now = shown.value;
   return (
     <div class="toasts" role="status" aria-live="polite">
-      {shown.value.map((one) => (
-        <div class={`toast ${one.kind}`} key={one.id}>
-          <span>{one.text}</span>
-          <Button icon="close" label="Dismiss" onClick={() => drop(one.id)} />
+      {now && (
+        <div class={`toast ${now.kind}`} key={now.id}>
+          <span>{now.text}</span>
+          <Button icon="close" label="Dismiss" onClick={() => drop(now.id)} />
         </div>
-      ))}
+      )}
     </div>
   );
 }

@@ -391,11 +391,13 @@ export interface ClassPuzzle {
 
 /** The slide that is shown now, without its notes: all that followers get of the lecturer's deck. */
 export interface ClassSlide {
-  /** a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide */
-  readonly kind: "derivation" | "lab" | "log" | "section" | "text";
+  /**
+   * the title with a map, a section of the lecture, its derivation, a text of the lecturer's, or a page in the slide
+   */
+  readonly kind: "derivation" | "lab" | "log" | "section" | "text" | "title";
   /** name of the section; null for other kinds */
   readonly section?: string | null;
-  /** title of a text or a page; null for a section */
+  /** title; null for a section */
   readonly title?: string | null;
   /** the paragraphs of a text that are shown so far; null for other kinds */
   readonly text?: string | null;
@@ -442,6 +444,9 @@ export interface ClassView {
   /** where the pointer is on the slide, as fractions of its width and height */
   readonly on_slide?: readonly [number, number] | null;
 }
+
+/** what happened to the robot */
+export type EventKind = "clock" | "lifted" | "pushed" | "slipped";
 
 /** First message of a connection: description of the session. */
 export interface Hello {
@@ -1498,6 +1503,40 @@ export interface RaiseCommand {
   readonly value: boolean;
 }
 
+/** An event of a log: the robot was moved as its wheels did not measure, or its clock was set. */
+export interface LogEvent {
+  /** what happened to the robot */
+  readonly kind: EventKind;
+  /** begin in recorded time, s */
+  readonly seconds: number;
+  /** end in recorded time, s */
+  readonly until_s: number;
+  /** begin in recorded time, m:ss.mmm */
+  readonly time: string;
+  /** begin in UTC, ISO 8601; null where the log's clock does not tell it */
+  readonly utc: string | null;
+  /** begin on the log's clock, ns */
+  readonly stamp_ns: number | null;
+  /** last scan before it, from 0 */
+  readonly scan: number;
+  /** first scan after it */
+  readonly until_scan: number;
+  /** motion by the scans less that by the wheels: ahead, m */
+  readonly ahead_m: number | null;
+  /** the same to the left, m */
+  readonly left_m: number | null;
+  /** the same, counter-clockwise, rad */
+  readonly turned_rad: number | null;
+  /** length of it, m */
+  readonly distance_m: number | null;
+  /** side of the robot to which it went */
+  readonly direction: "ahead" | "behind" | "left" | "right" | null;
+  /** by how much the clock was set, s */
+  readonly step_s: number;
+  /** what happened, in words */
+  readonly sentence: string;
+}
+
 export type ServerMessage =
   | Hello
   | LayersMessage
@@ -1767,7 +1806,7 @@ const isClassPuzzle: Check = isObject({
   board: isListOf(isClassSolver),
 });
 const isClassSlide: Check = isObject({
-  kind: isLiteral("derivation", "lab", "log", "section", "text"),
+  kind: isLiteral("derivation", "lab", "log", "section", "text", "title"),
   section: optional(oneOf(isText, isNull)),
   title: optional(oneOf(isText, isNull)),
   text: optional(oneOf(isText, isNull)),

@@ -150,11 +150,31 @@ def test_doubled_stamps(clean: ScanLog) -> None:
 
 
 def test_a_gap(clean: ScanLog) -> None:
+    """Of a robot that drove on; one that stood meanwhile has missed nothing."""
+    found = the(of_clock(clean.take(np.r_[:200, 220:N])), "clock.gap")
+    assert found.scans == (200,)
+    assert "8.4 s" in found.sentence
     stamps = clean.stamps_ns.copy()
     stamps[200:] += 7_000_000_000
-    found = the(of_clock(replace(clean, stamps_ns=stamps)), "clock.gap")
-    assert found.scans == (200,)
-    assert "7.4 s" in found.sentence
+    assert of_clock(replace(clean, stamps_ns=stamps)) == []
+
+
+def by_distance(log: ScanLog, speeds: np.ndarray) -> ScanLog:
+    """A log of the same scans, each recorded after the same way, at these speeds, with stops of half a minute."""
+    steps = 0.2 / speeds
+    steps[::40] += 30.0
+    return replace(log, stamps_ns=(1e9 * np.concatenate([[0.0], np.cumsum(steps)])).astype(np.int64))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_pauses_of_a_log_that_is_recorded_by_distance_are_no_gaps(clean: ScanLog, seed: int) -> None:
+    """Mostly the robot drives at one speed, and at half of it where it turns: nothing is missing."""
+    random = np.random.default_rng(seed)
+    slow = np.repeat(random.random(30) < 0.2, 10)[: N - 1]
+    speeds = np.where(slow, 0.25, 0.5) * random.normal(1.0, 0.03, N - 1)
+    assert of_clock(by_distance(clean, speeds)) == []
+    varied = 0.4 * np.exp(np.convolve(random.normal(0.0, 0.5, N + 18), np.ones(20) / 4.5, mode="valid"))[: N - 1]
+    assert of_clock(by_distance(clean, varied)) == []
 
 
 def test_dropped_scans(clean: ScanLog) -> None:
@@ -183,6 +203,30 @@ def test_a_no_return_that_is_written_as_a_range(clean: ScanLog) -> None:
     share = 100 * np.isinf(clean.ranges).sum() / np.isfinite(ranges).sum()
     assert f"{share:.1f} %" in found.sentence
     assert found.parameters == {"range_max": 7.9}
+
+
+@pytest.mark.parametrize("place", [0.01, 0.001])
+def test_real_walls_at_the_greatest_range_are_no_code(clean: ScanLog, place: float) -> None:
+    """A noiseless robot stands before a wall; what does not return is infinite, as the sensor's driver says."""
+    scan = np.round(clean.ranges[:1] / place) * place
+    seen = np.repeat(scan, N, axis=0).astype(np.float32)
+    assert "readings.max_range" not in named(examine(replace(clean, ranges=seen)))
+
+
+def test_a_time_increment_that_is_wrong(clean: ScanLog) -> None:
+    """All beams were measured at once, but the scans state a sweep that takes as long as the next scan."""
+    stated = replace(clean, time_increment=0.4 / (clean.n_beams - 1))
+    found = examine(stated)
+    assert [one.check for one in found] == ["timing.increment"]
+    assert found[0].parameters == {"deskew": "off"}
+    assert "0.40 s" in found[0].sentence
+
+
+def test_drift_that_is_too_little_for_a_finding_is_nothing_that_moved(clean: ScanLog) -> None:
+    poses = clean.trajectory().poses.copy()
+    poses[N // 2 :, 0] += 0.12
+    found = examine(with_poses(clean, poses))
+    assert "walls.moving" not in named(found)
 
 
 def test_beams_that_see_the_robot(clean: ScanLog) -> None:

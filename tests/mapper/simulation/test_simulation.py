@@ -55,7 +55,7 @@ def test_a_teleport_into_a_solid_moves_to_free_space_and_is_reported(name):
         assert landing.pose[2] == pytest.approx(1.0)
         if world.clearance((x, y)) < 0.0:
             assert landing.moved
-            assert "inside a wall" in landing.message
+            assert "Inside a wall" in landing.message
             assert f"{np.hypot(landing.pose[0] - x, landing.pose[1] - y):.2f} m" in landing.message
 
 
@@ -67,11 +67,11 @@ def test_teleports_to_free_outside_tight_and_impossible_places():
     assert free.pose == (7.0, 7.0, heading)
     outside = simulation.teleport(-5.0, 7.0)
     assert outside.moved
-    assert "outside the world" in outside.message
+    assert "Outside the map" in outside.message
     assert simulation.world.is_free(outside.pose[:2], ROBOT_RADIUS)
     tight = simulation.teleport(7.0, 7.9)
     assert tight.moved
-    assert "too tight" in tight.message
+    assert "Too tight" in tight.message
     assert simulation.world.is_free(simulation.teleport(1e300, -1e300).pose[:2], ROBOT_RADIUS)
     before = simulation.pose
     for x, y, yaw in ((np.nan, 1.0, None), (1.0, np.inf, None), (1.0, 1.0, np.nan)):

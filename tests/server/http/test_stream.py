@@ -107,7 +107,7 @@ async def test_a_teleport_into_a_wall_reports_the_actual_pose(service: Service) 
         await watcher.send("teleport", x=-50.0, y=-50.0)
         notice = await watcher.answer("notice")
         assert notice["code"] == "teleport.moved"
-        assert "outside the world" in notice["message"]
+        assert "Outside the map" in notice["message"]
 
 
 async def test_inspect_reads_one_cell(service: Service) -> None:

@@ -13,18 +13,14 @@ from mapper.simulation import sample_log
 from server.library import Library, LibraryLimits
 from server.library.log_reader import Reader
 from server.settings import Settings
-from tests.programs import MissingProgramError
 from tests.server.library.postgresql import Cluster, running_postgresql
 
 
 @pytest.fixture(scope="session")
 def postgresql() -> Iterator[Cluster]:
-    """A PostgreSQL server of this worker; where PostgreSQL is not installed the test is skipped, in CI it fails."""
-    try:
-        with running_postgresql() as cluster:
-            yield cluster
-    except MissingProgramError as missing:
-        pytest.skip(str(missing))
+    """A PostgreSQL server of this worker."""
+    with running_postgresql() as cluster:
+        yield cluster
 
 
 @pytest.fixture

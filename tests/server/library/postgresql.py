@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from tests.programs import MissingProgramError, apt_install, in_ci
+from tests.programs import MissingProgramError, find_or_install
 
 PURPOSE = "The tests of records in PostgreSQL need its server"
 ADVICE = "install it (Debian, Ubuntu: apt-get install postgresql) or put its programs on the PATH"
@@ -108,17 +108,7 @@ def _unprivileged_user() -> pwd.struct_passwd:
 
 def main() -> int:
     """Print the folder of PostgreSQL's programs; install them first where they are missing."""
-    try:
-        try:
-            folder = programs()
-        except MissingProgramError:
-            apt_install(("postgresql",), PURPOSE, ADVICE)
-            folder = programs()
-    except MissingProgramError as error:
-        print(error, file=sys.stderr)
-        return 1 if in_ci() else 0
-    print(folder)
-    return 0
+    return find_or_install(programs, ("postgresql",), PURPOSE, ADVICE)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mapper.core.errors import ConfigError
+from mapper.diagnosis.figures import MapFigures
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
 from server.library.graph_file import graph_bytes
@@ -66,7 +67,7 @@ def quick(job: SlamJob) -> SlamOutcome:
     told(job, 0.5, 3)
     Path(job.out + TUM).write_text("".join(f"{k}.0 {k}.0 {Y} 0 0 0 0 1\n" for k in range(6)))
     Path(job.out + GRAPH).write_bytes(graph_bytes(*chain(6)))
-    return SlamOutcome("scan", 1, 6, 0.25, (0.25, 0.75), ("A note.",))
+    return SlamOutcome("scan", 1, 6, 0.25, MapFigures(0.3, 0.12, 0.25), MapFigures(None, None, 0.75), ("A note.",))
 
 
 def endless(job: SlamJob) -> SlamOutcome:
@@ -75,7 +76,7 @@ def endless(job: SlamJob) -> SlamOutcome:
     deadline = time.monotonic() + PATIENCE_S
     while Path(job.pack).exists() and time.monotonic() < deadline:
         time.sleep(0.01)
-    return SlamOutcome(None, 0, 0, 0.0, (0.0, 0.0), ())
+    return SlamOutcome(None, 0, 0, 0.0, MapFigures(None, None, 0.0), MapFigures(None, None, 0.0), ())
 
 
 def quick_merge(job: MergeJob) -> MergeOutcome:

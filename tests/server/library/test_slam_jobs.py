@@ -64,6 +64,8 @@ async def test_what_it_finds_is_one_more_trajectory(library: Library, settings: 
         "loops": 1,
         "nodes": 6,
         "cpu_s": 0.25,
+        "drift_m": [0.3, None],
+        "contradicted": [0.12, None],
         "sharpness": [0.25, 0.75],
         "notes": ["A note."],
     }

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mapper.core.errors import LimitError, WorkCancelledError
+from mapper.diagnosis import Diagnosis
 from mapper.grid import OccupancyGrid
 from mapper.io.logs import open_log
 from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scans
@@ -31,6 +32,8 @@ from server.sessions.why import why_message
 from tests.server.begin import new_log
 from tests.server.service import eventually
 from tests.server.view import view_of
+
+WELL = Diagnosis((), ())
 
 
 def whole_map(log: ScanLog, config: MappingConfig, stop: int | None = None) -> OccupancyGrid:
@@ -210,7 +213,7 @@ async def test_a_refused_command_changes_nothing(
 async def test_a_log_is_examined_once_for_each_trajectory(registry: SessionRegistry, office_log: ScanLog) -> None:
     session = await new_log(registry, "me", replace(office_log, mount=(0.0, 0.0, np.pi)))
     first, again = await asyncio.gather(session.model.recording.examined(), session.model.recording.examined())
-    assert [finding.check for finding in first] == ["mount.turned"]
+    assert [finding.check for finding in first.findings] == ["mount.turned"]
     assert again is first
 
 
@@ -221,13 +224,13 @@ async def test_an_examination_is_deferred_to_interactive_work(
     own = os.getpriority(os.PRIO_PROCESS, 0)
     found: list[int] = []
 
-    def look(*_: Any, **__: Any) -> list[Any]:
+    def look(*_: Any, **__: Any) -> Diagnosis:
         found.append(os.getpriority(os.PRIO_PROCESS, threading.get_native_id()))
-        return []
+        return WELL
 
-    monkeypatch.setattr("mapper.diagnosis.examine", look)
+    monkeypatch.setattr("mapper.diagnosis.diagnose", look)
     session = await new_log(registry, "me", office_log)
-    assert await session.model.recording.examined() == []
+    assert await session.model.recording.examined() == WELL
     assert found == [min(own + 10, 19)]
     assert os.getpriority(os.PRIO_PROCESS, 0) == own
 
@@ -272,7 +275,7 @@ async def test_an_examination_ends_when_nobody_waits_for_it_any_more(
         raise WorkCancelledError("doctor.unwanted", "The examination is not wanted any more.")
 
     with monkeypatch.context() as patched:
-        patched.setattr("mapper.diagnosis.examine", examined)
+        patched.setattr("mapper.diagnosis.diagnose", examined)
         one, other = (asyncio.ensure_future(recording.examined()) for _ in range(2))
         await asyncio.to_thread(begun.wait)
         one.cancel()
@@ -282,7 +285,7 @@ async def test_an_examination_ends_when_nobody_waits_for_it_any_more(
         await asyncio.to_thread(ended.wait)
     assert maps == 1
     assert recording.examined_share is None
-    assert await recording.examined() == []
+    assert await recording.examined() == WELL
 
 
 async def test_a_newer_command_does_not_end_an_examination(
@@ -293,7 +296,7 @@ async def test_a_newer_command_does_not_end_an_examination(
     monkeypatch.setattr(session._requests, "_is_outdated", lambda: True)
     with session.cancellable():
         assert not session.may_continue()
-        assert await session.model.recording.examined() == []
+        assert await session.model.recording.examined() == WELL
 
 
 async def test_a_failed_examination_is_repeated(
@@ -310,7 +313,7 @@ async def test_a_failed_examination_is_repeated(
             session.model.recording.examined(), session.model.recording.examined(), return_exceptions=True
         ):
             assert isinstance(asked, MemoryError)
-    assert await session.model.recording.examined() == []
+    assert await session.model.recording.examined() == WELL
 
 
 async def test_a_laser_that_hangs_upside_down_is_shown_seen_from_above(

@@ -13,6 +13,7 @@ export const parameters = onPath<Readonly<Record<string, unknown>>>({
   model: "step_window",
   range_max: 8,
   window: 0.2,
+  resolution: 0.1, // as the map on the stage
   clamp,
   log_odds_min,
   log_odds_max,

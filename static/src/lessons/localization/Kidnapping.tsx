@@ -1,4 +1,5 @@
 import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import { Button } from "../../ui/Button";
 import { written } from "../../ui/numbers";
@@ -33,8 +34,12 @@ export function Kidnapping() {
     <div class="kidnapping" ref={root}>
       <Averages past={past} />
       <p class="legend">
-        <Key tone="slow">w_slow</Key>
-        <Key tone="fast">w_fast</Key>
+        <Key tone="slow">
+          w<sub>slow</sub>
+        </Key>
+        <Key tone="fast">
+          w<sub>fast</sub>
+        </Key>
         <Key tone="share">random particles</Key>
         <Key tone="near">belief at the robot</Key>
       </p>
@@ -92,8 +97,8 @@ export function Kidnapping() {
         />
       </div>
       <p class="number" aria-live={playing.value ? "off" : "polite"}>
-        Scan {past.length}: w_slow {written(last?.slow ?? 0, 2)}, w_fast {written(last?.fast ?? 0, 2)}, so{" "}
-        {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
+        Scan {past.length}: w<sub>slow</sub> {written(last?.slow ?? 0, 2)}, w<sub>fast</sub>{" "}
+        {written(last?.fast ?? 0, 2)}, so {written(100 * (last?.share ?? 0), 0)} % of the next particles are random.
       </p>
     </div>
   );
@@ -152,7 +157,7 @@ function Averages({ past }: { past: readonly Moment[] }) {
   );
 }
 
-function Key({ tone, children }: { tone: string; children: string }) {
+function Key({ tone, children }: { tone: string; children: ComponentChildren }) {
   return (
     <span>
       <svg class="inverse-swatch" viewBox="0 0 36 8" aria-hidden="true">

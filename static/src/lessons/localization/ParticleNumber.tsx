@@ -14,19 +14,19 @@ const MOST = 600;
 const TICKS_N = [0, 200, 400, 600];
 const TICKS_K = [0, 6, 12, 18, 24];
 const ERROR = { initial: 0.05, low: 0.01, high: 0.5 };
-const QUANTILE = { initial: 0.99, low: 0, high: 3 };
+const QUANTILE = { initial: 2.33, low: 0, high: 3 };
 /** Bins at which the curve is grabbed. */
-const [AT_Z, AT_ERROR] = [BINS / 2, BINS];
+const [AT_QUANTILE, AT_ERROR] = [BINS / 2, BINS];
 
-const limits = signal({ error: ERROR.initial, z: QUANTILE.initial });
+const limits = signal({ error: ERROR.initial, quantile: QUANTILE.initial });
 const within = (value: number, { low, high }: typeof ERROR): number => Math.min(high, Math.max(low, value));
 
-/** How many particles KLD sampling wants for so many occupied bins; ε and z are dragged on the curve. */
+/** How many particles KLD sampling wants for so many occupied bins; ε and q are dragged on the curve. */
 export function ParticleNumber() {
-  const { error, z } = limits.value;
+  const { error, quantile } = limits.value;
   const bins = occupiedBins(corridor.value);
   const count = corridor.value.particles.length;
-  const wanted = Math.ceil(kldNumber(bins, error, z));
+  const wanted = Math.ceil(kldNumber(bins, error, quantile));
   const set = (change: Partial<typeof limits.value>): void => {
     limits.value = { ...limits.peek(), ...change };
   };
@@ -37,7 +37,7 @@ export function ParticleNumber() {
           const x = (k: number): number => LEFT + (k / BINS) * (width - LEFT - RIGHT);
           const y = (n: number): number => BOTTOM - (Math.min(n, MOST) / MOST) * (BOTTOM - TOP);
           const curve = Array.from({ length: 2 * BINS - 3 }, (_, i) => 2 + i / 2).map(
-            (k, i) => `${i === 0 ? "M" : "L"}${x(k).toFixed(1)} ${y(kldNumber(k, error, z)).toFixed(1)}`,
+            (k, i) => `${i === 0 ? "M" : "L"}${x(k).toFixed(1)} ${y(kldNumber(k, error, quantile)).toFixed(1)}`,
           );
           return (
             <>
@@ -62,26 +62,26 @@ export function ParticleNumber() {
               <path class="number-now" d={`M${x(bins)} ${BOTTOM}V${y(wanted)}H${LEFT}`} />
               <circle class="particle-drawn" cx={x(bins)} cy={y(wanted)} r={5} />
               <Grip
-                label="z"
+                label="q"
                 sentence="Quantile of the normal distribution: how sure it is that the distance is below ε."
                 range={QUANTILE}
-                now={z}
-                at={[x(AT_Z), y(kldNumber(AT_Z, error, z))]}
+                now={quantile}
+                at={[x(AT_QUANTILE), y(kldNumber(AT_QUANTILE, error, quantile))]}
                 onMove={(dy, from) => {
-                  const n = kldNumber(AT_Z, error, from) - (dy * MOST) / (BOTTOM - TOP);
-                  set({ z: within(kldQuantile(AT_Z, error, Math.max(0, n)), QUANTILE) });
+                  const n = kldNumber(AT_QUANTILE, error, from) - (dy * MOST) / (BOTTOM - TOP);
+                  set({ quantile: within(kldQuantile(AT_QUANTILE, error, Math.max(0, n)), QUANTILE) });
                 }}
-                onStep={(way) => set({ z: within(z + 0.1 * way, QUANTILE) })}
+                onStep={(way) => set({ quantile: within(quantile + 0.1 * way, QUANTILE) })}
               />
               <Grip
                 label="ε"
                 sentence="Largest Kullback-Leibler distance between the particles and the belief; less needs more particles."
                 range={ERROR}
                 now={error}
-                at={[x(AT_ERROR), y(kldNumber(AT_ERROR, error, z))]}
+                at={[x(AT_ERROR), y(kldNumber(AT_ERROR, error, quantile))]}
                 onMove={(dy, from) => {
-                  const n = kldNumber(AT_ERROR, from, z) - (dy * MOST) / (BOTTOM - TOP);
-                  set({ error: within((kldNumber(AT_ERROR, from, z) * from) / Math.max(1, n), ERROR) });
+                  const n = kldNumber(AT_ERROR, from, quantile) - (dy * MOST) / (BOTTOM - TOP);
+                  set({ error: within((kldNumber(AT_ERROR, from, quantile) * from) / Math.max(1, n), ERROR) });
                 }}
                 onStep={(way) => set({ error: within(error - 0.005 * way, ERROR) })}
               />
@@ -91,7 +91,7 @@ export function ParticleNumber() {
       </Plot>
       <figcaption class="number" aria-live="polite">
         The {count} particles of the corridor lie in {bins} of {BINS} bins: n = {wanted} for ε = {written(error, 3)} and
-        z = {written(z, 2)}.
+        q = {written(quantile, 2)}.
       </figcaption>
     </figure>
   );

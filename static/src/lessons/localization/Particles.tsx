@@ -151,9 +151,14 @@ export function Particles() {
       <figcaption aria-live="polite">
         {
           {
-            weighed: `The sensor says ${seesDoor(now.robot) ? "“door”" : "“wall”"}: each particle has the weight p(z | x). N_eff = ${written(effectiveNumber(w), 1)} of ${count}.`,
-            drawn: "Drawn by their weights, all particles count alike again; some are there several times.",
-            moved: "Every particle has driven, each with an error of its own: copies part.",
+            weighed: (
+              <>
+                The sensor says {seesDoor(now.robot) ? "“door”" : "“wall”"}: each particle has the weight p(z | x). N
+                <sub>eff</sub> = {written(effectiveNumber(w), 1)} of {count}.
+              </>
+            ),
+            drawn: "Drawn by their weights: all particles count the same again, and some are there several times.",
+            moved: "Every particle has driven, each with its own error: the copies separate.",
           }[now.phase]
         }
       </figcaption>

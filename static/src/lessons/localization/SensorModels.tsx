@@ -42,7 +42,7 @@ export function SensorModels() {
       <p class="legend">
         <Key tone="bayes">Bayes’ rule over all maps</Key>
         <Key tone="mapper">this mapper’s increments</Key>
-        <Key tone="backwards">p(z | wall at s), read backwards</Key>
+        <Key tone="backwards">logit of p(z | wall at r)</Key>
       </p>
       <div class="figure-controls no-print">
         <Slider
@@ -135,7 +135,7 @@ function InverseChart({ mix, z, prior }: ChartProps) {
               </text>
             ))}
             <text x={x(RANGE_MAX)} y={HEIGHT - 6} text-anchor="end">
-              distance s of a cell along the beam, m
+              distance r of a cell along the beam, m
             </text>
             <text x={0} y={14}>
               evidence for occupied, ℓ − ℓ₀

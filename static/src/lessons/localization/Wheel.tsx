@@ -63,14 +63,14 @@ export function Wheel({ weights, counts, share, onShare }: WheelProps) {
       </text>
       {share !== null && (
         <Handle
-          label="First pointer r"
+          label="First pointer"
           sentence="Turns all pointers of the wheel at once: the one random number of the low-variance sampler."
           axis="x"
           tone="tone-robot"
           now={share}
           low={0}
           high={1}
-          text={`r = ${written(share, 2)} of the distance between two pointers`}
+          text={`${written(share, 2)} of the distance between two pointers`}
           grab={{ x: x - 20, y: y - 20, width: 40, height: 40 }}
           onStart={() => {
             before.current = share;

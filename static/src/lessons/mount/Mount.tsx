@@ -40,7 +40,7 @@ export function Mount() {
   return (
     <figure class="mount" aria-label="The mount of the sensor and the resulting map">
       <div class="mount-robot">
-        <h3>Mount that the map is made with</h3>
+        <h3>The mount the map assumes</h3>
         <Stage geometry={CLOSE} label="The robot from above, with its sensor">
           {(transform) => <Robot transform={transform} correction={now} set={set} />}
         </Stage>

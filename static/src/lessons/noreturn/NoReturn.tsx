@@ -10,8 +10,8 @@ import { FIRST_PLACE, GEOMETRY, GLASS, mapAt, POLICIES, type Policy, scanAt, WAL
 
 const NAMES: Record<Policy, string> = {
   ignore: "ignored",
-  free: "taken as free",
-  hit: "taken as a hit (an error)",
+  free: "counted as free",
+  hit: "counted as a hit (wrong)",
 };
 
 const inside = ([x, y]: Point): Point => [Math.min(8.9, Math.max(0.7, x)), Math.min(5.7, Math.max(0.7, y))];

@@ -14,7 +14,7 @@ import { pipelineBeam, pipelineStep } from "../stage/controls";
 import { nowOf } from "../stage/nowOf";
 import { readingOf } from "../stage/reading";
 import type { Scene } from "../stage/scene";
-import { SCENES } from "../stage/scenes";
+import { ALGORITHM } from "../stage/scenes";
 import { densityCharacter, stateCharacter } from "./density";
 import "./pipeline.css";
 
@@ -43,12 +43,12 @@ function boxes(scene: Scene): readonly Box[] {
   return [
     {
       name: "reading",
-      formula: "r, α",
+      formula: "z, α",
       value: `${written(reading.range, 2)} m, ${written(reading.bearing / DEGREE, 0)}°`,
     },
     {
       name: "end point",
-      formula: "x + r cos(θ + α), y + r sin(θ + α)",
+      formula: "x + z cos(θ + α), y + z sin(θ + α)",
       value: `${written(reading.end[0], 2)} m, ${written(reading.end[1], 2)} m`,
     },
     {
@@ -91,7 +91,7 @@ function boxes(scene: Scene): readonly Box[] {
 export function Pipeline() {
   const playing = useSignal(false);
   const root = useRef<HTMLDivElement>(null);
-  const found = boxes(useInSight(root, SCENES.pipeline));
+  const found = boxes(useInSight(root, ALGORITHM.reading));
   const at = pipelineStep.value;
   const go = (next: number): void => {
     pipelineStep.value = Math.min(LAST, Math.max(0, next));

@@ -1,7 +1,6 @@
-/** A map as characters: three states, or six steps of probability. */
+/** A cell as a character: three states, or six steps of probability. */
 
 import { probability } from "../../grid/logOdds";
-import type { OccupancyGrid } from "../../grid/occupancyGrid";
 
 /** More than 0.5 of log-odds decides. */
 const DECIDED = 0.5;
@@ -23,14 +22,3 @@ export const densityCharacter = (logOdds: number): string => {
   const p = probability(logOdds);
   return STEPS.find(([least]) => p >= least)?.[1] ?? ".";
 };
-
-/** The whole map as lines, the greatest y first. */
-export function asText({ geometry, logOdds }: OccupancyGrid, character: (logOdds: number) => string): string {
-  const lines: string[] = [];
-  for (let row = geometry.rows - 1; row >= 0; row--) {
-    let line = "";
-    for (let col = 0; col < geometry.cols; col++) line += character(logOdds[row * geometry.cols + col] ?? 0);
-    lines.push(line);
-  }
-  return lines.join("\n");
-}

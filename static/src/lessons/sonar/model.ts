@@ -83,7 +83,7 @@ const isReading = (scan: SonarScan, z: number): boolean => scan.range_min <= z &
 const isFree = (scan: SonarScan, z: number, settings: SonarSettings): boolean =>
   z > scan.range_max && settings.no_return === "free";
 
-/** Bayes filter: every cell of the cone up to z + r/2 gets its evidence, reading by reading. */
+/** Bayes filter: every cell of the cone up to z + w/2 gets its evidence, reading by reading. */
 export function updateCone(grid: OccupancyGrid, scan: SonarScan, pose: Pose, settings: SonarSettings): void {
   const values = asProfile("sonar_cone", settings, scan, grid.geometry);
   scan.ranges.forEach((z, k) => {

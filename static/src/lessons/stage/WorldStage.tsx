@@ -46,9 +46,10 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   const size = useSize(box);
   const shown = useStageMap(scene, still);
   const now = scene.value;
-  const view = useCamera(now.view, still);
+  const hasStrip = (now.history || ownCell.value !== null) && !now.drawing;
+  const view = useCamera({ ...now.view, strip: hasStrip ? 1 : 0 }, still);
   const { width, height } = size.value;
-  const { map, ladder } = layout(width, height, now.history, now.drawing !== null);
+  const { map, ladder } = layout(width, height, view.value.strip);
   const at = projection(view.value, map);
   useLayoutEffect(
     () =>
@@ -97,23 +98,20 @@ export function WorldStage({ scene, still = false, children }: WorldStageProps) 
   );
 }
 
-/**
- * The map with the ladder below it; in a low box beside it, and there only if it is a part of the point. `alone`: a
- * scene with a drawing of its own has no ladder.
- */
-function layout(width: number, height: number, history: boolean, alone: boolean): { map: Rect; ladder: Rect | null } {
-  if (alone || (height < LOW && !history)) return { map: { left: 0, top: 0, width, height }, ladder: null };
+/** The map with the strip of a cell's history below it, in a low box beside it; the strip is drawn once it is complete. */
+function layout(width: number, height: number, strip: number): { map: Rect; ladder: Rect | null } {
   if (height < LOW) {
-    const left = Math.round(width * 0.6);
+    const across = Math.round(0.4 * width * strip);
+    const left = width - across;
     return {
-      map: { left: 0, top: 0, width: left - GAP, height },
-      ladder: { left, top: NAME, width: width - left, height: height - NAME },
+      map: { left: 0, top: 0, width: left - GAP * strip, height },
+      ladder: strip < 1 ? null : { left, top: NAME, width: across, height: height - NAME },
     };
   }
-  const tall = Math.round(Math.min(200, 0.26 * height));
+  const tall = Math.round(Math.min(200, 0.26 * height) * strip);
   return {
-    map: { left: 0, top: 0, width, height: height - tall - GAP - NAME },
-    ladder: { left: 0, top: height - tall, width, height: tall },
+    map: { left: 0, top: 0, width, height: height - tall - (GAP + NAME) * strip },
+    ladder: strip < 1 ? null : { left: 0, top: height - tall, width, height: tall },
   };
 }
 

@@ -1,7 +1,12 @@
 /** The part of the floor that the stage shows, and the way from one part to another. */
 
 /** A box of the floor, metres: its centre, and the width and height that have to be visible. */
-export interface View {
+export interface View extends Box {
+  /** How much of the history of a cell's strip beside the map is shown: 0 none, 1 all of it. */
+  readonly strip: number;
+}
+
+export interface Box {
   readonly x: number;
   readonly y: number;
   readonly width: number;
@@ -20,7 +25,8 @@ export function between(from: View, to: View, t: number): View {
   const height = from.height * (to.height / from.height) ** t;
   const ratio = to.width / from.width;
   const way = Math.abs(Math.log(ratio)) < 0.05 ? t : (width - from.width) / (to.width - from.width);
-  return { x: from.x + way * (to.x - from.x), y: from.y + way * (to.y - from.y), width, height };
+  const strip = from.strip + t * (to.strip - from.strip);
+  return { x: from.x + way * (to.x - from.x), y: from.y + way * (to.y - from.y), width, height, strip };
 }
 
 /** A rectangle of the screen, CSS pixels. */
@@ -41,7 +47,7 @@ export interface Projection {
   world(px: number, py: number): readonly [number, number];
 }
 
-export function projection(view: View, rect: Rect): Projection {
+export function projection(view: Box, rect: Rect): Projection {
   const metre = Math.min(rect.width / view.width, rect.height / view.height);
   const [cx, cy] = [rect.left + rect.width / 2, rect.top + rect.height / 2];
   return {

@@ -9,6 +9,9 @@ export const ownRobot = onPath<Pose | null>(null);
 /** A point of the cell that the reader has selected; null for the scene's. */
 export const ownCell = onPath<Point | null>(null);
 
+/** The inverse sensor model: the reading that was set by hand on the curve, metres; null for the stage's own. */
+export const modelReading = onPath<number | null>(null);
+
 /** The noisy wall: standard deviation of a range, and width of the window, metres. */
 export const wallNoise = onPath(0.05);
 export const wallWindow = onPath(0.15);
@@ -31,6 +34,8 @@ export const scansAfter = onPath(4);
 /** Height of the laser's plane, metres. */
 export const laserHeight = onPath(0.45);
 
+/** What the section on the algorithm shows. */
+export const algorithmView = onPath<"table" | "program" | "reading">("table");
 /** Table 9.1: the number of cells that the loop has visited. */
 export const visited = onPath(233);
 /** The pipeline: the beam of the scan, and how far its reading has come, 0 … 6. */

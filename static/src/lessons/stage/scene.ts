@@ -6,7 +6,7 @@ import { INITIAL_CONFIG, indexOf, type MappingConfig, type OccupancyGrid } from 
 import type { Point, Pose } from "../../wire/protocol";
 import { cellParameters } from "../common/parameters";
 import type { StageTransform } from "../common/Stage";
-import type { Projection, View } from "./camera";
+import type { Box, Projection } from "./camera";
 import { ownCell, ownPoses } from "./controls";
 import { DRIVE, FLOOR } from "./floor";
 import type { MapHistory, Plan } from "./history";
@@ -29,7 +29,7 @@ export type Mark =
   | "values"; // numbers in large cells
 
 export interface Scene {
-  readonly view: View;
+  readonly view: Box;
   readonly poses: readonly Pose[];
   readonly resolution: number;
   readonly conditions: Conditions;
@@ -43,7 +43,7 @@ export interface Scene {
   readonly bare: boolean;
   /** Another grid in place of the map. */
   readonly grid: OccupancyGrid | null;
-  /** The history of the selected cell is a part of the point: it is drawn also where there is little room. */
+  /** The history of the selected cell is a part of the point. It is also drawn once the reader selects a cell. */
   readonly history: boolean;
   /** Other values in place of the history of the selected cell. */
   readonly ladder: readonly number[] | null;
@@ -75,10 +75,10 @@ export interface MarkProps {
 }
 
 /** The whole floor. */
-export const WHOLE: View = { x: FLOOR.width / 2, y: FLOOR.height / 2, width: FLOOR.width, height: FLOOR.height };
+export const WHOLE: Box = { x: FLOOR.width / 2, y: FLOOR.height / 2, width: FLOOR.width, height: FLOOR.height };
 
 interface SceneParts {
-  readonly view?: View;
+  readonly view?: Box;
   /** Number of scans of the drive, or other poses. */
   readonly scans?: number;
   readonly poses?: readonly Pose[];

@@ -1,20 +1,25 @@
 /** The scenes of the stage in the order of the lecture. Each continues the one before it: the same floor and drive. */
 
+import { computed } from "@preact/signals";
 import { probability } from "../../grid/logOdds";
+import { beamModel, type SensorModelParameters } from "../../grid/sensorModel";
 import { plural, signed, written } from "../../ui/numbers";
 import { cellsOf, phantoms } from "../common/counts";
-import { cellParameters } from "../common/parameters";
+import { parameters } from "../common/parameters";
 import {
+  algorithmView,
   cellSide,
   countingUpdate,
   driftError,
   laserHeight,
   mapKind,
+  modelReading,
   mountError,
   noReturn,
   noReturnRange,
   peopleOn,
   peopleScans,
+  pipelineBeam,
   polishedOn,
   scansAfter,
   visited,
@@ -26,6 +31,7 @@ import { DRIVE, LOW_TABLE_HEIGHT, POLISHED, TABLE, WALLS } from "./floor";
 import { laterScene } from "./later";
 import { FIELD, LOOP_GEOMETRY, loopMap, visitOf } from "./loop";
 import { type Scene, type Shown, scene, WALL_CELL, WHOLE } from "./scene";
+import { scanAt, USUAL } from "./sensing";
 import { lookOfWall, STRETCH } from "./wall";
 
 const DEGREE = Math.PI / 180;
@@ -54,13 +60,52 @@ const POLICY_WORDS = {
   hit: "Taken as a hit: a ring of walls appears where there is nothing.",
 } as const;
 
+/** The three views of the algorithm. */
+export const ALGORITHM = {
+  table: () => {
+    const at = visitOf(Math.max(0, visited.value - 1));
+    return scene({
+      history: true,
+      ladder: [at.before, at.after],
+      scans: 30,
+      marks: ["lines", "field"],
+      resolution: LOOP_GEOMETRY.resolution,
+      grid: loopMap(visited.value),
+      view: WHOLE,
+      caption: `Table 9.1 visits all cells. ${FIELD.length} of ${LOOP_GEOMETRY.rows * LOOP_GEOMETRY.cols} lie in the perceptual field of this scan, the outlined part. The current cell is ${at.inField ? `in the field: ℓ ${signed(at.before)} becomes ${signed(at.after)}.` : "outside it: ℓ stays."}`,
+    });
+  },
+  program: () =>
+    scene({
+      scans: 30,
+      marks: ["beams"],
+      caption: "The loops exchanged: beam by beam, over the cells of each. The map after 30 scans.",
+    }),
+  reading: () =>
+    scene({
+      poses: DRIVE.slice(25, 30),
+      resolution: 0.2,
+      marks: ["lines", "reading"],
+      view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
+      caption: "The steps of one reading: the last one changes the numbers of a few cells.",
+    }),
+} as const satisfies Record<(typeof algorithmView)["value"], () => Scene>;
+
+/** Scans of the drive at the section on the sensor model; the newest has the reading of the curve. */
+const MODEL_SCANS = 28;
+
+/** The reading of the stage's beam at the section on the sensor model, metres: the one set by hand, or the measured one. */
+export const modelBeam = computed(
+  () => scanAt(DRIVE[MODEL_SCANS - 1] ?? [0, 0, 0], MODEL_SCANS - 1, USUAL).ranges[pipelineBeam.value] ?? null,
+);
+
 export const SCENES = {
   start: () =>
     scene({
       scans: 12,
       marks: ["beams"],
       caption:
-        "A robot drives through a building and measures distances. Cells that its beams passed are free, cells in which they ended are occupied; of the rest it knows nothing.",
+        "A robot drives through a building and measures distances. Cells that its beams passed are free, cells in which they ended are occupied; it knows nothing about the rest.",
     }),
   grid: () =>
     scene({
@@ -98,17 +143,24 @@ export const SCENES = {
       view: { x: WALL_CELL[0], y: 3.25, width: 0.44, height: 0.44 },
       caption: "In every cell: p, and below it ℓ. Each scan only adds to ℓ; p is computed to be shown.",
     }),
-  model: () =>
-    scene({
-      scans: 28,
+  model: () => {
+    const values = parameters.value as SensorModelParameters & Readonly<Record<string, unknown>>;
+    const { range_max, window } = values;
+    const isAdded = values.model === "step_window" || values.model === "fixed_increments";
+    const { hit, miss } = beamModel(isAdded ? values : { ...values, model: "fixed_increments" });
+    const set = modelReading.value;
+    const range = set === null || set <= range_max ? set : Number.POSITIVE_INFINITY;
+    return scene({
+      scans: MODEL_SCANS,
       marks: ["lines", "beam"],
-      view: { x: 5.5, y: 2.5, width: 1.9, height: 2.2 },
-      config: { window: Number(cellParameters.value.window) },
-      caption: () => {
-        const { window: r } = cellParameters.value;
-        return `One beam and what it says: free up to the window, occupied in the window of ${written(Number(r), 2)} m around the reading, nothing about the cells behind it.`;
-      },
-    }),
+      view: { x: 5.9, y: 2.6, width: 3.4, height: 3 },
+      conditions: { reading: range === null ? null : { scan: MODEL_SCANS - 1, beam: pipelineBeam.value, range } },
+      config: { window, range_max, log_odds_hit: hit, log_odds_miss: miss },
+      caption: isAdded
+        ? `The beam of the curve on the map: ${signed(miss)} for the cells before the window, ${signed(hit)} in it, nothing behind it. Every beam of the map uses these numbers.`
+        : `This map adds the fixed increments, ${signed(miss)} and ${signed(hit)}: the chosen model does not add a step for each beam.`,
+    });
+  },
   window: () =>
     scene({
       history: true,
@@ -148,40 +200,7 @@ export const SCENES = {
       view: { x: 6.5, y: 2.5, width: 2.6, height: 2.3 },
       caption: "Bresenham’s line from the robot’s cell to the cell of the end point: every cell but the last is free.",
     }),
-  table: () => {
-    const at = visitOf(Math.max(0, visited.value - 1));
-    return scene({
-      history: true,
-      ladder: [at.before, at.after],
-      scans: 30,
-      marks: ["lines", "field"],
-      resolution: LOOP_GEOMETRY.resolution,
-      grid: loopMap(visited.value),
-      view: WHOLE,
-      caption: `Table 9.1 visits all cells. ${FIELD.length} of ${LOOP_GEOMETRY.rows * LOOP_GEOMETRY.cols} lie in the perceptual field of this scan, the outlined part. The current cell is ${at.inField ? `in the field: ℓ ${signed(at.before)} becomes ${signed(at.after)}.` : "outside it: ℓ stays."}`,
-    });
-  },
-  algorithm: () =>
-    scene({
-      scans: 30,
-      marks: ["beams"],
-      caption:
-        "The loops exchanged: beam by beam, over the cells of each. The map after the 30 scans of the drive so far.",
-    }),
-  pipeline: () =>
-    scene({
-      poses: DRIVE.slice(25, 30),
-      resolution: 0.2,
-      marks: ["lines", "reading"],
-      view: { x: 6.5, y: 2.5, width: 3.6, height: 2.6 },
-      caption: "The steps of one reading: the last one is a change of the numbers of a few cells.",
-    }),
-  characters: () =>
-    scene({
-      scans: 31,
-      resolution: 0.2,
-      caption: "The map in cells of 0.2 m. Printed as characters it has one character for each cell.",
-    }),
+  algorithm: () => ALGORITHM[algorithmView.value](),
   sonar: () =>
     scene({
       scans: 32,
@@ -231,7 +250,7 @@ export const SCENES = {
         const wrong = phantoms(now.map, SOLID, 0.25).length;
         return driftError.value === 0
           ? "With the true poses every wall is drawn once."
-          : `The heading is off by ${written(driftError.value, 2)}° more at each scan: walls are drawn again at another place, ${plural(wrong, "cell")} in all.`;
+          : `The heading drifts ${written(driftError.value, 2)}° per scan; ${wrong === 0 ? "no wall is doubled yet" : `${plural(wrong, "occupied cell")} of doubled walls`}.`;
       },
     }),
   polished: () =>
@@ -241,10 +260,10 @@ export const SCENES = {
       view: { x: 5.6, y: 1.9, width: 8.6, height: 3.8 },
       cell: [7.05, 0.435],
       marks: ["beams"],
-      caption: (now) =>
+      caption: () =>
         polishedOn.value
-          ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away: the robot looks along metres of wall, and the map shows only the part in front of which it has been."
-          : `Not polished, the wall scatters the light, and all of it is mapped. ${cellInWords(now)}`,
+          ? "The broad line is polished. Beams that meet it at more than 30° from its normal are reflected away, so the map shows only the part that the robot has faced."
+          : "Not polished, the wall scatters the light, and all of it is mapped.",
     }),
   people: () =>
     scene({
@@ -256,7 +275,7 @@ export const SCENES = {
       caption: (now) => {
         const trail = phantoms(now.map, SOLID, 0.25).length;
         if (!peopleOn.value) return "Nobody walks, and the corridor is free.";
-        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map, hidden from later beams by whoever left ${trail === 1 ? "it" : "them"}.`;
+        return `Someone follows the robot along the corridor. ${plural(trail, "cell")} of the trail ${trail === 1 ? "is" : "are"} in the map.`;
       },
     }),
   "low-table": () => {
@@ -286,7 +305,7 @@ export const SCENES = {
       view: { x: 9.6, y: 1.8, width: 5, height: 3.6 },
       marks: ["beams", "odometry"],
       caption:
-        "The robot stands at its true pose; its newest scan is drawn from where the odometry says it is: the end points lie beside the walls of the map.",
+        "The robot stands at its true pose; its newest scan is drawn from the pose of the odometry, so the end points lie beside the walls.",
     }),
   matching: () =>
     scene({
@@ -322,19 +341,12 @@ export const SCENES = {
     scene({
       scans: 77,
       trinary: true,
-      caption:
-        "A floor is flat: free or occupied is all that this map says. Beside it the ground has slopes, and a patch has a plane.",
+      caption: "This map says free or occupied. Outdoors the ground has slopes, and each patch gets a plane.",
     }),
   next: () =>
     scene({
       scans: 77,
-      caption: "The occupancy grid of the whole drive: one of several kinds of maps.",
-    }),
-  log: () =>
-    scene({
-      scans: 77,
-      caption: () =>
-        `The whole drive: ${DRIVE.length} scans with 240 readings each. The log of a real robot has thousands.`,
+      caption: `The whole drive: ${DRIVE.length} scans with 240 readings each. The log of a real robot has thousands.`,
     }),
 } as const satisfies Record<string, () => Scene>;
 

@@ -29,6 +29,8 @@ export interface Conditions {
   readonly drift: number;
   /** Error of the mount that the map is made with, radians. */
   readonly mountYaw: number;
+  /** A reading that replaces a measured one: number of the scan, beam, and range in metres; null for none. */
+  readonly reading: { readonly scan: number; readonly beam: number; readonly range: number } | null;
 }
 
 export const USUAL: Conditions = {
@@ -42,6 +44,7 @@ export const USUAL: Conditions = {
   lowTable: false,
   drift: 0,
   mountYaw: 0,
+  reading: null,
 };
 
 /** Angle to the normal beyond which a polished surface reflects a beam away: as in the lab. */
@@ -66,6 +69,14 @@ const scans = new Map<string, LaserScan>();
 
 /** Scan number `index`, taken at a true pose. Equal arguments give equal scans. */
 export function scanAt(pose: Pose, index: number, conditions: Conditions): LaserScan {
+  const { reading } = conditions;
+  if (reading) {
+    const scan = scanAt(pose, index, { ...conditions, reading: null });
+    if (reading.scan !== index) return scan;
+    const ranges = scan.ranges.slice();
+    ranges[reading.beam] = reading.range;
+    return { ...scan, ranges };
+  }
   const key = JSON.stringify([pose, index, conditions]);
   const scan = scans.get(key) ?? measured(pose, index, conditions);
   scans.delete(key); // so that it becomes the newest

@@ -113,8 +113,8 @@ describe("landmarks", () => {
 });
 
 describe("the camera", () => {
-  const whole: View = { x: 6, y: 4, width: 12, height: 8 };
-  const cell: View = { x: 5.5, y: 3.2, width: 0.3, height: 0.3 };
+  const whole: View = { x: 6, y: 4, width: 12, height: 8, strip: 0 };
+  const cell: View = { x: 5.5, y: 3.2, width: 0.3, height: 0.3, strip: 1 };
 
   it("begins and ends at its views, and zooms by equal factors", () => {
     expect(between(whole, cell, 0)).toEqual(whole);

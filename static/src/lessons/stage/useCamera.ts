@@ -8,16 +8,16 @@ const TRAVEL_MS = 900;
 const LONGEST_MS = 60;
 
 const isSame = (a: View, b: View): boolean =>
-  a.x === b.x && a.y === b.y && a.width === b.width && a.height === b.height;
+  a.x === b.x && a.y === b.y && a.width === b.width && a.height === b.height && a.strip === b.strip;
 
 /** The view on its way to a target; `still` and reduced motion go there at once. */
 export function useCamera(target: View, still: boolean): ReadonlySignal<View> {
   const now = useSignal(target);
   const atOnce = still || reducedMotion.value;
-  const { x, y, width, height } = target;
+  const { x, y, width, height, strip } = target;
   useLayoutEffect(() => {
     if (atOnce) now.value = target;
-  }, [x, y, width, height, atOnce]);
+  }, [x, y, width, height, strip, atOnce]);
   useEffect(() => {
     const from = now.peek();
     if (atOnce || isSame(from, target)) return;
@@ -34,6 +34,6 @@ export function useCamera(target: View, still: boolean): ReadonlySignal<View> {
     };
     frame = requestAnimationFrame(run);
     return () => cancelAnimationFrame(frame);
-  }, [x, y, width, height, atOnce]);
+  }, [x, y, width, height, strip, atOnce]);
   return now;
 }

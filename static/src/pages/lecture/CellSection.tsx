@@ -6,10 +6,14 @@ import { Cell, START } from "../../lessons/cell/Cell";
 import { cellParameters, numbersOf, setParameter } from "../../lessons/common/parameters";
 import { DragNumber } from "../../ui/DragNumber";
 import { signed, written } from "../../ui/numbers";
+import { presenting } from "./present/state";
 import { Section, type SectionHead } from "./Section";
 import { SectionLink } from "./SectionLink";
 
-const events = signal<readonly CellEvent[]>(START);
+/** The readings of the text and of a slide, which asks about a cell without any. */
+const textEvents = signal<readonly CellEvent[]>(START);
+const slideEvents = signal<readonly CellEvent[]>([]);
+const events = computed(() => (presenting.value ? slideEvents : textEvents).value);
 const path = computed(() => logOddsHistory(events.value, cellParameters.value));
 
 /** z with its index: all readings up to one of them (1:t), or that one alone. */
@@ -82,10 +86,9 @@ function Derivation() {
       <Line
         why={
           <>
-            Bayes’ rule for the newest reading z<sub>t</sub>, taken from the pose x<sub>t</sub>. Two{" "}
-            <b>Markov assumptions</b>: given the cell, older readings do not help to predict the new one (strictly, that
-            holds only given the whole map); and the new pose alone says nothing about the cell, so it is missing from
-            the belief of t − 1.
+            Bayes’ rule for the newest reading z<sub>t</sub>. Two <b>Markov assumptions</b>: given the cell, older
+            readings do not help to predict the new one (strictly, this holds only given the whole map); and the new
+            pose alone says nothing about the cell.
           </>
         }
       >
@@ -112,9 +115,8 @@ function Derivation() {
         why={
           <>
             Bayes’ rule again, in the other direction. Now only the <b class="noun-beam">inverse model</b> is needed:
-            the probability of the cell given one reading alone. The <b>independence of map and poses</b> is used here:{" "}
-            <i>p</i>(m ∣ x<sub>t</sub>) = <i>p</i>(m), the <b class="noun-prior">prior</b>. Where the robot stands says
-            nothing about the cell as long as it has not measured.
+            the probability of the cell given one reading. The <b>independence of map and poses</b> is used here: p(m ∣
+            x<sub>t</sub>) = p(m), the <b class="noun-prior">prior</b>.
           </>
         }
       >
@@ -136,8 +138,8 @@ function Derivation() {
       <Line
         why={
           <>
-            The same for the free cell ¬m; then divide one by the other. The factors that are hard to know cancel. What
-            remains: the odds from the new reading, times the odds before it, divided by the odds of the prior.
+            The same for the free cell ¬m; then divide. The factors that are hard to know cancel. What remains: the odds
+            from the new reading, times the odds before it, divided by the odds of the prior.
           </>
         }
       >
@@ -164,8 +166,7 @@ function Derivation() {
       <Line
         why={
           <>
-            These fractions are <b>odds</b>. The logarithm of the odds is ℓ, the <b>log-odds</b>, and the product
-            becomes a sum.
+            These fractions are <b>odds</b>. Their logarithm is ℓ, the <b>log-odds</b>, and the product becomes a sum.
           </>
         }
       >
@@ -266,39 +267,36 @@ export function CellSection({ id, number, title }: SectionHead) {
       title={title}
       figure={
         <div class="narrow-figure">
-          <Cell parameters={cellParameters} events={events} />
+          <Cell parameters={cellParameters} events={presenting.value ? slideEvents : textEvents} />
         </div>
       }
       sources={[
-        ["probabilistic-robotics", "chapter 4, the binary Bayes filter"],
-        ["octomap", "section 5.1 for the increments; also the source of the clamp"],
+        ["probabilistic-robotics", "table 4.2"],
+        ["octomap", "section 5.1 (increments and clamp)"],
       ]}
       after={
         <>
           <LastUpdate />
           <p>
-            Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: there is no prediction
-            step, because the cell does not change, and the correction reduces to a sum. m stands for m<sub>i</sub>, one
-            cell:
+            Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: the cell does not
+            change, so there is no prediction step, and the correction is a sum.
           </p>
           <Derivation />
           <p>
-            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>, the log-odds
-            of the prior: what was believed before any reading. It is subtracted because the inverse model, too, starts
-            from the prior, which would otherwise be counted again with every reading. For p = 0.5 it is 0. This is the
-            complete filter. It stores one number per cell and no readings. The order of the readings does not matter,
-            except at the dashed lines: there the mapper <em>clamps</em> ℓ, and evidence beyond the limit is lost.{" "}
-            <SectionLink to="forgetting" capital /> shows what the clamp is for.
+            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior is
+            subtracted because the inverse model starts from it too: otherwise it would be counted again with every
+            reading. For p = 0.5 it is 0. The order of the readings does not matter, except at the dashed lines, where
+            the mapper <em>clamps</em> ℓ (<SectionLink to="forgetting" />
+            ).
           </p>
         </>
       }
     >
       <p>
-        Consider one cell and many readings of it. The world does not change (assumption 2), so the state of the cell is
-        constant: either <i>m</i> (occupied) or ¬<i>m</i> (free). The map stores one number for the cell, its log-odds{" "}
-        <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is more likely occupied, below 0 more likely free;
-        p = 1 would be +∞ and p = 0 would be −∞. Before the first reading ℓ is <b class="noun-prior">ℓ₀</b>, the
-        log-odds of the prior.
+        Consider one cell and many readings of it. Its state is constant (assumption 2): either <i>m</i> (occupied) or ¬
+        <i>m</i> (free). The map stores its log-odds <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is
+        more likely occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is{" "}
+        <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
       </p>
       <p>
         A <b class="noun-hit">hit</b> adds{" "}
@@ -327,8 +325,11 @@ export function CellSection({ id, number, title }: SectionHead) {
           onInput={(value) => setParameter("log_odds_miss", value)}
           after="."
         />{" "}
-        Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus. How many misses does
-        it take to cancel four hits?
+        <span class="no-print">
+          {" "}
+          Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus.{" "}
+        </span>{" "}
+        How many misses cancel four hits?
       </p>
     </Section>
   );

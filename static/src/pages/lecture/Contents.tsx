@@ -1,17 +1,16 @@
 import "./contents.css";
-import { LESSONS } from "./lessons";
+import { LECTURE_PARTS } from "./lessons";
 
-/** The list of all lessons; `page` is the address of the lecture where this stands on another page. */
-export function Contents({ page = "" }: { page?: string }) {
+/** The parts of the lecture, each a link to its first section, for other pages. */
+export function Contents() {
   return (
-    <nav class="contents" aria-label="Sections of the lecture">
-      <ol>
-        {LESSONS.map(({ id, title }) => (
-          <li key={id}>
-            <a href={`${page}#${id}`}>{title}</a>
-          </li>
-        ))}
-      </ol>
+    <nav class="contents" aria-label="Parts of the lecture">
+      {LECTURE_PARTS.map(({ title, sentence, lessons }) => (
+        <a key={title} href={`/lecture.html#${lessons[0]?.id}`}>
+          <b>{title}</b>
+          <span>{sentence}</span>
+        </a>
+      ))}
     </nav>
   );
 }

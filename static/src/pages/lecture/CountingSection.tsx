@@ -38,17 +38,14 @@ export function CountingSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            Near the sensor all beams pass through the same few cells. With the update <b>per beam</b>, each beam adds
-            its evidence, and a single scan makes those cells as certain as the clamp allows. The dashed curve is the
-            number of beams that the width of a cell covers at distance <i>s</i>: beams × cell / 2π<i>s</i>. But all
-            beams of a scan are measured from one pose and share every error of that pose; adding them as if they were
-            independent counts the same evidence many times.
+            <b>Per beam</b>, each beam adds its evidence. Near the sensor all beams pass the same few cells, and a
+            single scan makes those as certain as the clamp allows. The dashed curve is the number of beams that cover a
+            cell at distance r: beams × cell / 2πr. But all beams of a scan share the error of its pose: adding them
+            counts the same evidence many times.
           </p>
           <p>
-            With the update <b>per scan</b>, as in table 9.1 of <cite>Probabilistic Robotics</cite>, a cell in the
-            perceptual field is updated once, by the beam nearest in bearing. The algorithm as printed visits every cell
-            of the map for each scan; the mapper computes the border of the perceptual field and updates the cells
-            inside it, with the same result. It offers both updates; per beam is the default.
+            <b>Per scan</b>, as in table 9.1, a cell in the perceptual field is updated once, by the beam nearest in
+            bearing.
           </p>
         </>
       }

@@ -4,7 +4,6 @@ import { Digits } from "../../lessons/digits/Digits";
 import { type Readings, run, saturatedAt } from "../../lessons/digits/model";
 import { DragNumber } from "../../ui/DragNumber";
 import { Section, type SectionHead } from "./Section";
-import { SectionLink } from "./SectionLink";
 
 const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
 
@@ -40,26 +39,20 @@ export function DigitsSection({ id, number, title }: SectionHead) {
       after={
         <>
           <p>
-            The product of many probabilities fails earlier still. A thousand readings, each with a probability of{" "}
-            {(1 - pHit).toFixed(2)}, have the product {PRODUCT(1 - pHit)}: the smallest 32-bit number is about 1.4 ·
-            10⁻⁴⁵, so it <b>underflows</b> to 0. The sum of a thousand logarithms is{" "}
-            {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}, an ordinary number.
+            A product of many probabilities fails earlier still. A thousand readings of {(1 - pHit).toFixed(2)} each
+            have the product {PRODUCT(1 - pHit)}, and the smallest 32-bit number is 1.4 · 10⁻⁴⁵: it <b>underflows</b> to
+            0. The sum of their logarithms is {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
           </p>
           <p>
-            With the clamp none of the three forms fails: at +3.5 even <i>p</i> has more than enough digits. So why
-            log-odds, if the clamp hides the underflow? Because of <b>cost</b> and <b>exactness</b>: one addition in
-            place of two products, a sum and a division, with one rounding in place of four, and a map takes millions of
-            updates. And the clamp is not there against underflow: it limits how long a wrong belief lasts (
-            <SectionLink to="forgetting" />
-            ). The two solve different problems.
+            With the clamp none of the three fails. What remains is <b>cost</b> and <b>exactness</b>: one addition in
+            place of two products, a sum and a division, and one rounding in place of four.
           </p>
         </>
       }
     >
       <p>
-        The probability <i>p</i>, the odds and the log-odds describe the same belief. Why store the logarithm? A robot
-        may see the same wall in many scans, and floating-point numbers have limited precision: 24 bits in the 32-bit
-        number of a cell.
+        The probability p, the odds and the log-odds describe the same belief. Why store the logarithm? A robot may see
+        the same wall in many scans, and a 32-bit number has 24 bits of precision.
       </p>
       <p>
         In the figure a cell is hit{" "}
@@ -106,9 +99,8 @@ export function DigitsSection({ id, number, title }: SectionHead) {
           }}
           after=","
         />{" "}
-        a single miss p = {(1 - pHit).toFixed(2)}. Every step is computed in 32 bits, in three ways: Bayes’ rule for{" "}
-        <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>. The mapper uses
-        the sum; the other two are shown for comparison.
+        a single miss p = {(1 - pHit).toFixed(2)}. Every step is computed in 32 bits in three ways: Bayes’ rule for{" "}
+        <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>.
       </p>
     </Section>
   );

@@ -13,29 +13,25 @@ export function EndpointSection({ id, number, title }: SectionHead) {
           <Endpoint />
         </OnStage>
       }
-      sources={[
-        ["laser-scan", "angle_min and angle_increment"],
-        ["occupancy-grid", "resolution and origin of a map"],
-      ]}
+      sources={["laser-scan", "occupancy-grid"]}
       after={
         <p>
-          Always round down: <code>floor</code>. Converting to an integer cuts off the decimals instead, which is the
-          same above zero and wrong below it: −0.3 becomes 0, not −1, so two columns are merged into one left of the
-          origin. Move the origin to the right of the end point and see.
+          Always round down: <code>floor</code>. Converting to an integer is wrong below zero: −0.3 becomes 0, not −1,
+          and two columns become one. Move the origin to the right of the end point and see.
         </p>
       }
     >
       <p>
         A scan holds distances only. The angle of beam <i>k</i> in the sensor’s frame is <b class="noun-beam">α</b> =
         angle_min + <i>k</i> · angle_increment. With the pose <b class="noun-robot">x, y, θ</b> of the sensor, the beam
-        that measured <b class="noun-beam">r</b> may have hit something at
+        that measured <b class="noun-beam">z</b> ended at
       </p>
       <math display="block" class="lesson-formula">
         <mrow>
           <mo>(</mo>
           <mi class="noun-robot">x</mi>
           <mo>+</mo>
-          <mi class="noun-beam">r</mi>
+          <mi class="noun-beam">z</mi>
           <mi>cos</mi>
           <mo>(</mo>
           <mi class="noun-robot">θ</mi>
@@ -46,7 +42,7 @@ export function EndpointSection({ id, number, title }: SectionHead) {
           <mspace width="0.4em" />
           <mi class="noun-robot">y</mi>
           <mo>+</mo>
-          <mi class="noun-beam">r</mi>
+          <mi class="noun-beam">z</mi>
           <mi>sin</mi>
           <mo>(</mo>
           <mi class="noun-robot">θ</mi>

@@ -21,19 +21,19 @@ export function PolishedSection({ id, number, title }: SectionHead) {
           </div>
         </OnStage>
       }
-      sources={[["probabilistic-robotics", "chapter 6: failures, of which specular reflection is a cause"]]}
+      sources={[["probabilistic-robotics", "section 6.3"]]}
       after={
         <p>
-          Glass and polished metal or stone do the same. A beam that is reflected to another surface and back reports a
+          Glass and polished metal or stone do the same. A beam that comes back by way of another surface reports a
           distance that is too long, and the cells of the wall count as passed: their values <b>oscillate</b>. More
           readings do not help; another kind of sensor does, or a strip of tape on the glass.
         </p>
       }
     >
       <p>
-        A laser measures a surface by the light that the surface scatters back. A <b>polished</b> wall reflects it like
-        a mirror: unless the beam meets it almost at a right angle, nothing comes back to the sensor. For the mapper
-        such a beam has no return (<SectionLink to="no-return" />
+        A laser measures a surface by the light that it scatters back. A <b>polished</b> wall reflects like a mirror:
+        unless the beam meets it almost at a right angle, nothing comes back (
+        <SectionLink to="no-return" />
         ), and the wall is missing wherever the robot never stood in front of it.
       </p>
     </Section>
@@ -65,19 +65,20 @@ export function PeopleSection({ id, number, title }: SectionHead) {
           </div>
         </OnStage>
       }
-      sources={[["reflection-maps", "for maps of places with people"]]}
+      sources={["reflection-maps"]}
       after={
         <p>
-          A trail disappears where later beams pass, and stays where none do. Robots that work among people therefore
-          keep two maps: a static one, and on top of it a layer of the current readings that is cleared continuously. In
-          Nav2 these are the static layer and the obstacle layer of its costmap.
+          A trail disappears where later beams pass, and stays where none do. Robots among people therefore keep a
+          static map and, on top of it, a layer of the current readings that is cleared continuously: in Nav2 the static
+          and the obstacle layer (
+          <SectionLink to="layers" />
+          ).
         </p>
       }
     >
       <p>
-        The second assumption says that the world does not change. Someone who follows the robot is measured at a new
-        place in every scan, and leaves a <b>trail</b> of occupied cells, which the person hides from the next scan.
-        Move the slider: when the robot looks at the corridor again from elsewhere, its beams clear most of the trail.
+        Someone who follows the robot is measured at a new place in every scan and leaves a <b>trail</b> of occupied
+        cells. Move the slider: when the robot looks at the corridor again from elsewhere, its beams clear most of it.
       </p>
     </Section>
   );
@@ -94,18 +95,19 @@ export function LowTableSection({ id, number, title }: SectionHead) {
           <SideView />
         </OnStage>
       }
-      sources={[["octomap", "for maps with height"]]}
+      sources={["octomap"]}
       after={
         <p>
-          A cell has no height: a low table, a high table and a wall project onto the same cells. Which obstacles are in
-          the map depends on the height at which the laser is mounted. A three-dimensional map, for example OctoMap’s
-          tree of cells, stores height and needs more memory and time.
+          A cell has no height: which obstacles are in the map depends on the height of the laser. A map in three
+          dimensions stores it (
+          <SectionLink to="octree" />
+          ).
         </p>
       }
     >
       <p>
-        A planar laser measures in one plane, at the height of its mount. A table that is lower than this plane is not
-        in any reading. The map is correct about what the laser saw, and wrong about where the robot can drive. Drag the{" "}
+        A planar laser measures in one plane, at the height of its mount. A table below it is in no reading. The map is
+        right about what the laser saw, and wrong about where the robot can drive. Drag the{" "}
         <b class="noun-beam">laser</b> up and down.
       </p>
     </Section>

@@ -7,6 +7,7 @@ import { DragNumber } from "../../ui/DragNumber";
 import { signed } from "../../ui/numbers";
 import { Slider } from "../../ui/Slider";
 import { Section, type SectionHead } from "./Section";
+import { SectionLink } from "./SectionLink";
 
 const seen = signal(40);
 const clamp = signal<Clamp>({ on: true, low: INITIAL_CONFIG.log_odds_min, high: INITIAL_CONFIG.log_odds_max });
@@ -39,22 +40,22 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
         </>
       }
       sources={[
-        ["octomap", "for the clamp, which keeps a map able to change"],
-        ["probabilistic-robotics", "chapter 4: a state that never changes"],
+        ["octomap", "section 5.1 (clamp)"],
+        ["probabilistic-robotics", "section 4.2"],
       ]}
       after={
         <p>
-          Without a clamp the misses must outweigh all hits: with these increments a table that was seen for one hour
-          needs about two hours to disappear. The clamp limits the certainty of a cell and therefore the number of
-          misses that are needed: from the upper limit down to the threshold it is always the same. The disadvantage is
-          that evidence beyond the limit is lost, so a correct cell can be changed as quickly as a wrong one. This is
-          the only purpose of the clamp: it has nothing to do with the precision of a number.
+          Without a clamp the misses must outweigh all hits: a table that was seen for one hour needs about two hours to
+          disappear. The clamp limits the certainty of a cell, so the number of misses needed is always the same. The
+          price: a correct cell can be changed as quickly as a wrong one. OctoMap also compresses by it: cells at the
+          limit are equal, so eight of them become one (
+          <SectionLink to="octree" />
+          ).
         </p>
       }
     >
       <p>
-        The second assumption, that the world does not change, is wrong in practice. In the figure a table has been in
-        view of the robot for{" "}
+        The second assumption fails in practice: things are moved. In the figure a table has been in view for{" "}
         <DragNumber
           label="scans with the table"
           sentence="Number of scans that saw the table before it is removed."
@@ -98,10 +99,9 @@ export function ForgettingSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        The table is <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25), here and in the lab. The map
-        is updated per scan (see the next section): each scan adds to a cell either a hit,{" "}
-        {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss, {signed(INITIAL_CONFIG.log_odds_miss)}. First guess the number
-        of scans, then remove the table.
+        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25). Each scan adds to a
+        cell either a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss, {signed(INITIAL_CONFIG.log_odds_miss)}.
+        Guess the number of scans first, then remove the table.
       </p>
     </Section>
   );

@@ -20,30 +20,25 @@ export function GridSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<Independence sensor={sensor} />}
-      sources={[
-        ["moravec-elfes", ""],
-        ["elfes", ""],
-        ["probabilistic-robotics", "chapter 9"],
-      ]}
+      sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
       after={
         <>
           <p>
-            The joint distribution contains the information that <em>at least one</em> cell caused the echo: with each
-            cell that a beam passes, the probability of the remaining cells rises. The grid map stores the cells
-            separately, so the remaining cells keep the probability that the echo gave them. Press the cells to change
-            what the narrow beam measured: let it pass all cells but one, then all five.
+            The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that a beam
+            passes, the others become more probable. In the grid they keep the probability that the echo gave them.
+            Press the cells to change what the narrow beam measured.
           </p>
           <p>
-            In return the map fits into memory: the joint distribution of a grid of 100 × 100 cells would need 2
-            <sup>10000</sup> numbers, the grid map needs 10 000. With narrow laser beams little is lost, because only
-            few cells can have caused the same reading.
+            In return the map fits into memory: the joint distribution of 100 × 100 cells needs 2<sup>10000</sup>{" "}
+            numbers, the grid 10 000. With narrow laser beams little is lost, because few cells can have caused the same
+            reading.
           </p>
         </>
       }
     >
       <p>
-        A robot needs to know where it can drive. An occupancy grid map divides the floor into square cells and
-        estimates for each of them whether it is occupied. It makes three assumptions.
+        An occupancy grid divides the floor into square cells and estimates for each whether it is occupied. It makes
+        three assumptions.
       </p>
       <ol>
         <li>
@@ -53,17 +48,14 @@ export function GridSection({ id, number, title }: SectionHead) {
         <li>The cells are independent: knowing one says nothing about the others.</li>
       </ol>
       <p>
-        Before any reading each cell has the <b class="noun-prior">prior</b> probability <i>p</i>(m<sub>i</sub>),
-        usually 0.5: no knowledge. Occupied is <i>p</i> = 1, free is <i>p</i> = 0. With the third assumption the
-        probability of a whole map is the product over its cells, given all readings z<sub>1:t</sub> and all poses x
-        <sub>1:t</sub> from which they were taken:
+        Before any reading each cell has the <b class="noun-prior">prior</b> probability p(m<sub>i</sub>), usually 0.5.
+        Occupied is p = 1, free is p = 0. With the third assumption the probability of a whole map, given all readings z
+        <sub>1:t</sub> and all poses x<sub>1:t</sub>, is a product over its cells:
       </p>
       <MapProduct />
       <p>
-        The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. Later sections
-        return to the first two assumptions; this figure shows what is lost with the third. Walls are not random: next
-        to an occupied cell there is often another one. The assumption is a simplification: it ignores that walls are
-        connected, and lets each cell be updated on its own.
+        The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. The figure shows
+        what the third assumption loses: walls are connected, and the grid ignores it.
       </p>
       <p>
         A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior
@@ -104,9 +96,8 @@ export function GridSection({ id, number, title }: SectionHead) {
           step={1}
           onInput={set("beamError")}
         />{" "}
-        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. The figure shows the same evidence stored in
-        two ways: one number for each cell, as in this mapper, and one number for each of the 32 possible maps (the
-        joint distribution), which would be far too many for the map of a floor.
+        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. The figure stores this evidence in two ways:
+        one number for each cell, and one for each of the 32 possible maps (the joint distribution).
       </p>
     </Section>
   );

@@ -22,32 +22,26 @@ export function KidnappingSection({ id, number, title }: SectionHead) {
           reveal={async () => (await import("../../lessons/localization/foundAgain")).foundAgain()}
         />
       }
-      sources={[
-        ["probabilistic-robotics", "table 8.3"],
-        ["amcl", "for recovery_alpha_slow and recovery_alpha_fast"],
-      ]}
+      sources={[["probabilistic-robotics", "table 8.3"], "amcl"]}
       after={
         <>
           <p>
-            Each average follows the mean weight w of a scan’s particles: w_slow += α_slow (w − w_slow), and the same
-            for w_fast. The share of random particles is max(0, 1 − w_fast / w_slow). α_fast has to be much larger than
-            α_slow: with equal rates no particle is ever added. Here w is the n-th root of the product over the n beams;
-            the product itself changes by orders of magnitude from scan to scan.
+            Each average follows the mean weight of a scan’s particles at its own rate, α<sub>slow</sub> or α
+            <sub>fast</sub>. The share of random particles is max(0, 1 − w<sub>fast</sub> / w<sub>slow</sub>). α
+            <sub>fast</sub> has to be much larger: with equal rates no particle is ever added.
           </p>
           <p>
             In AMCL both rates are 0 by default, and it does not recover; its documentation suggests 0.001 and 0.1. A
-            sensor that is blocked for a while also gives poor weights: if the reaction is too strong, it scatters
-            particles that were right.
+            sensor that is blocked also gives poor weights: too strong a reaction scatters particles that were right.
           </p>
         </>
       }
     >
       <p>
-        Once the particles have converged, they cannot find a robot that is somewhere else: resampling draws only from
-        poses that are already there. The <b>kidnapped robot problem</b> tests this: the robot is carried away without
-        being told. From a slow and a fast average of the weights, <b>augmented MCL</b> detects that the scans fit worse
-        than before, and replaces a share of the particles by random poses. Once one of them is near the robot,
-        resampling concentrates the particles there. Press “Drive on”, and kidnap the robot again.
+        Once the particles have converged, resampling draws only from poses that are already there. The{" "}
+        <b>kidnapped robot problem</b>: the robot is carried away without being told. <b>Augmented MCL</b> compares a
+        fast average of the weights with a slow one; where the scans fit worse than before, it replaces a share of the
+        particles by random poses. Press “Drive on”, and kidnap the robot again.
       </p>
     </Section>
   );

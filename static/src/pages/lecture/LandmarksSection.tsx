@@ -2,7 +2,6 @@ import { mapKind } from "../../lessons/stage/controls";
 import { Choice } from "../../ui/Choice";
 import { OnStage } from "./OnStage";
 import { Section, type SectionHead } from "./Section";
-import { SectionLink } from "./SectionLink";
 
 const KINDS = [
   { value: "corners", label: "landmarks" },
@@ -46,7 +45,7 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
               </tr>
               <tr>
                 <th scope="row">another look</th>
-                <td>improves the estimate of a position, for example with an extended Kalman filter</td>
+                <td>improves the estimate of its position</td>
                 <td>adds evidence for each cell that it touches</td>
               </tr>
               <tr>
@@ -58,21 +57,19 @@ export function LandmarksSection({ id, number, title }: SectionHead) {
           </table>
         </OnStage>
       }
-      sources={[["probabilistic-robotics", "chapters 6 and 7 for landmarks, chapter 9 for grids"]]}
+      sources={[["probabilistic-robotics", "chapters 6, 7 and 9"]]}
       after={
         <p>
-          A grid is <b>non-parametric</b>: it assumes no shapes and no number of objects. A round pillar, a plant and a
-          wall are represented in the same way. That is why robots that drive on a floor still use it: ROS 2’s
-          navigation, Nav2, plans on two-dimensional grids, and so do many robots in warehouses, hospitals and homes.{" "}
-          <SectionLink to="next" capital /> shows what is built on the map.
+          A grid is <b>non-parametric</b>: it assumes no shapes and no number of objects. A pillar, a plant and a wall
+          are stored in the same way. Nav2, the navigation of ROS 2, plans on two-dimensional grids.
         </p>
       }
     >
       <p>
-        A robot that moves in an unknown building has to answer two questions: where am I, and where can I drive? A map
-        of <b class="noun-beam">landmarks</b> stores the positions of things that are easy to recognise, such as
-        corners, and little else. An <b>occupancy grid</b> stores for every small square of the floor whether something
-        is there. Switch between the two maps of the same drive.
+        A robot in an unknown building has to answer two questions: where am I, and where can I drive? A map of{" "}
+        <b class="noun-beam">landmarks</b> stores the positions of things that are easy to recognise, such as corners.
+        An <b>occupancy grid</b> stores for every small square of the floor whether something is there. Switch between
+        the two maps of the same drive.
       </p>
     </Section>
   );

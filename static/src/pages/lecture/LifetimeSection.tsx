@@ -13,21 +13,19 @@ export function LifetimeSection({ id, number, title }: SectionHead) {
           <LaterFigure id="lifetime" />
         </OnStage>
       }
-      sources={[["nav2-costmap", ""]]}
+      sources={["nav2-costmap"]}
       after={
         <p>
-          This is why a costmap has layers: what is permanent, what is seen now, and what was seen a short time ago have
-          to be kept apart. The lifetime is a choice between two errors. Too short: a person who is out of view for a
-          moment is removed although still there. Too long: the robot drives around something that is gone. The dotted
-          line is the path planned without the table.
+          The lifetime is a choice between two errors. Too short: a person who is out of view for a moment is removed
+          although still there. Too long: the robot drives around something that is gone.{" "}
         </p>
       }
     >
       <p>
-        The table of <SectionLink to="forgetting" /> has been removed, and the path still goes around it. Only a beam
-        clears an obstacle, and a robot that plans around it may never look there. Which layer keeps the table? In the{" "}
-        <b>saved map</b> it stays permanently. In the <b>obstacle layer</b> it stays until a beam passes through it:
-        drag the robot towards it. With a <b>lifetime</b> it is removed after a set time.
+        The table of <SectionLink to="forgetting" /> has been removed, and the path still goes around it: only a beam
+        clears an obstacle, and a robot that plans around it may never look there. In the <b>saved map</b> the table
+        stays for good. In the <b>obstacle layer</b> it stays until a beam passes: drag the robot towards it. With a{" "}
+        <b>lifetime</b> it is removed after a set time.
       </p>
     </Section>
   );

@@ -45,27 +45,18 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
           }}
         />
       }
-      sources={[
-        ["rep-117", ""],
-        ["probabilistic-robotics", "table 9.2; chapter 6 for what else a reading can be"],
-      ]}
+      sources={["rep-117", ["probabilistic-robotics", "chapter 6 and table 9.2"]]}
       after={
         <>
           <p>
-            What is right? <b>Table 9.2</b> of <cite>Probabilistic Robotics</cite> takes no return <b>as free</b>: the
-            reading is z_max, so all cells up to z_max are free, and none is occupied. This clears large halls quickly
-            and is usually correct; but drag the robot in front of the glass: the beams that pass through it mark the
-            glass as free. <b>Ignored</b> adds no evidence, and is the default of this mapper in the lecture, in the lab
-            and for logs. The reason: in recorded logs a missing return often means glass, a polished wall, black
-            material or a reading that the driver filtered out, and free space that is wrong is the more dangerous
-            error. <b>Taken as a hit</b> is an error: it happens when a driver writes the max range where there was no
-            echo. The mapper cannot distinguish that number from a wall at the same distance, and marks a wall at that
-            distance. It offers this error as a setting, so that you can recognise it in your own maps.
+            Which is right depends on why nothing came back. <b>Free</b> is what table 9.2 of{" "}
+            <cite>Probabilistic Robotics</cite> says: the reading is z<sub>max</sub>, so all cells up to it are free.
+            That clears large halls; but drag the robot in front of the glass, and the beams that pass through it erase
+            it. <b>Ignored</b> adds no evidence and is this mapper’s default: in recorded logs a missing return often
+            means glass, a polished wall or black material, and wrong free space is the more dangerous error.{" "}
+            <b>A hit</b> is always wrong: it happens when a driver writes the max range where there was no echo.
           </p>
-          <p>
-            For this reason REP 117 defines a separate value for no return: +∞. Check the readings of a log that are at
-            or beyond the sensor’s max range before you use them.
-          </p>
+          <p>REP 117 therefore defines +∞ for no return.</p>
         </>
       }
     >
@@ -85,9 +76,8 @@ export function NoReturnSection({ id, number, title }: SectionHead) {
           }}
           after=","
         />{" "}
-        or a surface did not reflect the light back. The range is this short so that the figure shows it; the mapper’s
-        default is 30 m. What does no return mean for the map? The figure shows the same four scans, interpreted in
-        three ways. Drag the <b class="noun-robot">robot</b>.
+        or a surface did not reflect the light back. What does that mean for the map? The figure shows the same four
+        scans, read in three ways. Drag the <b class="noun-robot">robot</b>.
       </p>
     </Section>
   );

@@ -14,27 +14,25 @@ export function OctreeSection({ id, number, title }: SectionHead) {
           <LaterFigure id="octree" />
         </OnStage>
       }
-      sources={[["octomap", ""]]}
+      sources={["octomap"]}
       after={
         <>
           <p>
-            Halving the side of the cells of a dense grid makes <b>eight</b> times as many of them, most in empty rooms.
+            Halving the side of the cells of a dense grid makes <b>eight</b> times as many, most of them in empty rooms.
             An <b>octree</b> stores eight cells of one state as a single node, and has no nodes where nothing was
-            measured: it grows with the surfaces, about <b>four</b> times. Its costs are a descent from the root for
-            each cell that is read or changed, and nodes that are larger than cells: in a building as small and flat as
-            this one the tree needs less memory only with fine cells.
+            measured: it grows with the surfaces, about <b>four</b> times. Each access descends from the root, and nodes
+            are larger than cells: in a small, flat building it needs less memory only with fine cells.
           </p>
           <p>
-            A <b>point cloud</b> keeps each reading and does not depend on the side of a cell; it grows with each scan,
-            however often the robot has been there, and it does not say what is free.
+            A <b>point cloud</b> keeps each reading; it grows with every scan and does not say what is free.
           </p>
         </>
       }
     >
       <p>
         The low table of <SectionLink to="low-table" /> is missing in a map on the laser’s plane, and a door with a low
-        lintel appears to be free for a robot that is too tall. A map of <b>cells in three dimensions</b> has both. Move
-        the cut through the building, then make the cells finer and compare the memory of each map.
+        lintel appears free to a tall robot. A map of <b>cells in three dimensions</b> has both. Move the cut through
+        the building, then make the cells finer and compare the memory.
       </p>
     </Section>
   );

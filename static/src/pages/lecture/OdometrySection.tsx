@@ -6,6 +6,7 @@ import { driftError } from "../../lessons/stage/controls";
 import { DragNumber } from "../../ui/DragNumber";
 import { Slider } from "../../ui/Slider";
 import { Section, type SectionHead } from "./Section";
+import { SectionLink } from "./SectionLink";
 
 const noise = signal(USUAL);
 const DEGREE = Math.PI / 180;
@@ -51,19 +52,18 @@ export function OdometrySection({ id, number, title }: SectionHead) {
           }}
         />
       }
-      sources={[["probabilistic-robotics", "chapter 5, for the errors of odometry"]]}
+      sources={[["probabilistic-robotics", "chapter 5"]]}
       after={
         <p>
-          Errors of the heading have the largest effect: they rotate everything driven afterwards. The lidar is more
-          accurate than the wheels between two scans, so each scan of the right map is matched with the three before it,
-          in the way that the next two sections show. Small errors remain and add up, only more slowly; the section
-          after them removes those too.
+          Errors of the heading matter most: they rotate everything driven afterwards. Between two scans the lidar is
+          more accurate than the wheels, so for the right map each scan is matched with the three before it (the next
+          two sections). Small errors remain and add up more slowly; <SectionLink to="graph" /> removes those too.
         </p>
       }
     >
       <p>
-        So far every pose was given. Wheels slip, and the errors of raw odometry add up: after one lap the same wall is
-        drawn in several places. Here the heading is wrong by{" "}
+        So far every pose was given. Wheels slip, and the errors of odometry add up: after one lap the same wall is in
+        several places. Here the heading is wrong by{" "}
         <DragNumber
           label="Error of the heading"
           sentence="Standard deviation for each metre driven."
@@ -91,7 +91,7 @@ export function OdometrySection({ id, number, title }: SectionHead) {
             noise.value = { ...noise.peek(), way: value / 100 };
           }}
         />{" "}
-        (standard deviations for each metre driven).
+        (standard deviations per metre).
       </p>
     </Section>
   );

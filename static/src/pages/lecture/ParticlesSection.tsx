@@ -9,44 +9,38 @@ export function ParticlesSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<LaterFigure id="particles" />}
-      sources={[
-        [
-          "probabilistic-robotics",
-          "tables 8.1 and 8.2 for the two beliefs, table 4.4 for the low-variance sampler, table 8.4 for KLD sampling",
-        ],
-        ["dellaert", ""],
-      ]}
+      sources={[["probabilistic-robotics", "tables 4.4, 8.1, 8.2 and 8.4"], "dellaert", "amcl"]}
       after={
         <>
           <p>
             The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
-            pointers on it at equal distances, turned by one random number r: drag the pointer with the handle. A
-            particle of weight w is then drawn Mw times, rounded down or up, of M draws in all. With independent draws
-            the numbers vary more, and particles that are equally good are lost by chance: choose “independent” and
-            press the button a few times.
+            pointers on it at equal distances, turned by one random number: drag the handle. Of M draws a particle gets
+            M times its weight, rounded down or up. <b>Independent</b> draws vary more, and equally good particles are
+            lost by chance: press the button a few times.
           </p>
           <p>
-            <b>N_eff</b> = 1 / Σ w² says how many particles the weights amount to. Resampling makes the weights equal
-            again and the set less varied; where N_eff is large, it can be left out.
+            <b>
+              N<sub>eff</sub>
+            </b>
+            , one over the sum of the squared weights, says how many particles the weights amount to. Where it is large,
+            resampling can be left out.
           </p>
           <p>
             How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
-            particles for k bins, the Kullback-Leibler distance between the particles and the belief is below ε, with
-            the probability that belongs to the quantile z. While nothing is known, many bins are occupied and many
-            particles are needed; once the robot is found, few bins and few particles. Go on with the steps above and
-            watch k; drag ε and z on the curve.
+            particles for k bins the Kullback-Leibler distance to the belief is below ε, with the probability that
+            belongs to the quantile q: q = 2.33 for 99 %. AMCL’s parameter pf_z is this quantile itself, so its default
+            of 0.99 means 84 %. Go on with the steps above and watch k; drag ε and q on the curve.
           </p>
           <LaterMore id="particles" />
         </>
       }
     >
       <p>
-        Up to here the poses were known, and the map was not. Now the map is given, and the pose is not. Where the robot
-        may be is a <b>belief</b>, a distribution over poses. <b>Monte Carlo localization</b> represents it by a set of{" "}
-        <b>particles</b>: poses, of which more are where the belief is higher. A reading gives each particle the weight
-        p(z | x, m); new particles are drawn by these weights; then each moves as the odometry says, with its own error.
-        The corridor has three doors that look alike. Go through the steps: after the second door one group is left. How
-        a map and a pose give the weight is the subject of <SectionLink to="sensor-models" />.
+        Now the map is given, and the pose is not. Where the robot may be is a <b>belief</b>, a distribution over poses.{" "}
+        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, more of them where the belief is
+        higher. A reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
+        ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
+        three equal doors: after the second one group is left.
       </p>
     </Section>
   );

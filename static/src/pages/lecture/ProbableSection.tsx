@@ -13,19 +13,18 @@ export function ProbableSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<MostProbable uncertainty={uncertainty} />}
-      sources={[["probabilistic-robotics", "chapters 5 and 6, for the two factors"]]}
+      sources={[["probabilistic-robotics", "chapters 5 and 6"]]}
       after={
         <p>
-          <b>With cabinets</b> only one position fits the scan: the product has its maximum there, for any odometry
-          within its uncertainty. <b>With doors</b> at equal distances several positions fit, and the odometry decides
-          between them: if it is off by more than half that distance, the wrong one is selected. In the <b>bare</b>{" "}
-          corridor every position fits equally, and the product is the odometry alone.
+          <b>With cabinets</b> one position fits the scan, and the product has its maximum there. <b>With doors</b> at
+          equal distances several fit, and the odometry decides: if it is off by more than half that distance, the wrong
+          one is chosen. In the <b>bare</b> corridor every position fits, and the product is the odometry alone.
         </p>
       }
     >
       <p>
-        The scan and the odometry are both evidence about the pose. The pose is corrected before the scan is added to
-        the map: it becomes the most probable one, given both (maximum a posteriori, MAP),
+        The scan and the odometry are both evidence about the pose. Before a scan is added to the map, its pose becomes
+        the most probable one given both (maximum a posteriori, MAP):
       </p>
       <math display="block" class="lesson-formula pose-formula">
         <mrow>
@@ -87,8 +86,8 @@ export function ProbableSection({ id, number, title }: SectionHead) {
         </mrow>
       </math>
       <p>
-        The <b class="noun-beam">first factor</b> says how well the scan z fits the map m so far; each reading is
-        uncertain by{" "}
+        The <b class="noun-beam">first factor</b> says how well the scan fits the map so far; each reading is uncertain
+        by{" "}
         <DragNumber
           label="Uncertainty of a reading"
           sentence="Standard deviation of the distance from an end point to its wall."
@@ -103,8 +102,7 @@ export function ProbableSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        The <b class="noun-robot">second</b> says how well the pose fits the odometry u since the previous pose, which
-        is uncertain by{" "}
+        The <b class="noun-robot">second</b> says how well the pose fits the odometry u, which is uncertain by{" "}
         <DragNumber
           label="Uncertainty of the odometry"
           sentence="Standard deviation of the position by odometry."
@@ -118,8 +116,7 @@ export function ProbableSection({ id, number, title }: SectionHead) {
           }}
           after="."
         />{" "}
-        Earlier poses are not changed. The figure shows both along a corridor: drag the diamond, where the odometry says
-        that the robot is.
+        Drag the diamond, where the odometry says that the robot is.
       </p>
     </Section>
   );

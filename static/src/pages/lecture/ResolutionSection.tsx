@@ -18,19 +18,18 @@ export function ResolutionSection({ id, number, title }: SectionHead) {
           reveal={() => sizeOf(0.02).bytes / 1000}
         />
       }
-      sources={[["occupancy-grid", ""]]}
+      sources={["occupancy-grid"]}
       after={
         <p>
-          Halving the side of a cell makes four times as many cells, and each beam crosses twice as many of them. Cells
-          of 1 cm show the noise of the sensor instead of the wall; in cells of 10 cm a door of 80 cm may lose a quarter
-          of its width. <b>5 cm</b> is the usual choice for robots in buildings, and the default of this mapper.
+          Halving the side of a cell makes four times as many, and each beam crosses twice as many. Cells of 1 cm show
+          the noise of the sensor; in cells of 10 cm a door of 80 cm may lose a quarter of its width. <b>5 cm</b> is the
+          usual choice in buildings.
         </p>
       }
     >
       <p>
-        How large should a cell be? The figure shows the same scans of the door and the pillar in cells of 1, 5 and 10
-        cm. The memory is that of the whole floor of 12 × 8 m with four bytes per cell. The time is measured on your
-        computer when the maps are made.
+        How large should a cell be? The figure shows the same scans of a door and a pillar in cells of 1, 5 and 10 cm.
+        The memory is that of the whole floor; the time is measured on your computer.
       </p>
     </Section>
   );

@@ -3,22 +3,22 @@ import { LazyFigure } from "./LazyFigure";
 import { SlideQuestion } from "./present/SlideQuestion";
 import { place, presenting, shownOf, stage } from "./present/state";
 import { useFittedFigure } from "./present/useFittedFigure";
-import { SOURCES, type SourceName } from "./sources";
+import { SHORT, type SourceName } from "./sources";
 
-/** Sections about what goes wrong with a map: there are puzzles on each. */
-const WITH_PUZZLES: ReadonlySet<string> = new Set([
-  "endpoint",
-  "forgetting",
-  "low-table",
-  "mount",
-  "no-return",
-  "odometry",
-  "people",
-  "polished",
-  "resolution",
-  "sonar",
-  "window",
-]);
+/** The puzzle about the fault that a section explains. */
+const PUZZLES: Readonly<Record<string, readonly [name: string, title: string]>> = {
+  endpoint: ["integers", "Right in one corner"],
+  forgetting: ["ghost", "Detours"],
+  "low-table": ["collision", "A perfect map"],
+  mount: ["bumped", "Blurred straight ahead"],
+  "no-return": ["arcs", "Walls in the open"],
+  odometry: ["worn", "The second building"],
+  people: ["visitors", "Open day"],
+  polished: ["leak", "Free space outside"],
+  resolution: ["doorway", "The closed doors"],
+  sonar: ["cones", "Sixteen numbers"],
+  window: ["thick", "The thick walls"],
+};
 
 /** What the list of sections gives to each. */
 export interface SectionHead {
@@ -40,6 +40,7 @@ interface SectionProps extends SectionHead {
 /** One lesson: a heading, text, one interactive figure, and the sources. */
 export function Section({ id, number, title, figure, children, after, predict, sources }: SectionProps) {
   const shown = shownOf(id);
+  const puzzle = PUZZLES[id];
   const frame = useFittedFigure(shown === "section");
   return (
     <section
@@ -65,23 +66,27 @@ export function Section({ id, number, title, figure, children, after, predict, s
       </div>
       {!shown && predict}
       {after && <div class="prose">{after}</div>}
-      {sources.length > 0 && (
+      {(sources.length > 0 || puzzle) && (
         <footer class="lesson-sources">
-          <h3>Sources</h3>
-          <ul>
-            {sources.map((source) => {
-              const [name, place] = typeof source === "string" ? [source, ""] : source;
-              return (
-                <li key={name}>
-                  {SOURCES[name]}
-                  {place && `, ${place}`}.
-                </li>
-              );
-            })}
-          </ul>
-          {WITH_PUZZLES.has(id) && (
+          {sources.length > 0 && (
             <p>
-              Exercise: find this fault, and others, in the <a href="/puzzles.html">puzzles</a>.
+              Sources:{" "}
+              {sources.map((source, i) => {
+                const [name, place] = typeof source === "string" ? [source, ""] : source;
+                return (
+                  <span key={name}>
+                    {i > 0 && "; "}
+                    {SHORT[name]}
+                    {place && (place.startsWith("(") ? ` ${place}` : `, ${place}`)}
+                  </span>
+                );
+              })}
+              .
+            </p>
+          )}
+          {puzzle && (
+            <p class="no-print">
+              Exercise: the puzzle <a href={`/puzzles.html?puzzle=${puzzle[0]}`}>{puzzle[1]}</a>.
             </p>
           )}
         </footer>

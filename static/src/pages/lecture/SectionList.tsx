@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { Icon } from "../../ui/Icon";
-import { LESSONS } from "./lessons";
+import { LECTURE_PARTS, LESSONS } from "./lessons";
 import { sectionInSight } from "./present/state";
 import "./sectionList.css";
 
@@ -57,21 +57,28 @@ export function SectionList() {
         <span class="section-list-now">{now ? `${here.value + 1} ${now.title}` : ""}</span>
         <Icon name="unfold" />
       </button>
-      <ol id={id}>
-        {LESSONS.map(({ id: anchor, title }, i) => (
-          <li key={anchor}>
-            <a
-              href={`#${anchor}`}
-              {...(i === here.value ? { "aria-current": "location" as const } : {})}
-              onClick={() => {
-                open.value = false;
-              }}
-            >
-              <span class="section-list-number">{i + 1}</span> {title}
-            </a>
-          </li>
+      <div class="section-list-parts" id={id}>
+        {LECTURE_PARTS.map(({ title: part, lessons }) => (
+          <section key={part} aria-label={part}>
+            <p>{part}</p>
+            <ol>
+              {lessons.map(({ id: anchor, title, index }) => (
+                <li key={anchor}>
+                  <a
+                    href={`#${anchor}`}
+                    {...(index === here.value ? { "aria-current": "location" as const } : {})}
+                    onClick={() => {
+                      open.value = false;
+                    }}
+                  >
+                    <span class="section-list-number">{index + 1}</span> {title}
+                  </a>
+                </li>
+              ))}
+            </ol>
+          </section>
         ))}
-      </ol>
+      </div>
     </nav>
   );
 }

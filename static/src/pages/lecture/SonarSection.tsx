@@ -9,7 +9,7 @@ const DEGREE = Math.PI / 180;
 const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });
 
 export function SonarSection({ id, number, title }: SectionHead) {
-  const { opening, window: r } = settings.value;
+  const { opening, window: w } = settings.value;
   const set = (change: Partial<SonarSettings>): void => {
     settings.value = { ...settings.peek(), ...change };
   };
@@ -19,23 +19,17 @@ export function SonarSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<Sonar settings={settings} />}
-      sources={[
-        ["moravec-elfes", ""],
-        ["elfes", ""],
-        ["probabilistic-robotics", "chapter 9"],
-      ]}
+      sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
       after={
         <>
           <p>
-            Move the slider to one reading, then add the others again. The <b>Bayes filter</b>, cell by cell, counts
-            every cell of an arc as hit, with the flat profile all of them equally: the evidence of one echo is added
-            once for each cell of the arc. Other cones pass through most of these cells and correct them. What remains
-            is under the cross: arcs from both sides of the open door lie across it, and the map shows a wall there.
+            The <b>Bayes filter</b>, cell by cell, adds the evidence of one echo to every cell of the arc. Other cones
+            pass most of these cells and correct them; where arcs from both sides lie across the open door, the map
+            shows a wall.
           </p>
           <p>
-            <b>Moravec and Elfes</b> stored two numbers per cell and took the problem of independence (
-            <SectionLink to="grid" />) into account. The certainty that the arc is occupied is first cancelled where the
-            cell is known to be <b class="noun-miss">empty</b>, then scaled so that the whole arc contains just one
+            <b>Moravec and Elfes</b> stored two numbers per cell. The certainty that the arc is occupied is cancelled
+            where the cell is known to be <b class="noun-miss">empty</b>, scaled so that the whole arc holds one
             obstacle, and only then added:
           </p>
           <math display="block" class="lesson-formula">
@@ -77,9 +71,8 @@ export function SonarSection({ id, number, title }: SectionHead) {
             </mrow>
           </math>
           <p>
-            So the remaining cells of the arc get the certainty. This is a heuristic: both numbers can only grow,
-            earlier evidence is never revised, and the order of the readings matters. The map shows the greater of the
-            two. By 1989 Elfes had based the grid on Bayes’ rule, and with independent cells that problem returned.
+            This is a heuristic: both numbers can only grow, and the order of the readings matters. By 1989 Elfes had
+            based the grid on Bayes’ rule, and with independent cells (<SectionLink to="grid" />) the problem returned.
           </p>
         </>
       }
@@ -103,7 +96,7 @@ export function SonarSection({ id, number, title }: SectionHead) {
         <DragNumber
           label="hit window of the cone"
           sentence="Thickness of the arc that counts as hit."
-          value={r}
+          value={w}
           unit="m"
           tone="hit"
           low={0.1}
@@ -112,9 +105,8 @@ export function SonarSection({ id, number, title }: SectionHead) {
           after=","
           onInput={(value) => set({ window: value })}
         />{" "}
-        there is an <b class="noun-hit">obstacle</b>; two cells of this figure, because a sonar is less exact than a
-        laser. The echo does not say where on the arc. In the figure a robot with a ring of 16 sonars drives through a
-        room; each sonar reports the nearest surface in its cone. Both maps are made from the same readings.
+        there is an <b class="noun-hit">obstacle</b>; where on the arc, it does not say. In the figure a robot with 16
+        sonars drives through a room. Both maps are made from the same readings.
       </p>
     </Section>
   );

@@ -13,23 +13,18 @@ export function StackSection({ id, number, title }: SectionHead) {
           <LaterFigure id="stack" />
         </OnStage>
       }
-      sources={[
-        ["slam-toolbox", ""],
-        ["amcl", ""],
-        ["nav2-costmap", ""],
-      ]}
+      sources={["slam-toolbox", "amcl", "nav2-costmap"]}
       after={
         <p>
-          Each part relies on the one before. A map with double walls gives poor weights; a wrong pose puts the obstacle
-          layer’s marks beside the walls of the static layer and closes doors; a path avoids a table in the saved map
-          permanently. When a robot does not find its way, check the parts in this order.
+          Each part relies on the one before: double walls give poor weights, a wrong pose closes doors, a table in the
+          saved map is avoided for good. When a robot does not find its way, check the parts in this order.
         </p>
       }
     >
       <p>
         All parts together, as on a robot with <b>SLAM Toolbox</b> and <b>Nav2</b>: one drive makes the map, which is
-        saved and no longer changes; on another day a particle filter finds the robot in it; then come the costs, a path
-        and the drive. Drag the goal on the stage, press a part to begin with it, or play all of it.
+        saved; on another day a particle filter finds the robot in it; then come the costs, a path and the drive. Drag
+        the goal, or play all of it.
       </p>
     </Section>
   );

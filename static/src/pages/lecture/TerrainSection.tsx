@@ -8,30 +8,29 @@ export function TerrainSection({ id, number, title }: SectionHead) {
       number={number}
       title={title}
       figure={<Patch />}
-      sources={[["ransac", "for the plane of the most points"]]}
+      sources={["ransac"]}
       after={
         <>
           <p>
-            P = Σ p pᵀ with p = [1 x y z]ᵀ contains everything the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀb is
-            in its last column, bᵀb in the corner. A new point adds one term, and the points themselves need not be
-            kept. Patches add up as well: a patch of twice the size is the sum of four, which makes a quadtree, and a
-            summed-area table gives a window of any size around every patch.
+            P = Σ p pᵀ with p = [1 x y z]ᵀ holds all that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀb is in
+            its last column, bᵀb in the corner. A new point adds one term, and the points need not be kept. Patches add
+            up: one of twice the size is the sum of four, which makes a quadtree.
           </p>
           <p>
-            Two mistakes are common. The slope is cos⁻¹(1 / √(1 + b² + c²)): without the root it is not the angle of the
-            plane. And zᵀz − … is a <b>sum</b> of squares, which grows with every point: “twice” doubles it on the same
-            ground. Roughness is this sum divided by n. The class compares a weighted sum of slope, roughness and the
-            step to the next patch, each divided by its safe limit, with a threshold. A stone tilts the least-squares
-            plane; <b>RANSAC</b> finds the plane that most points agree with and leaves the stone out.
+            Two slips are common. The slope is cos⁻¹(1 / √(1 + b² + c²)): without the root it is not the angle of the
+            plane. And zᵀz − … is a <b>sum</b> of squares, which grows with every point; roughness divides it by n. The
+            class compares a weighted sum of slope, roughness and the step to the next patch, each divided by its safe
+            limit, with a threshold. A stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most
+            points agree with.
           </p>
         </>
       }
     >
       <p>
-        Outdoors a cell has to be classified by whether a robot can drive safely on its ground. The points of each{" "}
-        <b>patch</b> of a grid are described by a plane z = a + b x + c y, found by least squares, (AᵀA)⁻¹Aᵀb: its
-        slope, its height, the roughness of the points around it, and their number. Drag the points up and down, and see
-        which entries of P change, and when the patch becomes unsafe.
+        Outdoors the question is whether a robot can drive safely on the ground. The points of each <b>patch</b> of a
+        grid get a plane z = a + b x + c y by least squares, (AᵀA)⁻¹Aᵀb: its slope, its height, the roughness of the
+        points around it, and their number. Drag the points, and see which entries of P change and when the patch
+        becomes unsafe.
       </p>
     </Section>
   );

@@ -20,13 +20,13 @@ export function WindowSection({ id, number, title }: SectionHead) {
       figure={
         <OnStage scene="window" label="A wall measured with noise, mapped with a window">
           <div class="actions no-print">
-            {PRESETS.map(({ name, noise, window: r }) => (
+            {PRESETS.map(({ name, noise, window: w }) => (
               <Button
                 key={name}
-                pressed={wallNoise.value === noise && wallWindow.value === r}
+                pressed={wallNoise.value === noise && wallWindow.value === w}
                 onClick={() => {
                   wallNoise.value = noise;
-                  wallWindow.value = r;
+                  wallWindow.value = w;
                 }}
               >
                 {name}
@@ -65,15 +65,11 @@ export function WindowSection({ id, number, title }: SectionHead) {
           </div>
         </OnStage>
       }
-      sources={[
-        ["probabilistic-robotics", "chapter 6 for the noise of a range, table 9.2 for the window α"],
-        ["laser-scan", ""],
-      ]}
+      sources={[["probabilistic-robotics", "chapter 6 and table 9.2"]]}
       after={
         <p>
-          The default of this site’s mapper is a window of 0: only the cell of the end point counts as hit. With cells
-          of 5 cm and a lidar whose noise is 1 to 2 cm the cell itself is the window. A window is set where the noise is
-          larger than a cell.
+          With cells of 5 cm and a lidar whose noise is 1 to 2 cm the cell itself is the window, so the mapper’s default
+          is 0.
         </p>
       }
     >
@@ -153,11 +149,10 @@ export function WindowSection({ id, number, title }: SectionHead) {
         </mrow>
       </math>
       <p>
-        The direction of the beam is not exact either, and the end point is moved to the centre of a cell. So the hits
-        of one wall fall into several cells, and a beam that measured a little too much passes through the cell that an
-        earlier beam hit. The <b class="noun-hit">window</b> compensates for all three: range noise, bearing noise and
-        the size of the cells. One to three cells wide, it gives a thin and stable wall. Without it the wall is{" "}
-        <b>broken</b>; much wider, the wall is <b>thick</b> and narrows the doors.
+        The direction is not exact either, and the end point is moved to the centre of a cell. So the hits of one wall
+        fall into several cells, and a beam that measured a little too much passes a cell that an earlier one hit. The{" "}
+        <b class="noun-hit">window</b> w absorbs all three errors. One to three cells wide, it gives a thin and stable
+        wall. Without it the wall is <b>broken</b>; much wider, the wall is <b>thick</b> and narrows the doors.
       </p>
     </Section>
   );

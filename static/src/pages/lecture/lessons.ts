@@ -9,10 +9,7 @@ export const LESSONS = [
   { id: "no-return", title: "Beams without a return" },
   { id: "endpoint", title: "From a reading to a cell" },
   { id: "rays", title: "Rays on a grid" },
-  { id: "table", title: "Table 9.1, line by line" },
-  { id: "algorithm", title: "The algorithm beam by beam" },
-  { id: "pipeline", title: "The whole pipeline" },
-  { id: "characters", title: "A map of characters" },
+  { id: "algorithm", title: "The algorithm" },
   { id: "sonar", title: "Sonar cones" },
   { id: "mount", title: "Frames and mounts" },
   { id: "forgetting", title: "Clamping and forgetting" },
@@ -37,8 +34,7 @@ export const LESSONS = [
   { id: "octree", title: "Why a plane is not enough" },
   { id: "tsdf", title: "TSDF beside occupancy" },
   { id: "terrain", title: "Terrain from points to classes" },
-  { id: "next", title: "Other maps" },
-  { id: "log", title: "Your own log" },
+  { id: "next", title: "Where to go from here" },
 ] as const satisfies readonly Lesson[];
 
 export type LessonId = (typeof LESSONS)[number]["id"];
@@ -47,3 +43,53 @@ export interface Lesson {
   readonly id: string;
   readonly title: string;
 }
+
+/** A part of the lecture: consecutive lessons. */
+export interface Part {
+  readonly title: string;
+  /** What it is about, in one sentence. */
+  readonly sentence: string;
+  /** Its lessons, with their indices in {@link LESSONS}. */
+  readonly lessons: readonly { readonly id: LessonId; readonly title: string; readonly index: number }[];
+}
+
+const PART_STARTS: readonly { readonly title: string; readonly sentence: string; readonly first: LessonId }[] = [
+  {
+    title: "Mapping",
+    sentence: "From one cell and one reading to the map of a building.",
+    first: "landmarks",
+  },
+  {
+    title: "When it goes wrong",
+    sentence: "Frames, moving things, missing walls, drifting poses, and how each is repaired.",
+    first: "mount",
+  },
+  {
+    title: "Using the map and 3D",
+    sentence: "The robot saves the map, finds itself on it and plans on it; then maps with height.",
+    first: "file",
+  },
+];
+
+/** The three parts of the lecture. */
+export const LECTURE_PARTS: readonly Part[] = PART_STARTS.map(({ title, sentence, first }, i) => {
+  const start = LESSONS.findIndex(({ id }) => id === first);
+  const next = PART_STARTS[i + 1];
+  const end = next ? LESSONS.findIndex(({ id }) => id === next.first) : LESSONS.length;
+  return {
+    title,
+    sentence,
+    lessons: LESSONS.slice(start, end).map((lesson, k) => ({ ...lesson, index: start + k })),
+  };
+});
+
+/** Sections that were merged into another one: links and decks that name them lead there. */
+const MERGED: Readonly<Record<string, LessonId>> = {
+  table: "algorithm",
+  pipeline: "algorithm",
+  characters: "algorithm",
+  log: "next",
+};
+
+/** The section that a name in a link or a deck stands for; the name itself where there is none. */
+export const sectionOf = (name: string): string => MERGED[name] ?? name;

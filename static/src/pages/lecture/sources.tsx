@@ -1,6 +1,52 @@
-/** The lecture's sources, each written once. */
+import type { ComponentChildren } from "preact";
 
-export const SOURCES = {
+/** The lecture's sources, each written once: as the list at its end names it, and short, as a section names it. */
+
+export const SHORT = {
+  "moravec-elfes": "Moravec and Elfes 1985",
+  elfes: "Elfes 1989",
+  "probabilistic-robotics": (
+    <>
+      <cite>Probabilistic Robotics</cite>
+    </>
+  ),
+  "besl-mckay": "Besl and McKay 1992",
+  censi: "Censi 2008",
+  olson: "Olson 2009",
+  hess: "Hess and others 2016",
+  ransac: "Fischler and Bolles 1981",
+  grisetti: "Grisetti and others 2010",
+  zhang: "Zhang 1997",
+  yang: "Yang and others 2020",
+  kuemmerle: "Kümmerle and others 2009",
+  bresenham: "Bresenham 1965",
+  "amanatides-woo": "Amanatides and Woo 1987",
+  octomap: "OctoMap 2013",
+  "curless-levoy": "Curless and Levoy 1996",
+  newcombe: "Newcombe and others 2011",
+  kerbl: "Kerbl and others 2023",
+  mildenhall: "Mildenhall and others 2020",
+  ieee754: "IEEE 754",
+  "reflection-maps": "Hähnel and others 2003",
+  dellaert: "Dellaert and others 1999",
+  amcl: "Nav2 AMCL",
+  "nav2-costmap": "Nav2 Costmap 2D",
+  "nav2-inflation": "Nav2 Inflation Layer",
+  "nav2-navfn": "Nav2 NavFn",
+  "dijkstra-1959": "Dijkstra 1959",
+  hart: "Hart and others 1968",
+  "slam-toolbox": "Macenski and Jambrecic 2021",
+  "rep-103": "REP 103",
+  "rep-105": "REP 105",
+  "rep-117": "REP 117",
+  "map-server": "Nav2 map_server",
+  "laser-scan": "sensor_msgs/LaserScan",
+  "occupancy-grid": "nav_msgs/OccupancyGrid",
+} as const satisfies Readonly<Record<string, ComponentChildren>>;
+
+export type SourceName = keyof typeof SHORT;
+
+export const SOURCES: Readonly<Record<SourceName, ComponentChildren>> = {
   "moravec-elfes": (
     <>
       H. P. Moravec and A. Elfes, <cite>High resolution maps from wide angle sonar</cite>, IEEE International Conference
@@ -96,7 +142,7 @@ export const SOURCES = {
   "curless-levoy": (
     <>
       B. Curless and M. Levoy, <cite>A volumetric method for building complex models from range images</cite>, SIGGRAPH
-      1996, for signed distance fields
+      1996
     </>
   ),
   newcombe: (
@@ -204,6 +250,4 @@ export const SOURCES = {
       ROS, message definition <cite>nav_msgs/OccupancyGrid</cite>
     </>
   ),
-} as const;
-
-export type SourceName = keyof typeof SOURCES;
+};

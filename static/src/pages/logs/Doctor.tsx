@@ -7,6 +7,7 @@ import { Panel } from "../../ui/Panel";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
 import { whenIdle } from "../../ui/whenIdle";
+import type { EventKind, LogEvent } from "../../wire/messages";
 import type { Making } from "../making";
 import {
   confidenceLabel,
@@ -15,6 +16,7 @@ import {
   type Finding,
   findingsLabel,
   isLongEnough,
+  utcLabel,
   wellLabel,
 } from "./doctor";
 import "./doctor.css";
@@ -33,7 +35,7 @@ const FIRST_NOTES = 3; // number of notes that are shown without unfolding
 
 const CHECKED =
   "the clock, readings at max range, beams that hit the robot, the mount of the sensor, the delay between scans and " +
-  "poses, drift, and moving objects";
+  "poses, drift, moving objects, and events: pushes, slips, lifts, and steps of the clock";
 
 /** The examination of a log, which goes on while the doctor's group is closed. */
 export interface DoctorState {
@@ -90,10 +92,12 @@ export function useDoctor(store: Store, session: string, isGuest: boolean): Doct
   return { state, progress, run, cancel };
 }
 
-/** The number of findings for the doctor's tab, null where none are known. */
+/** The number of findings and events for the doctor's tab, null where none are known. */
 export function findingsBadge({ state }: DoctorState): string | null {
   const now = state.value;
-  return now.kind === "done" && now.examination.findings.length > 0 ? String(now.examination.findings.length) : null;
+  if (now.kind !== "done") return null;
+  const count = now.examination.findings.length + now.examination.events.length;
+  return count > 0 ? String(count) : null;
 }
 
 /** The check whose finding SLAM remedies. */
@@ -120,7 +124,8 @@ interface DoctorProps {
  */
 export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal }: DoctorProps) {
   const now = state.value;
-  const isWell = now.kind === "done" && now.examination.findings.length === 0;
+  const hasEvents = now.kind === "done" && now.examination.events.length > 0;
+  const isWell = now.kind === "done" && now.examination.findings.length === 0 && !hasEvents;
   const stands = standsStill(store.trajectory.value?.poses ?? []);
   const [result, about] = isWell ? wellLabel(trajectoryLabel(now.examination.trajectory), stands) : ["", ""];
   const showsFindings = now.kind === "done" && now.isShown && !isWell;
@@ -152,7 +157,7 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
           <ExaminationProgress isBusy={now.kind === "busy"} progress={progress.value} cancel={cancel} />
         )}
         {now.kind === "failed" && <p class="doctor-failed">{now.why}</p>}
-        {showsFindings && (
+        {showsFindings && now.examination.findings.length > 0 && (
           <ul class="findings" aria-label="Findings">
             {now.examination.findings.map((finding) => (
               <FindingItem
@@ -164,8 +169,46 @@ export function Doctor({ store, doctor: { state, progress, run, cancel }, onHeal
             ))}
           </ul>
         )}
+        {showsFindings && hasEvents && <Events events={now.examination.events} store={store} />}
       </div>
     </Panel>
+  );
+}
+
+const EVENTS: Readonly<Record<EventKind, string>> = {
+  pushed: "Pushed",
+  slipped: "Slipped",
+  lifted: "Lifted",
+  clock: "Clock set",
+};
+
+/** What happened while the log was recorded, each with a button that goes to the scan before it. */
+function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
+  return (
+    <section class="events" aria-label="Events">
+      <h4>Events</h4>
+      <ul>
+        {events.map((event) => (
+          <li key={`${event.kind} ${event.seconds}`} data-event={event.kind}>
+            <Button
+              kind="quiet"
+              label={`Go to ${event.time}`}
+              onClick={() => store.send({ type: "seek", index: event.scan + 1 })}
+            >
+              {event.time}
+            </Button>
+            <p>
+              <span class="finding-sure">{EVENTS[event.kind]}</span> {event.sentence}
+              {event.utc !== null && (
+                <time class="quiet number" dateTime={event.utc}>
+                  {utcLabel(event.utc)}
+                </time>
+              )}
+            </p>
+          </li>
+        ))}
+      </ul>
+    </section>
   );
 }
 

@@ -110,4 +110,6 @@ test("a log that failed comes with something to do about it", () => {
   expect(remedy(failed("log.truncated", "The gzip data ends early."))).toContain("Copy");
   expect(remedy(failed("log.truncated_line", "Line 3: this line ends early."))).toContain("that line");
   expect(remedy(failed("log.something_new", "Something else."))).toBe("");
+  expect(remedy(failed("log.no_scans", "The log holds no scans."))).toContain("gridbloom info LOG --report");
+  expect(remedy(failed("log.too_many_lines", "The log has more lines."))).not.toContain("--report");
 });

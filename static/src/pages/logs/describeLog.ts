@@ -132,7 +132,7 @@ export function topic(one: Topic): string {
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [
     /\.(unknown_format|binary|garbage|empty|missing)$/,
-    "CARMEN logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap's files and zips of depth images. Convert other formats first.",
+    "CARMEN and gmapping logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap's files and zips of depth images. Convert other formats first.",
   ],
   [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
@@ -151,9 +151,16 @@ export function readingText({ state, progress, reading_s }: LogRecord): string {
   return state === "queued" ? "waits to be read" : "not yet read";
 }
 
+/** Errors of a log that should perhaps be read, and is not. */
+const REPORTABLE = /^log\.(unknown_format|binary|garbage|no_scans|version|header|beam\w*|not_a_number|range\w*)$/;
+
+const HOW_TO_REPORT =
+  "If it should be read, report it: gridbloom info LOG --report writes what it is made of, without readings or names.";
+
 /** What one can do about a log that failed. */
 export function remedy(log: LogRecord): string {
-  const found = REMEDIES.find(([codes]) => codes.test(log.error?.code ?? ""));
-  if (found) return found[1];
-  return log.error?.message.startsWith("Line ") ? "Correct or remove that line, and try again." : "";
+  const code = log.error?.code ?? "";
+  const found = REMEDIES.find(([codes]) => codes.test(code))?.[1];
+  const line = log.error?.message.startsWith("Line ") ? "Correct or remove that line, and try again." : "";
+  return [found ?? line, REPORTABLE.test(code) ? HOW_TO_REPORT : ""].filter(Boolean).join(" ");
 }

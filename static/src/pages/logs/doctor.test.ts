@@ -11,7 +11,7 @@ const answering = (status: number, body: unknown): void => {
 };
 
 test("findings are handed on as the server told them", async () => {
-  const body = { trajectory: "scan", findings: [] };
+  const body = { trajectory: "scan", findings: [], events: [] };
   answering(200, body);
   expect(await examine("a/b", () => undefined, new AbortController().signal)).toEqual(body);
 });

@@ -1,6 +1,7 @@
 /** The server's examination of a log. */
 
 import { DOCTOR_LEAST_SCANS } from "../../wire/constants";
+import type { LogEvent } from "../../wire/messages";
 import type { LogInfo, Value } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
 import { SENSOR_SEPARATOR } from "./describeLog";
@@ -23,7 +24,10 @@ export interface Finding {
 
 export interface Examination {
   readonly trajectory: string;
+  /** Causes first. */
   readonly findings: readonly Finding[];
+  /** In the order of their times. */
+  readonly events: readonly LogEvent[];
 }
 
 /**
@@ -70,7 +74,17 @@ export function confidenceLabel({ sure, possible }: Pick<Finding, "sure" | "poss
   return sure >= 0.8 ? "very likely" : "likely";
 }
 
-/** The label of the button that shows the findings, of which there are some. */
-export function findingsLabel({ findings }: Examination): string {
-  return findings.length === 1 ? "Show 1 finding" : `Show ${findings.length} findings`;
+/** The label of the button that shows the findings and events, of which there are some. */
+export function findingsLabel({ findings, events }: Pick<Examination, "findings" | "events">): string {
+  const counted = (count: number, name: string): string => `${count} ${name}${count === 1 ? "" : "s"}`;
+  const parts = [
+    ...(findings.length > 0 ? [counted(findings.length, "finding")] : []),
+    ...(events.length > 0 ? [counted(events.length, "event")] : []),
+  ];
+  return `Show ${parts.join(" and ")}`;
+}
+
+/** A time in UTC, as `2025-10-09T08:54:33.390Z`, for a reader. */
+export function utcLabel(utc: string): string {
+  return `${utc.replace("T", " ").replace("Z", "")} UTC`;
 }

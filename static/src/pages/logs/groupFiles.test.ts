@@ -35,6 +35,9 @@ describe("files that are chosen together", () => {
       "a.log",
     ]);
     expect(names("run", "metadata.yaml", "run_0.db3", "run_0.mcap")).toEqual(["run_0.db3", "run_0.mcap"]);
+    expect(names("", "run_1.db3", "run_0.db3", "a.log")).toEqual(["run", "a.log"]);
+    expect(names("", "run_1.bag", "run_2.bag")).toEqual(["run_1.bag", "run_2.bag"]);
+    expect(names("", "a_0.db3", "b_1.db3")).toEqual(["a_0.db3", "b_1.db3"]);
   });
 
   it("are one log where they are a ring of sonars", () => {

@@ -4,8 +4,8 @@ import { tarred } from "./tar";
 /** Files beside logs that are not logs: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
 const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
 
-/** A file of a ROS 2 recording. */
-const RECORDING = /\.(db3|mcap)(\.zstd)?$/i;
+/** A file of a recording, of which there may be parts. */
+const RECORDING = /\.(db3|mcap|bag)(\.zstd)?$/i;
 
 /**
  * Group files that were chosen together into logs: the parts of a split recording, the two files of a sonar ring, or a map.
@@ -28,7 +28,7 @@ function splitRecording(files: readonly File[]): readonly File[] | null {
   return arePartsByName(parts) ? parts : null;
 }
 
-/** Whether files are numbered from 0 and otherwise of one name, as ROS 2 names the parts of a recording. */
+/** Whether files are numbered from 0 and otherwise of one name, as ROS names the parts of a recording. */
 function arePartsByName(parts: readonly File[]): boolean {
   const names = parts.map(({ name }) => /^(.+)_(\d+)$/.exec(name.replace(RECORDING, "")));
   const numbers = names.map((found) => Number(found?.[2] ?? -1));

@@ -40,6 +40,9 @@ export function Answer({ store, attempt, onClose, next, onNext }: AnswerProps) {
           <Icon name={attempt.is_solved ? "check" : "info"} /> {answer.label}.
         </p>
         <p>{answer.explanation}</p>
+        <p class="case-lesson">
+          The lecture says: <q>{answer.lesson}</q>
+        </p>
         {said.length > 0 && <p class="quiet">Repaired with: {said.join(", ")}.</p>}
         <div class="actions">
           {!attempt.is_solved && said.length > 0 && (

@@ -1,6 +1,7 @@
 /** The task: which cause it is, how far the repair is, hints, and at the end the explanation. */
 
 import { type Signal, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 import type { Store } from "../../store/store";
 import { ParameterRows } from "../../tools/parameters/ParameterRows";
 import { Button } from "../../ui/Button";
@@ -166,11 +167,15 @@ const MEASURES: readonly (readonly [Measure, string])[] = [
 
 /** What the named cause is repaired with: the parameters as controls, or the choice of poses. */
 function RepairedWith({ store, attempt }: { readonly store: Store; readonly attempt: Attempt }) {
+  const box = useRef<HTMLDivElement>(null);
   const found = attempt.answer ? null : attempt.repaired_with;
+  const isKnown = found !== null && store.hello.value !== null;
+  // On a phone it is below the window when the cause is named.
+  useEffect(() => box.current?.scrollIntoView({ block: "nearest" }), [isKnown]);
   const table = store.hello.value?.parameters.table;
   if (!found || !table) return null;
   return (
-    <div class="case-with">
+    <div class="case-with" ref={box}>
       <ParameterRows
         rows={table.filter(({ name }) => found.parameters.includes(name))}
         values={store.mapping.values}

@@ -18,6 +18,7 @@ const given = (is_solved: boolean): Attempt =>
       cause: "drift",
       label: "The poses drift",
       explanation: "Wheels slip.",
+      lesson: "Errors add up.",
       section: "odometry",
       repair: { resolution: 0.05 },
       trajectory: "cameras",
@@ -44,6 +45,7 @@ test("who solved it goes on to the next puzzle", () => {
   const { onNext, buttons, names } = shown(given(true), { name: "ghost", level: 2, title: "After lunch", story: "" });
   expect(names).toEqual(["Next: After lunch", "Copy the result"]);
   expect(document.body.textContent).toContain("Solved: 80 of 100 points");
+  expect(document.querySelector("q")?.textContent).toBe("Errors add up.");
   buttons[0]?.click();
   expect(onNext).toHaveBeenCalledWith("ghost");
 });

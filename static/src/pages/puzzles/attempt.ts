@@ -46,6 +46,8 @@ export interface Attempt {
     readonly cause: string;
     readonly label: string;
     readonly explanation: string;
+    /** A sentence of the section. */
+    readonly lesson: string;
     readonly section: string;
     readonly repair: Readonly<Record<string, number | string | boolean>>;
     readonly trajectory: string | null;

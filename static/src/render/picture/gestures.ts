@@ -50,6 +50,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     const zoom = zoomOf(element);
     return { x: (event.clientX - box.left) / zoom, y: (event.clientY - box.top) / zoom };
   };
+  const slopOf = (type: string): number => (type === "mouse" ? SLOP_MOUSE : SLOP_TOUCH);
   const reachOf = (type: string): number => (type === "mouse" ? 6 : 18);
 
   const down = (event: PointerEvent): void => {
@@ -95,8 +96,7 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     if (mode === "pinch") pinch(event.pointerId, before, at);
     contacts.set(event.pointerId, at);
     if (mode === "pressed") {
-      const slop = event.pointerType === "mouse" ? SLOP_MOUSE : SLOP_TOUCH;
-      if (Math.hypot(at.x - start.x, at.y - start.y) < slop) return;
+      if (Math.hypot(at.x - start.x, at.y - start.y) < slopOf(event.pointerType)) return;
       clearTimeout(resting);
       // A finger that starts upwards or downwards scrolls the page: the browser will cancel the pointer.
       if (event.pointerType === "touch" && Math.abs(at.y - start.y) > Math.abs(at.x - start.x)) return;
@@ -125,7 +125,9 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     const at = where(event);
     if (mode === "robot") gestures.dragRobot(null);
     if (mode === "stroke") gestures.stroke([start.x, start.y], [at.x, at.y], true);
-    if (mode === "pressed" || (mode === "robot" && Math.hypot(at.x - start.x, at.y - start.y) < SLOP_MOUSE)) {
+    const travelled = Math.hypot(at.x - start.x, at.y - start.y);
+    // A swipe up or down that the browser did not take for scrolling is no tap.
+    if ((mode === "pressed" && travelled < slopOf(event.pointerType)) || (mode === "robot" && travelled < SLOP_MOUSE)) {
       const isDouble =
         event.timeStamp - lastTap.at < DOUBLE_TAP_MS && Math.hypot(at.x - lastTap.x, at.y - lastTap.y) < DOUBLE_TAP_PX;
       lastTap = { at: isDouble ? Number.NEGATIVE_INFINITY : event.timeStamp, ...at };

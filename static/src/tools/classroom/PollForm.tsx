@@ -153,7 +153,8 @@ export function PollForm({ room, isOpen }: { readonly room: Classroom; readonly 
           </>
         )}
         <p class="quiet">
-          {isAxis ? "The right number is" : "A right option, marked with ✓, is"} shown to the class with the result.
+          {isAxis ? "The right number is" : "A right option, marked with ✓, is"} shown to the class with the result. One
+          answer of each browser that has joined is counted.
         </p>
         {!room.isConnected.value && <p role="status">The class cannot be reached now. Connecting …</p>}
         <div class="dialog-actions">

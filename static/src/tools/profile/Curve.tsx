@@ -112,7 +112,7 @@ export function Curve({ view, controls }: { view: ProfileView; controls: Control
   const labelFrom = Math.max(hitTo, zx + 15) + 8;
   const labelLeft = labelFrom > curve.right - (narrow ? 112 : 152);
   const isRamp = values.model === "smooth_ramp" && !noReturn;
-  const windowText = half === 0 ? "r 0: one cell" : `${isRamp ? "4σ" : "r"} ${written(2 * half, 2)} m`;
+  const windowText = half === 0 ? "w 0: one cell" : `${isRamp ? "4σ" : "w"} ${written(2 * half, 2)} m`;
   const hitText = `${narrow ? "" : "hit "}${signed(model.hit)} → p ${written(probability(prior + model.hit), 2)}${low && !narrow ? `, ${windowText}` : ""}`;
   const missText = `${narrow || freeTo - curve.left < 150 ? "" : "miss "}${signed(model.miss)} → p ${written(probability(prior + model.miss), 2)}`;
   // A short free part, as on a phone, is narrower than the label, which would lie over the numbers of the axis.

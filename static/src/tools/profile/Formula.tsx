@@ -25,9 +25,9 @@ export function Formula({ view }: { view: ProfileView }) {
           {values.no_return === "free" ? (
             <mrow>
               <mrow class="noun-miss">
-                <mtext>{certain ? "empty: (1 − (s/max range)²) · (1 − (2θ/ω)²)" : signed(model.miss)}</mtext>
+                <mtext>{certain ? "empty: (1 − (r/max range)²) · (1 − (2θ/ω)²)" : signed(model.miss)}</mtext>
               </mrow>
-              <mtext>&nbsp; for s ≤ max range = {written(values.range_max, 1)} m</mtext>
+              <mtext>&nbsp; for r ≤ max range = {written(values.range_max, 1)} m</mtext>
             </mrow>
           ) : (
             <mn>0</mn>
@@ -44,7 +44,7 @@ export function Formula({ view }: { view: ProfileView }) {
         <mi>{certain ? "v" : "Δℓ"}</mi>
         <mrow>
           <mo>(</mo>
-          <mi>{isCone(values) ? "s, θ" : "s"}</mi>
+          <mi>{isCone(values) ? "r, θ" : "r"}</mi>
           <mo>)</mo>
         </mrow>
         <mo>=</mo>
@@ -84,8 +84,8 @@ function rowsOf(values: SensorModelParameters, z: number): readonly Row[] {
   const model = beamModel(values);
   const half = halfWindow(z, values);
   const [miss, hit] = [signed(model.miss), signed(model.hit)];
-  const before = half > 0 ? `s < z − r/2 = ${written(z - half, 2)} m` : `s < z = ${written(z, 2)} m`;
-  const within = half > 0 ? `|s − z| ≤ r/2 = ${written(half, 3)} m` : "the cell that holds z";
+  const before = half > 0 ? `r < z − w/2 = ${written(z - half, 2)} m` : `r < z = ${written(z, 2)} m`;
+  const within = half > 0 ? `|r − z| ≤ w/2 = ${written(half, 3)} m` : "the cell that holds z";
   const row = (noun: string, value: string, where: string): Row => ({ noun: `noun-${noun}`, value, where });
   const beyond = row("prior", "0", isCone(values) ? "beyond, and outside ω" : "beyond");
   switch (values.model) {
@@ -97,28 +97,28 @@ function rowsOf(values: SensorModelParameters, z: number): readonly Row[] {
       ];
     case "smooth_ramp":
       return [
-        row("miss", miss, `s < z − 2σ = ${written(z - half, 2)} m, σ = ${written(half / 2, 3)} m`),
+        row("miss", miss, `r < z − 2σ = ${written(z - half, 2)} m, σ = ${written(half / 2, 3)} m`),
         row("hit", `${miss} → ${hit} → 0`, `up to z, down to z + 2σ = ${written(z + half, 2)} m`),
         beyond,
       ];
     case "hit_counting":
       return [
-        row("miss", `ln w(1−p₀) − ln (1 + w(1−p₀)) = ${miss}`, `first visit: ${before}`),
-        row("hit", `ln (1 + wp₀) − ln wp₀ = ${hit}`, `first visit: ${within}`),
-        row("prior", "p = (n + wp₀) / (n + m + w)", "after n hits, m misses"),
+        row("miss", `ln n₀(1−p₀) − ln (1 + n₀(1−p₀)) = ${miss}`, `first visit: ${before}`),
+        row("hit", `ln (1 + n₀p₀) − ln n₀p₀ = ${hit}`, `first visit: ${within}`),
+        row("prior", "p = (n + n₀p₀) / (n + m + n₀)", "after n hits, m misses"),
       ];
     case "sonar_cone": {
       const fades = values.cone_profile === "gaussian";
       return [
-        row("miss", fades ? `${miss} · (1 − (s/(z−r/2))²) · e^(−8(θ/ω)²)` : miss, before),
-        row("hit", fades ? `${hit} · (1 − ((s−z)/(r/2))²) · e^(−8(θ/ω)²)` : hit, within),
+        row("miss", fades ? `${miss} · (1 − (r/(z−w/2))²) · e^(−8(θ/ω)²)` : miss, before),
+        row("hit", fades ? `${hit} · (1 − ((r−z)/(w/2))²) · e^(−8(θ/ω)²)` : hit, within),
         beyond,
       ];
     }
     case "moravec_elfes":
       return [
-        row("miss", "empty: (1 − (s/(z−r/2))²) · (1 − (2θ/ω)²)", before),
-        row("hit", "occupied: (1 − ((s−z)/(r/2))²) · (1 − (2θ/ω)²)", within),
+        row("miss", "empty: (1 − (r/(z−w/2))²) · (1 − (2θ/ω)²)", before),
+        row("hit", "occupied: (1 − ((r−z)/(w/2))²) · (1 − (2θ/ω)²)", within),
         beyond,
       ];
     default:
@@ -185,8 +185,7 @@ export function InWords({ view }: { view: ProfileView }) {
   return (
     <p>
       The reading is <b class="noun-beam">z = {written(view.z.value, 2)} m</b>. The beam{" "}
-      <b class="noun-miss">passed {many(inWindow[0])}</b>: one not observed before goes from p {p(0)} to {p(model.miss)}
-      .
+      <b class="noun-miss">passed {many(inWindow[0])}</b>: an unseen cell drops from {p(0)} to {p(model.miss)}.
       {values.model === "smooth_ramp" ? (
         <>
           {" "}
@@ -196,11 +195,11 @@ export function InWords({ view }: { view: ProfileView }) {
       ) : (
         <>
           {" "}
-          It <b class="noun-hit">ended in {hits === 1 ? "1 cell" : `the window, ${hits} cells`}</b>: p {p(0)} becomes{" "}
-          {p(model.hit)}.
+          It <b class="noun-hit">ended in {hits === 1 ? "1 cell" : `the window, ${hits} cells`}</b>: an unseen cell
+          rises to {p(model.hit)}.
         </>
       )}{" "}
-      It says nothing about cells <b class="noun-prior">beyond</b>.
+      It says nothing about the cells <b class="noun-prior">behind</b>.
     </p>
   );
 }

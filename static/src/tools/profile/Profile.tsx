@@ -1,4 +1,4 @@
-import { batch, effect, type ReadonlySignal, useSignal } from "@preact/signals";
+import { batch, effect, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { cellIndexAt, isCone, type SensorModelParameters } from "../../grid/sensorModel";
@@ -42,14 +42,16 @@ interface ProfileProps {
   readonly reading: ReadonlySignal<number | null | undefined>;
   /** Name of the beam in the legend: "the beam straight ahead". */
   readonly beamName?: string;
+  /** The reading that is set by dragging, metres, where others show it too; null while the figure follows the beam. */
+  readonly grabbed?: Signal<number | null>;
 }
 
 /**
  * The inverse sensor model along one beam: a curve that can be dragged, the cells below it, its formula with numbers.
  * It is updated in the browser at once; the map follows from the server.
  */
-export function Profile({ parameters, setParameter, reading, beamName = "the beam" }: ProfileProps) {
-  const view = useProfileView(parameters, reading);
+export function Profile({ parameters, setParameter, reading, beamName = "the beam", grabbed }: ProfileProps) {
+  const view = useProfileView(parameters, reading, grabbed);
   return (
     <ProfileFigure view={view} setParameter={setParameter} beamName={beamName}>
       <figcaption>
@@ -60,8 +62,12 @@ export function Profile({ parameters, setParameter, reading, beamName = "the bea
 }
 
 /** The state of a profile, for its figure and its text. */
-export function useProfileView(parameters: ProfileProps["parameters"], reading: ProfileProps["reading"]): ProfileView {
-  const view = useMemo(() => new ProfileView(parameters, reading), [parameters, reading]);
+export function useProfileView(
+  parameters: ProfileProps["parameters"],
+  reading: ProfileProps["reading"],
+  grabbed?: ProfileProps["grabbed"],
+): ProfileView {
+  const view = useMemo(() => new ProfileView(parameters, reading, grabbed), [parameters, reading, grabbed]);
   useEffect(() => () => view.dispose(), [view]);
   return view;
 }

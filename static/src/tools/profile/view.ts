@@ -1,4 +1,4 @@
-import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import {
   beamModel,
   effectiveReading,
@@ -36,8 +36,6 @@ export class ProfileView {
   /** The height of its place; null where it has the height that it needs. */
   readonly height = signal<number | null>(null);
   readonly layout: ReadonlySignal<Layout> = computed(() => layoutFor(this.width.value, this.height.value));
-  /** The reading that was set by dragging, metres; null while the figure follows the beam. */
-  readonly grabbed = signal<number | null>(null);
   /** Index of the cell under the pointer. */
   readonly hovered = signal<number | null>(null);
   readonly held = signal<HandleName | null>(null);
@@ -63,6 +61,8 @@ export class ProfileView {
   constructor(
     parameters: ReadonlySignal<Readonly<Record<string, unknown>>>,
     readonly reading: ReadonlySignal<number | null | undefined>,
+    /** The reading that was set by dragging, metres; null while the figure follows the beam. */
+    readonly grabbed: Signal<number | null> = signal(null),
   ) {
     this.values = computed(() => ({ ...INITIAL_PARAMETERS, ...(parameters.value as Partial<SensorModelParameters>) }));
     this.z = computed(() => {

@@ -6,7 +6,14 @@ import { gapAt, indexAfter, keyedIndex, numberOf, shown } from "./deckOrder";
 import { type OwnSlide, SlideForm } from "./SlideForm";
 import { Thumbnail } from "./Thumbnail";
 
-const KIND_NAMES = { section: "", derivation: "derivation", text: "own text", lab: "lab", log: "log" } as const;
+const KIND_NAMES = {
+  title: "title",
+  section: "",
+  derivation: "derivation",
+  text: "own text",
+  lab: "lab",
+  log: "log",
+} as const;
 
 /** A row that is dragged, and the gap that it would go into: 0 above the first row. */
 export interface Drag {

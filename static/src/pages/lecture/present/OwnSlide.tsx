@@ -4,6 +4,7 @@ import { act, canAct } from "./acts";
 import { type FormulaPart, formulaOf } from "./formula";
 import { listenToKeys } from "./keys";
 import { isPreview, paragraphsOf, place, presenting, slide } from "./state";
+import { TitleMap } from "./TitleMap";
 
 /** Single letters are variables, in italics; digits, brackets and names of functions are upright. */
 function Letters({ text }: { readonly text: string }) {
@@ -85,7 +86,9 @@ export function OwnSlide() {
   if (!presenting.value || !now || "section" in now) return null;
   return (
     <section class={`own-slide own-${now.kind} on-slide`} aria-label={now.title}>
-      {now.kind === "text" ? (
+      {now.kind === "title" ? (
+        <TitleMap />
+      ) : now.kind === "text" ? (
         <>
           <h2 class="visually-hidden">{now.title}</h2>
           <div class="own-text-page">

@@ -53,7 +53,8 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
     try {
       const kept = { title, ...notes, ...(slide?.hidden ? { hidden: true } : {}) };
       const now = kind.peek();
-      if (now === "text") onSave({ kind: now, text: field("text"), ...kept });
+      if (now === "title") onSave({ kind: now, ...kept });
+      else if (now === "text") onSave({ kind: now, text: field("text"), ...kept });
       else onSave({ kind: now, address: pageAddress(now, field("address"), "The slide"), ...kept });
       form.reset();
     } catch (error) {
@@ -67,6 +68,7 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
         label="What it shows"
         value={kind.value}
         options={[
+          { value: "title", label: "title and map" },
           { value: "text", label: "own text" },
           { value: "lab", label: "the lab" },
           { value: "log", label: "a log" },
@@ -86,7 +88,7 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
           defaultValue={slide?.title ?? ""}
         />
       </label>
-      {kind.value === "text" ? (
+      {kind.value === "text" && (
         <label>
           <span>Text: an empty line begins the next step, a dash an item of a list; $p_t = e^x$ is a formula</span>
           <textarea
@@ -98,7 +100,8 @@ export function SlideForm({ slide, button, onSave }: SlideFormProps) {
             defaultValue={slide?.kind === "text" ? slide.text : ""}
           />
         </label>
-      ) : (
+      )}
+      {(kind.value === "lab" || kind.value === "log") && (
         <label key={kind.value}>
           <span>{ADDRESSES[kind.value]}</span>
           <input

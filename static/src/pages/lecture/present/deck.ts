@@ -1,7 +1,7 @@
 /** The deck of slides: what the lecture has, in the lecturer's order, with slides of the lecturer's own. */
 
 import { unpack } from "../../packed";
-import { LESSONS, type LessonId } from "../lessons";
+import { LESSONS, type LessonId, sectionOf } from "../lessons";
 
 /** What every slide may have. */
 interface Common {
@@ -22,6 +22,12 @@ interface DerivationSlide extends Common {
   readonly section: LessonId;
 }
 
+/** The beginning: the map of the lecture fills in. */
+interface TitleSlide extends Common {
+  readonly kind: "title";
+  readonly title: string;
+}
+
 /** Text of the lecturer's own; each paragraph is a step. */
 interface TextSlide extends Common {
   readonly kind: "text";
@@ -37,7 +43,7 @@ interface PageSlide extends Common {
   readonly address: string;
 }
 
-export type Slide = SectionSlide | DerivationSlide | TextSlide | PageSlide;
+export type Slide = TitleSlide | SectionSlide | DerivationSlide | TextSlide | PageSlide;
 
 export interface Deck {
   readonly title: string;
@@ -47,17 +53,20 @@ export interface Deck {
 /** Sections that have a derivation. */
 const DERIVATIONS: readonly LessonId[] = ["cell"];
 /** The lab comes before this section. */
-const LAB_BEFORE: LessonId = "log";
+const LAB_BEFORE: LessonId = "next";
 const LAB: Slide = { kind: "lab", title: "Which setting changes the map the most?", address: "/lab.html" };
 
 /** The lecture as it stands. */
 export const WHOLE_LECTURE: Deck = {
   title: "Occupancy grid mapping",
-  slides: LESSONS.flatMap(({ id }): Slide[] => [
-    ...(id === LAB_BEFORE ? [LAB] : []),
-    { kind: "section", section: id },
-    ...(DERIVATIONS.includes(id) ? [{ kind: "derivation", section: id } as const] : []),
-  ]),
+  slides: [
+    { kind: "title", title: "Occupancy grid mapping" },
+    ...LESSONS.flatMap(({ id }): Slide[] => [
+      ...(id === LAB_BEFORE ? [LAB] : []),
+      { kind: "section", section: id },
+      ...(DERIVATIONS.includes(id) ? [{ kind: "derivation", section: id } as const] : []),
+    ]),
+  ],
 };
 
 /** The name of each slide in an address: that of its section, or what it is with a number. */
@@ -90,7 +99,7 @@ export const MOST_SLIDES = 200;
 export const LONGEST_TITLE = 120;
 export const LONGEST_TEXT = 4000;
 export const LONGEST_FILE = 1_000_000;
-const KINDS = ["section", "derivation", "text", "lab", "log"] as const;
+const KINDS = ["title", "section", "derivation", "text", "lab", "log"] as const;
 
 /** What of a deck is kept; {@link readDeck} reads it. */
 export const writtenDeck = (deck: Deck): Readonly<Record<string, unknown>> => ({
@@ -153,13 +162,14 @@ function readSlide(value: unknown, index: number): Slide {
   };
   if (kind === "section" || kind === "derivation") {
     const name = textField(value, "section", LONGEST_TITLE, where);
-    const section = LESSONS.find(({ id }) => id === name)?.id;
+    const section = LESSONS.find(({ id }) => id === sectionOf(name))?.id;
     if (!section) throw new DeckError(`${where}: the lecture has no section “${name}”.`);
     if (kind === "derivation" && !DERIVATIONS.includes(section))
       throw new DeckError(`${where}: the section “${name}” has no derivation.`);
     return { ...common, kind, section };
   }
   const title = textField(value, "title", LONGEST_TITLE, where);
+  if (kind === "title") return { ...common, kind, title };
   if (kind === "text") return { ...common, kind, title, text: textField(value, "text", LONGEST_TEXT, where) };
   const page = kind as "lab" | "log";
   const address = pageAddress(page, textField(value, "address", LONGEST_FILE, where), where);

@@ -13,6 +13,7 @@ export function shownSlide(slide: Slide, step: number): ClassSlide {
   const { kind } = slide;
   if (kind === "section" || kind === "derivation") return { kind, section: slide.section };
   const { title } = slide;
+  if (kind === "title") return { kind, title };
   if (kind === "text") {
     const text = paragraphsOf(slide.text).slice(0, step + 1);
     return { kind, title, text: text.join("\n\n") };
@@ -29,6 +30,7 @@ export function slideOfMessage({ kind, section, title, text, address }: ClassSli
     const known = LESSONS.find(({ id }) => id === section)?.id;
     return known ? { kind, section: known } : null;
   }
+  if (kind === "title") return { kind, title: title ?? "" };
   if (kind === "text") return { kind, title: title ?? "", text: text ?? "" };
   return { kind, title: title ?? "", address: address ? pageAddress(kind, address, "The slide") : "" };
 }

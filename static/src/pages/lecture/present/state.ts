@@ -5,7 +5,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { pack } from "../../packed";
-import { LESSONS, type LessonId } from "../lessons";
+import { LESSONS, type LessonId, sectionOf } from "../lessons";
 import { type Deck, readDeckLink, type Slide, slideIds, WHOLE_LECTURE, writtenDeck } from "./deck";
 import { QUESTIONS, type Question } from "./questions";
 
@@ -163,7 +163,7 @@ export async function readAddress(): Promise<void> {
     }
   }
   const [id = "", step = "1"] = name.split("/");
-  const index = ids.peek().indexOf(decodeURIComponent(id));
+  const index = ids.peek().indexOf(sectionOf(decodeURIComponent(id)));
   const at = slides.peek()[index];
   if (at) {
     const most = stepsOf(at) - 1;

@@ -134,15 +134,18 @@ function Outcome({ job }: { readonly job: SlamState }) {
     );
   const { result } = job;
   if (job.state !== "done" || !result) return null;
-  const [before, after] = result.sharpness;
   return (
     <>
       <p role="status">Healed: the poses are the trajectory {trajectoryLabel(result.trajectory)} of this log.</p>
       <dl class="heal-facts">
-        <dt>Sharpness of the walls</dt>
-        <dd data-before={before} data-after={after}>
-          {before?.toFixed(3) ?? "–"} before, {after?.toFixed(3) ?? "–"} now
-        </dd>
+        <Figure name="drift" title="Drift of the walls" values={result.drift_m} form={metres} />
+        <Figure name="contradicted" title="Contradicted readings" values={result.contradicted} form={percent} />
+        <Figure
+          name="sharpness"
+          title="Sharpness of the walls"
+          values={result.sharpness}
+          form={(value) => value.toFixed(3)}
+        />
         <dt>Began with</dt>
         <dd>{result.odometry === null ? "the scans alone" : trajectoryLabel(result.odometry)}</dd>
         <dt>Graph</dt>
@@ -160,6 +163,33 @@ function Outcome({ job }: { readonly job: SlamState }) {
           {note}
         </p>
       ))}
+    </>
+  );
+}
+
+const metres = (value: number): string => `${value.toFixed(2)} m`;
+const percent = (value: number): string => `${(100 * value).toFixed(1)} %`;
+
+interface FigureProps {
+  readonly name: string;
+  readonly title: string;
+  /** Before SLAM and now. */
+  readonly values: readonly [number | null, number | null] | undefined;
+  readonly form: (value: number) => string;
+}
+
+/** A figure of the map before SLAM and now; nothing where it is not known. */
+function Figure({ name, title, values, form }: FigureProps) {
+  if (!values) return null;
+  const [before, after] = values;
+  if (before === null && after === null) return null;
+  const text = (value: number | null): string => (value === null ? "–" : form(value));
+  return (
+    <>
+      <dt>{title}</dt>
+      <dd data-figure={name} data-before={before} data-after={after}>
+        {text(before)} before, {text(after)} now
+      </dd>
     </>
   );
 }

@@ -26,6 +26,9 @@ export interface SlamState {
     readonly loops: number;
     readonly nodes: number;
     readonly cpu_s: number;
+    /** Of the map, before and after: metres, share, 0 … 1. A result that was kept by an older service has only the last. */
+    readonly drift_m?: readonly [number | null, number | null];
+    readonly contradicted?: readonly [number | null, number | null];
     readonly sharpness: readonly [number | null, number | null];
     readonly notes: readonly string[];
   } | null;

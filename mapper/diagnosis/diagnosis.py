@@ -1,0 +1,77 @@
+"""What is wrong with a log and what happened while it was recorded: findings and events together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from mapper.diagnosis.events import CLOCK, Event, clock_time, find_events
+from mapper.diagnosis.examination import examine
+from mapper.diagnosis.finding import Finding
+from mapper.mapping.corrections import as_mapped
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.scan import ScanLog
+
+EXAMINED = 0.6  #: share of the work that the findings are
+DRIFT = "walls.drift"
+TOLD = 3  #: events that a finding names
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """The findings on a log with one of its trajectories, causes first, and the events of its recording in turn."""
+
+    findings: tuple[Finding, ...]
+    events: tuple[Event, ...]
+
+
+def diagnose(
+    log: ScanLog,
+    trajectory: str | None = None,
+    progress: Callable[[float], None] | None = None,
+    wanted: Callable[[], bool] = lambda: True,
+    time_offset: float = 0.0,
+) -> Diagnosis:
+    """Return :func:`examine` of a log, and its events (:func:`mapper.diagnosis.events.find_events`).
+
+    Where the wheels missed a motion, drift of their poses is its consequence and names it. Raises as these do.
+    """
+
+    def part(begin: float, end: float) -> Callable[[float], None] | None:
+        return None if progress is None else lambda share: progress(begin + (end - begin) * share)
+
+    findings = examine(log, trajectory, part(0.0, EXAMINED), wanted, time_offset)
+    events = find_events(_with_mount(log, findings), wanted, part(EXAMINED, 1.0))
+    along = trajectory or log.default_trajectory
+    is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")
+    if is_own:
+        findings = [_with_cause(one, events) for one in findings]
+    return Diagnosis(tuple(findings), tuple(events))
+
+
+def _with_mount(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
+    """Return the log with its mount as findings correct it: a false one moves the robot where it turns."""
+    if isinstance(log, JointLog):
+        return log
+    config = MappingConfig()
+    for finding in findings:
+        if finding.check.startswith("mount.") and finding.parameters:
+            config = config.with_values(finding.parameters)
+    return as_mapped(log, config)
+
+
+def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:
+    """Return a finding of drift with the events that displaced the robot, its cause; others as they are."""
+    moved = [one for one in events if one.kind != CLOCK]
+    if finding.check != DRIFT or not moved:
+        return finding
+    at = [clock_time(one.seconds, 1) for one in moved[:TOLD]]
+    said = f"{', '.join(at[:-1])} and {at[-1]}" if len(at) > 1 else at[0]
+    more = f" and {len(moved) - TOLD} times later" if len(moved) > TOLD else ""
+    return replace(
+        finding,
+        sentence=f"{finding.sentence} The wheels did not measure what happened at {said}{more}: poses are off from "
+        "there on.",
+        scans=(moved[0].scan, *finding.scans),
+    )

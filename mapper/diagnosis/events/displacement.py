@@ -1,0 +1,199 @@
+"""Find when the scans and the wheels disagree on the motion at once, rather than little by little.
+
+The difference of the two motions is summed over windows of many lengths. What wheels do wrong all the time (a scale,
+a turn, a mount that is off) is taken out by a linear fit, and what is left is compared with what is usual in windows of
+that length and that motion in the same log, so that the worse the wheels are, the greater an event has to be.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.diagnosis.events.motions import WITHIN, Loss, Motions
+
+Float64Array = NDArray[np.float64]
+
+WINDOWS = (1, 2, 3, 5, 8, 12, 18, 27, 40, 60, 90)  #: steps
+LONGEST_S = 10.0  #: of a window of several steps
+LEAST_M, LEAST_RAD = 0.08, math.radians(5.0)  #: of an event; less is no matter for a map of 5 cm cells
+SHARE = 0.2  #: of the motion in the window, by whichever of the two is less, that is added to these
+USUAL = 8.0  #: times what is usual: the errors of wheels have longer tails than a normal distribution
+NOISE_M, NOISE_RAD = 0.005, math.radians(0.3)  #: of an alignment: no wheels are taken to be better
+TURN_M = 0.3  #: metres of way that a turn by one radian counts
+STILL_M = 0.1  #: metres of way that are added, so that noise counts where a robot stands
+MOST_EVENTS = 50
+ALONG = 0.4  #: share of the mean step of a displacement from which the steps beside it belong to it
+STAYS = 0.5  #: share of the displacement by which it may change in the window around: an error of one scan is undone
+AROUND_STEPS = 3
+FIT_PASSES = 8
+_LEVER = np.array([1.0, 1.0, LEAST_M / LEAST_RAD])
+
+
+@dataclass(frozen=True, slots=True)
+class Displacement:
+    """A sudden difference: scans ``before`` and ``after`` it (indices into the motions), begin and end in seconds.
+
+    ``moved`` (3,) is the motion by the scans less that by the wheels, in the frame of the robot; ``by_wheels`` and
+    ``by_scans`` (3,) the two sums over the window. ``lost`` says that scans in between fitted nothing; ``moved`` may be
+    None then.
+    """
+
+    before: int
+    after: int
+    begin_s: float
+    end_s: float
+    moved: Float64Array | None
+    by_wheels: Float64Array
+    by_scans: Float64Array
+    lost: bool = False
+
+
+def displacements(motions: Motions, untold: NDArray[np.bool_]) -> list[Displacement]:
+    """Return the sudden differences in their order, but for those in steps that are ``untold`` (n - 1,)."""
+    if len(motions.by_wheels) < 2 * AROUND_STEPS:
+        return []
+    rest = _without_systematic(compose(inverse(motions.by_wheels), motions.by_scans), motions)
+    rest[untold] = 0.0
+    for loss in motions.losses:  # what happened beside it belongs to it
+        rest[max(0, loss.before - WITHIN) : loss.after + WITHIN] = 0.0
+    found = _windows(rest, motions)
+    found += [one for loss in motions.losses if (one := _of_loss(loss, motions)) is not None]
+    return sorted(found, key=lambda one: one.before)
+
+
+def _without_systematic(differences: Float64Array, motions: Motions) -> Float64Array:
+    """Return the differences (n, 3) less what depends linearly on the wheels' motion, by least absolute values.
+
+    A scale, a turn and a mount depend on the motion, a delay between scans and wheels on its change.
+
+    Those are fitted by least squares with weights 1 / |residual|, again and again (Schlossmacher 1973).
+    """
+    wheels = motions.by_wheels
+    around = np.concatenate([wheels[:1], wheels, wheels[-1:]])
+    # Of the motion, to second order in its turn, and of its change.
+    terms = np.concatenate([wheels, wheels * wheels[:, 2:], around[2:] - around[:-2]], axis=1)
+    rest = differences.copy()
+    for column, least in enumerate((NOISE_M, NOISE_M, NOISE_RAD)):
+        fit = np.zeros(terms.shape[1])
+        for _ in range(FIT_PASSES):
+            weighted = terms / np.maximum(np.abs(differences[:, column] - terms @ fit), least)[:, np.newaxis]
+            fit = np.linalg.solve(weighted.T @ terms + 1e-3 * np.eye(len(fit)), weighted.T @ differences[:, column])
+        rest[:, column] = differences[:, column] - terms @ fit
+    return rest
+
+
+def _sums(values: Float64Array, length: int) -> Float64Array:
+    """Return the sums of ``length`` values in turn, from each place on."""
+    total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+    return np.asarray(total[length:] - total[:-length])
+
+
+def _ways(motion: Float64Array, length: int) -> tuple[Float64Array, Float64Array]:
+    """Return the way and the turn in each window."""
+    way = np.hypot(motion[:, 0], motion[:, 1])
+    return _sums(way, length), _sums(np.abs(motion[:, 2]), length)
+
+
+def _windows(rest: Float64Array, motions: Motions) -> list[Displacement]:
+    """Return the displacements of windows, the clearest first taken; those that overlap one are part of it."""
+    steps = np.diff(motions.seconds)
+    usual_s = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    candidates: list[tuple[float, int, int]] = []
+    for length in WINDOWS:
+        if length > len(rest) // 4 or (length > 1 and length * usual_s > LONGEST_S):
+            break
+        excess = _excess(rest, motions, length)
+        candidates += [(float(excess[i]), int(i), int(i) + length) for i in np.flatnonzero(excess > 1.0)]
+    candidates.sort(key=lambda one: (-one[0], one[1], one[2]))
+    taken = np.zeros(len(rest), dtype=np.bool_)
+    found: list[Displacement] = []
+    for _, first, stop in candidates:
+        if taken[first:stop].any():
+            continue
+        if not _stays(rest, first, stop):
+            continue
+        taken[max(0, first - AROUND_STEPS) : stop + AROUND_STEPS] = True
+        found.append(_timed(rest, motions, first, stop))
+        if len(found) == MOST_EVENTS:
+            break
+    return found
+
+
+def _excess(rest: Float64Array, motions: Motions, length: int) -> Float64Array:
+    """Return by what factor the difference in each window exceeds what an event needs to have."""
+    sums = _sums(rest, length)
+    (way, turn), (scan_way, scan_turn) = _ways(motions.by_wheels, length), _ways(motions.by_scans, length)
+    spread = np.sqrt(way + TURN_M * turn + STILL_M)
+    moving = way + TURN_M * turn > 0.25 * np.quantile(way + TURN_M * turn, 0.9)
+    compared = moving if moving.any() else ~moving
+    usual = 1.4826 * np.median(np.abs(sums[compared]) / spread[compared, np.newaxis], axis=0)
+    noise = np.array([NOISE_M, NOISE_M, NOISE_RAD])
+    scale = np.hypot(usual * spread[:, np.newaxis], noise)
+    far = np.hypot(sums[:, 0], sums[:, 1])
+    least = LEAST_M + SHARE * np.minimum(way, scan_way)
+    least_turn = LEAST_RAD + SHARE * np.minimum(turn, scan_turn)
+    by_far = np.minimum(far / least, np.hypot(sums[:, 0] / scale[:, 0], sums[:, 1] / scale[:, 1]) / USUAL)
+    by_turn = np.minimum(np.abs(sums[:, 2]) / least_turn, np.abs(sums[:, 2]) / scale[:, 2] / USUAL)
+    return np.asarray(np.maximum(by_far, by_turn), dtype=np.float64)
+
+
+def _stays(rest: Float64Array, first: int, stop: int) -> bool:
+    """Return whether a displacement is still there some steps later, and was not there some steps before."""
+    around = rest[max(0, first - AROUND_STEPS) : stop + AROUND_STEPS].sum(axis=0)
+    own = rest[first:stop].sum(axis=0)
+    is_last = stop >= len(rest)
+    return not is_last and bool(np.linalg.norm((around - own) * _LEVER) < STAYS * np.linalg.norm(own * _LEVER))
+
+
+def _timed(rest: Float64Array, motions: Motions, first: int, stop: int) -> Displacement:
+    """Return the displacement of a window with the steps beside it that belong to it, from when to when it happened."""
+    own = rest[first:stop].sum(axis=0)
+    along = (rest * _LEVER) @ (own * _LEVER / np.linalg.norm(own * _LEVER))
+    least = ALONG * float(along[first:stop].mean())
+    while first > 0 and along[first - 1] > least:
+        first -= 1
+    while stop < len(rest) and along[stop] > least:
+        stop += 1
+    part = np.flatnonzero(along[first:stop] > 0.25 * least)
+    first, stop = first + int(part[0]), first + int(part[-1]) + 1
+    begin = motions.seconds[first + 1] - _taken(along, motions, first, first + 1)
+    end = motions.seconds[stop - 1] + _taken(along, motions, stop - 1, stop - 2)
+    return Displacement(
+        first, stop, begin, max(begin, end), rest[first:stop].sum(axis=0), motions.by_wheels[first:stop].sum(axis=0),
+        motions.by_scans[first:stop].sum(axis=0),
+    )  # fmt: skip
+
+
+def _taken(along: Float64Array, motions: Motions, step: int, beside: int) -> float:
+    """Return how many seconds of a step at the border of a displacement it took, at the speed of the step beside it."""
+    seconds = np.diff(motions.seconds)
+    own = float(seconds[step])
+    if not 0 <= beside < len(along) or seconds[beside] <= 0.0:
+        return own
+    speed = float(along[beside] / seconds[beside])
+    return min(own, float(along[step]) / speed) if speed > 0.0 else own
+
+
+def _of_loss(loss: Loss, motions: Motions) -> Displacement | None:
+    """Return what happened while scans fitted nothing; None where the robot was where the wheels say it is."""
+    begin, end = motions.seconds[loss.before], motions.seconds[loss.after]
+    steps = motions.by_wheels[loss.before : loss.after]
+    wheels = np.zeros(3)
+    for step in steps:
+        wheels = compose(wheels, step)
+    if loss.moved is None:
+        return Displacement(loss.before, loss.after, begin, end, None, wheels, wheels, lost=True)
+    off = compose(inverse(wheels), loss.moved)
+    off[:2] = loss.moved[:2] - wheels[:2]  # in the frame of the robot as it was before
+    way = min(float(np.hypot(steps[:, 0], steps[:, 1]).sum()), math.hypot(loss.moved[0], loss.moved[1]))
+    turn = min(float(np.abs(steps[:, 2]).sum()), abs(float(loss.moved[2])))
+    is_far = math.hypot(off[0], off[1]) > 2.0 * LEAST_M + SHARE * way
+    is_turned = abs(float(wrap_angle(off[2]))) > 2.0 * LEAST_RAD + SHARE * turn
+    if not (is_far or is_turned):
+        return None
+    return Displacement(loss.before, loss.after, begin, end, off, wheels, loss.moved, lost=True)

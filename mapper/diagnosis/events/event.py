@@ -1,0 +1,134 @@
+"""One event of a log: what happened, when, how far and in which direction of the robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from mapper.core.time_units import EPOCH_S
+
+PUSHED, SLIPPED, LIFTED, CLOCK = "pushed", "slipped", "lifted", "clock"
+KINDS = (PUSHED, SLIPPED, LIFTED, CLOCK)
+
+SMALL_SHARE = 0.4  #: of the greater component of a displacement, below which the smaller one is not told
+TOLD_M, TOLD_RAD = 0.05, math.radians(4.0)  #: smaller displacements and turns are not told
+LONG_S = 1.0  #: an event that lasts longer is told with its end
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened to the robot while the log was recorded.
+
+    ``kind`` is one of :data:`KINDS`. ``seconds`` and ``until_s`` are its begin and end in recorded time, seconds since
+    the log's first scan, as :func:`mapper.io.logs.summary.recorded_seconds`; ``stamp_ns`` is the begin on the log's
+    clock, None for a log without times. ``scan`` is the last scan before it, ``until_scan`` the first one after it.
+    ``ahead_m``, ``left_m`` and ``turned_rad`` are the robot's motion by the scans less that by the wheels, in the
+    robot's own frame at the time (REP 103): of a push where the robot was moved to, of a slip what the wheels
+    measured too much, with the opposite sign. None where the scans do not tell. ``step_s`` is by how much the clock
+    was set, seconds, and 0 for what is no event of the clock.
+    """
+
+    kind: str
+    seconds: float
+    until_s: float
+    stamp_ns: int | None
+    scan: int
+    until_scan: int
+    ahead_m: float | None = None
+    left_m: float | None = None
+    turned_rad: float | None = None
+    step_s: float = 0.0
+
+    @property
+    def distance_m(self) -> float | None:
+        """How far the robot was displaced, metres."""
+        if self.ahead_m is None or self.left_m is None:
+            return None
+        return math.hypot(self.ahead_m, self.left_m)
+
+    @property
+    def direction(self) -> str | None:
+        """The side of the robot to which it was displaced: ahead, behind, left or right; None for no displacement."""
+        if self.ahead_m is None or self.left_m is None or math.hypot(self.ahead_m, self.left_m) < TOLD_M:
+            return None
+        if abs(self.ahead_m) >= abs(self.left_m):
+            return "ahead" if self.ahead_m > 0.0 else "behind"
+        return "left" if self.left_m > 0.0 else "right"
+
+    @property
+    def time(self) -> str:
+        """The begin in recorded time, m:ss.mmm."""
+        return clock_time(self.seconds)
+
+    @property
+    def utc(self) -> str | None:
+        """The begin in UTC, ISO 8601 with milliseconds; None where the log's clock does not tell it."""
+        if self.stamp_ns is None or not EPOCH_S[0] < self.stamp_ns * 1e-9 < EPOCH_S[1]:
+            return None
+        begin = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=self.stamp_ns // 1000)
+        return f"{begin:%Y-%m-%dT%H:%M:%S}.{begin.microsecond // 1000:03d}Z"
+
+    @property
+    def sentence(self) -> str:
+        """What happened, as one sentence."""
+        at = f"At {clock_time(self.seconds, 1)}"
+        if self.kind == CLOCK:
+            return f"{at} the clock was set {'back' if self.step_s < 0.0 else 'forward'} by {abs(self.step_s):.2f} s."
+        lasted = self.until_s - self.seconds
+        if self.kind == LIFTED:
+            said = f"{at} the robot was lifted or carried: for {lasted:.1f} s no scan fits those before."
+            if self.distance_m is None:
+                return f"{said} Where it was set down is not known."
+            return f"{said} It was set down {self._displacement()}."
+        if lasted > LONG_S:
+            at = f"From {clock_time(self.seconds, 1)} to {clock_time(self.until_s, 1)}"
+        if self.kind == SLIPPED:
+            return f"{at} the wheels measured {self._displacement(-1.0)} that the robot did not move: a slip."
+        verb = "moved" if self._moved() else "was"
+        return f"{at} the robot {verb} {self._displacement()}, which the wheels did not measure."
+
+    def _moved(self) -> bool:
+        return (self.distance_m or 0.0) >= TOLD_M
+
+    def _displacement(self, sign: float = 1.0) -> str:
+        """Return the displacement, or with a sign of −1 its opposite, in words."""
+        ahead, left, turn = (sign * (one or 0.0) for one in (self.ahead_m, self.left_m, self.turned_rad))
+        parts = []
+        greater = max(abs(ahead), abs(left))
+        if self._moved():
+            if abs(ahead) >= SMALL_SHARE * greater:
+                parts.append(f"{abs(ahead):.2f} m {'ahead' if ahead > 0.0 else 'backwards'}")
+            if abs(left) >= SMALL_SHARE * greater:
+                parts.append(f"{abs(left):.2f} m to its {'left' if left > 0.0 else 'right'}")
+        said = " and ".join(parts)
+        if abs(turn) >= TOLD_RAD or not said:
+            turned = f"turned by {math.degrees(abs(turn)):.0f}° to its {'left' if turn > 0.0 else 'right'}"
+            said = f"{said}, {turned}" if said else turned
+        return said
+
+    def public(self) -> dict[str, Any]:
+        """Return the fields and what follows from them, for JSON: metres, radians and seconds to three places."""
+
+        def rounded(value: float | None) -> float | None:
+            return None if value is None else round(value, 3)
+
+        return {
+            **asdict(self),
+            **{
+                name: rounded(getattr(self, name))
+                for name in ("seconds", "until_s", "ahead_m", "left_m", "turned_rad", "step_s", "distance_m")
+            },
+            "direction": self.direction,
+            "time": self.time,
+            "utc": self.utc,
+            "sentence": self.sentence,
+        }
+
+
+def clock_time(seconds: float, digits: int = 3) -> str:
+    """Return a time of a recording as m:ss with so many digits after the point, at least one."""
+    units = round(seconds * 10**digits)
+    minutes, rest = divmod(units, 60 * 10**digits)
+    return f"{minutes}:{rest // 10**digits:02d}.{rest % 10**digits:0{digits}d}"

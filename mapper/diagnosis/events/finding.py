@@ -1,0 +1,127 @@
+"""All events of a log."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
+from mapper.diagnosis.events.event import CLOCK, LIFTED, PUSHED, SLIPPED, Event
+from mapper.io.logs.summary import recorded_seconds
+from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.scan import ScanLog
+
+if TYPE_CHECKING:
+    from mapper.diagnosis.events.displacement import Displacement
+
+LEAST_SCANS = 30  #: fewer do not tell what is usual
+LIFTED_SCANS, LIFTED_S = 3, 0.4  #: scans and seconds without a fit, from which the robot was lifted and not pushed
+LIFTED_M = 1.0  #: a robot that is displaced farther while its wheels stand was carried
+STOOD_M = 0.1  #: way of wheels that stand
+OPPOSITE = 0.8  #: cosine between the wheels' motion and what is taken off it by a slip
+BACK_M, BACK_RAD = 0.03, math.radians(2.0)  #: by which a robot whose wheels slip may seem to go the other way
+TURNED_ONLY = 0.05  #: metres: a displacement that is a turn only
+
+
+def wheels_of(log: ScanLog) -> str | None:
+    """Return the trajectory that the robot measured by itself, whose motion scans are compared with; None for none.
+
+    That is the first in a frame ``odom`` (REP 105). Poses in other frames may have been found by means of the scans,
+    and poses that never change measure nothing.
+    """
+    for name, one in log.trajectories.items():
+        moves = not one.is_placeholder and len(one.poses) and np.ptp(one.poses, axis=0).any()
+        if moves and (one.frame_id or "").strip("/").endswith("odom"):
+            return name
+    return None
+
+
+def find_events(
+    log: ScanLog,
+    wanted: Callable[[], bool] = lambda: True,
+    progress: Callable[[float], None] | None = None,
+) -> list[Event]:
+    """Return the events of a log in the order of their times; of several sensors by the first lidar.
+
+    A log without times has none. Pushes, slips and lifts need a lidar, at least :data:`LEAST_SCANS` scans, and the
+    robot's own measurement of its motion (:func:`wheels_of`). Raises :class:`WorkCancelledError` where ``wanted`` says
+    False.
+    """
+    from mapper.diagnosis.events.displacement import displacements  # noqa: PLC0415 - SciPy, for whoever asks
+    from mapper.diagnosis.events.motions import aligned_motions  # noqa: PLC0415
+
+    lidars = [one for one in sensors_of(log) if one.beam_width == 0.0 and one.bearings is None and one.n_beams > 2]
+    sensor = max(lidars or sensors_of(log), key=lambda one: one.n_scans)
+    if not (sensor.stamps_ns != sensor.stamps_ns[:1]).any():
+        return []
+    wheels = wheels_of(sensor)
+    steps = clock_steps(sensor, wheels)
+    events = _of_clock(sensor, steps)
+    if lidars and wheels is not None and sensor.n_scans >= LEAST_SCANS:
+        motions = aligned_motions(sensor, wheels, wanted, progress)
+        untold = near_clock_steps(sensor.take(motions.scans), clock_steps(sensor.take(motions.scans), None))
+        for one in displacements(motions, untold):
+            kind = _kind(one)
+            if kind is None or (one.moved is None and kind != LIFTED):
+                continue
+            ahead, left, turned = (None,) * 3 if one.moved is None else (float(value) for value in one.moved)
+            before, after = int(motions.scans[one.before]), int(motions.scans[one.after])
+            stamp = int(sensor.stamps_ns[before]) + round(1e9 * (one.begin_s - motions.seconds[one.before]))
+            events.append(Event(kind, float(one.begin_s), float(one.end_s), stamp, before, after, ahead, left, turned))
+    return sorted((_of_whole(log, sensor, one) for one in events), key=lambda one: (one.seconds, one.scan))
+
+
+def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
+    seconds, usual = recorded_seconds(log), usual_interval(log)
+    return [
+        Event(
+            CLOCK, float(seconds[one.scan]) + usual, float(seconds[one.scan]) + usual,
+            int(log.stamps_ns[one.scan]) + round(1e9 * usual), one.scan, one.scan + 1, step_s=one.step_s,
+        )
+        for one in steps
+    ]  # fmt: skip
+
+
+def _kind(one: Displacement) -> str | None:
+    """Return what happened: :data:`LIFTED`, :data:`SLIPPED` or :data:`PUSHED`; None for a loss that tells nothing.
+
+    Wheels that slip turn while the robot moves less than they say, or stands, but not the other way.
+    """
+    wheels, scans, moved = one.by_wheels, one.by_scans, one.moved
+    way, turn = math.hypot(wheels[0], wheels[1]), float(wheels[2])
+    stood = way < STOOD_M
+    if one.lost and one.after - one.before > LIFTED_SCANS and one.end_s - one.begin_s >= LIFTED_S and stood:
+        return LIFTED
+    if moved is None:
+        return None
+    far = math.hypot(moved[0], moved[1])
+    if stood and far > LIFTED_M:
+        return LIFTED
+    if far < TURNED_ONLY:
+        is_slip = turn * moved[2] < 0.0 and turn * scans[2] > -abs(turn) * BACK_RAD
+        return SLIPPED if is_slip else PUSHED
+    ahead = wheels[:2] / max(way, 1e-9)
+    against, went = -float(ahead @ moved[:2]) / far, float(ahead @ scans[:2])
+    return SLIPPED if against > OPPOSITE and went > -BACK_M else PUSHED
+
+
+def _of_whole(log: ScanLog, sensor: ScanLog, event: Event) -> Event:
+    """Return an event of one of a log's sensors with the numbers and times of the log's scans."""
+    if sensor is log:
+        return event
+    from dataclasses import replace  # noqa: PLC0415
+
+    from mapper.sensors.joint_log import JointLog  # noqa: PLC0415
+
+    if not isinstance(log, JointLog):
+        return event
+    number = next(k for k, part in enumerate(log.parts) if part is sensor)
+    numbers = np.flatnonzero(log.part_of_scan == number)
+    shift = float(recorded_seconds(log)[numbers[0]])
+    return replace(
+        event, scan=int(numbers[event.scan]), until_scan=int(numbers[event.until_scan]),
+        seconds=event.seconds + shift, until_s=event.until_s + shift,
+    )  # fmt: skip

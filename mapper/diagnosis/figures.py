@@ -1,0 +1,47 @@
+"""Figures that say whether a map can be trusted, of one log along one of its trajectories."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mapper.diagnosis.consistency import examined_as_mapped, unthinned
+from mapper.diagnosis.contradiction import contradiction
+from mapper.diagnosis.verdict import map_of
+from mapper.grid.compare import wall_contrast
+from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.scan import ScanLog
+
+
+@dataclass(frozen=True, slots=True)
+class MapFigures:
+    """How far parts of a log that were recorded at different times agree on where walls are.
+
+    ``drift_m`` is :meth:`mapper.diagnosis.contradiction.Contradiction.offset`, metres; ``contradicted`` the share,
+    0 … 1, of the readings that end where beams of another time passed freely. Both are None where too few readings
+    can be compared, and for sonars; of several sensors they are the greatest. ``sharpness`` is
+    :func:`mapper.grid.compare.wall_contrast` of the map, 0 … 1.
+    """
+
+    drift_m: float | None
+    contradicted: float | None
+    sharpness: float
+
+
+def map_figures(log: ScanLog, trajectory: str | None, config: MappingConfig) -> MapFigures:
+    """Return the figures of the map of a log along a trajectory with ``config``, its mount and its time offset too.
+
+    Raises :class:`ConfigError` for a trajectory that the log lacks and :class:`LimitError` for a map that is too large.
+    """
+    drifts, shares = [], []
+    for sensor in sensors_of(log):
+        if sensor.beam_width > 0.0 or not sensor.n_scans:
+            continue
+        whole, seen = examined_as_mapped(sensor, trajectory, config)
+        found = contradiction(unthinned(whole, seen), seen)
+        drift = found.offset()
+        if drift is not None:
+            drifts.append(drift)
+            shares.append(found.far)
+    sharpness = wall_contrast(map_of(log, trajectory, config))
+    return MapFigures(max(drifts, default=None), max(shares, default=None), sharpness)

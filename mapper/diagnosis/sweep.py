@@ -1,0 +1,52 @@
+"""The motion within a scan: whether the time between beams that a log states is that at which they were measured."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mapper.diagnosis.consistency import Examined, consistency
+from mapper.diagnosis.finding import Finding
+from mapper.sensors.motion import can_deskew
+from mapper.sensors.scan import ScanLog
+from mapper.sensors.timed_poses import TimedPoses
+
+CHECK = "timing.increment"
+BETTER, BY = 1.06, 0.015  #: as for a delay (:mod:`mapper.diagnosis.timing`)
+DELAYS_S = (-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.3)  #: with which deskewed beams may agree as well
+
+
+def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
+    """Compare the map of deskewed beams with that of beams that are all measured at the scan's stamp.
+
+    ``log`` states its time increment. Where the poses around the sweeps are not dense nothing is deskewed, and there is
+    no finding. Where clocks differ, beams that are deskewed rightly may agree less than others by chance, so they have
+    to agree less with every delay.
+    """
+    name = seen.trajectory
+    if not can_deskew(log, name):
+        return []
+    way = log.trajectory(name)
+    timed = way.timed if way.timed is not None and len(way.timed) else TimedPoses(log.stamps_ns, way.poses)
+    stated = replace(log, trajectories={name: replace(way, timed=timed)}, odometry=None).take(seen.scans)
+    swept = replace(seen, log=stated)
+    now = consistency(swept, deskew="auto")
+    without = consistency(swept, deskew="off")
+
+    def is_better(than: float) -> bool:
+        return without >= BETTER * than and without >= than + BY
+
+    if not is_better(now) or any(not is_better(consistency(swept, deskew="auto", time_offset=s)) for s in DELAYS_S):
+        return []
+    sweep = abs(log.time_increment) * (log.n_beams - 1)
+    return [
+        Finding(
+            CHECK,
+            f"The time_increment of the scans is wrong: by it a scan takes {sweep:.2f} s, but its beams fit better as "
+            f"if all were measured at once: beams end where others end in {100 * without:.0f} % instead of "
+            f"{100 * now:.0f} % of all cases.",
+            "Map without deskewing (--deskew off), and correct time_increment in the sensor's driver.",
+            min(0.97, 0.5 + 4.0 * (without - now)),
+            (),
+            {"deskew": "off"},
+        )
+    ]

@@ -1,0 +1,55 @@
+"""A log as it would be with another mount of its sensor and another clock: what a map's parameters correct."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mapper.core.se2 import compose
+from mapper.sensors.joint_log import JointLog
+from mapper.sensors.motion import Motion, offset_along, seconds
+from mapper.sensors.scan import ScanLog, Trajectory
+from mapper.sensors.timed_poses import TimedPoses
+
+NO_MOUNT = (0.0, 0.0, 0.0)
+
+
+def corrected_log(
+    log: ScanLog, mount: ArrayLike = NO_MOUNT, *, turned_over: bool = False, time_offset: float = 0.0
+) -> ScanLog:
+    """Return the log with a correction of its mount, ``T_laser_corrected`` (3,), and of its clock.
+
+    ``turned_over`` hangs the sensor the other way up. ``time_offset`` seconds are added to the stamps of the scans to
+    find their poses, as the mapping parameter of that name; scans that a trajectory does not cover then keep its first
+    or last pose, and poses that were found from the scans stay. The map of the result without corrections is that of
+    ``log`` with them. Of a :class:`JointLog` each sensor is corrected.
+    """
+    wanted = np.asarray(mount, dtype=np.float64)
+    if not (wanted.any() or turned_over or time_offset):
+        return log
+    if isinstance(log, JointLog):
+        return JointLog.of(
+            [corrected_log(part, wanted, turned_over=turned_over, time_offset=time_offset) for part in log.parts]
+        )
+    x, y, yaw = compose(log.mount, wanted).tolist()
+    return replace(
+        log,
+        mount=(x, y, yaw),
+        mounts=None if log.mounts is None else compose(log.mounts, wanted),
+        upside_down=log.upside_down != turned_over,
+        trajectories={name: _shifted(log, name, time_offset) for name in log.trajectories},
+    )
+
+
+def _shifted(log: ScanLog, name: str, time_offset: float) -> Trajectory:
+    one = log.trajectory(name)
+    offset = offset_along(log, name, time_offset)
+    if offset == 0.0 or not log.n_scans or one.is_placeholder:
+        return one
+    poses = Motion.of(log, name).at(seconds(log) + offset)
+    timed = one.timed
+    if timed is not None:
+        timed = TimedPoses(timed.stamps_ns - round(offset * 1e9), timed.poses, timed.notes)
+    return replace(one, poses=poses, timed=timed)
