@@ -14,7 +14,7 @@ import tarfile
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -155,7 +155,7 @@ def _refusal(answer: httpx.Response) -> tuple[str, str]:
 def visitor_id(visitors: Path | None, base: str) -> str:
     """Return the visitor id for the service at ``base`` from the file ``visitors``; a new id is stored there.
 
-    Without a file the id is new.
+    Without a file, or where that cannot be written, the id is new.
     """
     if visitors is None:
         return secrets.token_urlsafe(18)
@@ -167,8 +167,9 @@ def visitor_id(visitors: Path | None, base: str) -> str:
         known = {}
     known = known if isinstance(known, dict) else {}
     known[base] = secrets.token_urlsafe(18)
-    visitors.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_write(visitors) as file:
-        file.write(json.dumps(known, indent=1).encode())
-    visitors.chmod(0o600)
+    with suppress(OSError):
+        visitors.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(visitors) as file:
+            file.write(json.dumps(known, indent=1).encode())
+        visitors.chmod(0o600)
     return str(known[base])

@@ -14,7 +14,7 @@ from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 
 EXAMINED = 0.6  #: share of the work that the findings are
-DRIFT = "walls.drift"
+DRIFT, DELAY = "walls.drift", "timing.delay"
 TOLD = 3  #: events that a finding names
 
 
@@ -42,7 +42,9 @@ def diagnose(
         return None if progress is None else lambda share: progress(begin + (end - begin) * share)
 
     findings = examine(log, trajectory, part(0.0, EXAMINED), wanted, time_offset)
-    events = find_events(_with_mount(log, findings), wanted, part(EXAMINED, 1.0))
+    events = find_events(_remedied(log, findings), wanted, part(EXAMINED, 1.0))
+    if any(finding.check == DELAY for finding in findings):  # where clocks differ, wheels seem to miss each turn
+        events = [one for one in events if one.kind == CLOCK]
     along = trajectory or log.default_trajectory
     is_own = (log.trajectory(along).frame_id or "").strip("/").endswith("odom")
     if is_own:
@@ -50,15 +52,19 @@ def diagnose(
     return Diagnosis(tuple(findings), tuple(events))
 
 
-def _with_mount(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
-    """Return the log with its mount as findings correct it: a false one moves the robot where it turns."""
+def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
+    """Return the log as findings correct its mount, its clocks and its longest range, so that no event is their effect.
+
+    By a false mount the robot moves where it turns, and what is no return is a wall that moves with it.
+    """
     if isinstance(log, JointLog):
         return log
     config = MappingConfig()
     for finding in findings:
-        if finding.check.startswith("mount.") and finding.parameters:
-            config = config.with_values(finding.parameters)
-    return as_mapped(log, config)
+        config = config.with_values(finding.parameters or {})
+    limits = [one.parameters["range_max"] for one in findings if one.parameters and "range_max" in one.parameters]
+    increment = 0.0 if config.deskew == "off" else log.time_increment
+    return replace(as_mapped(log, config), range_max=min([log.range_max, *limits]), time_increment=increment)
 
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:

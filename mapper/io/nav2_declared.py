@@ -1,9 +1,9 @@
 """Names of the parameters that Nav2 declares: of a costmap, its layers, AMCL, and what plans and follows paths here.
 
-Source: the calls of declare_parameter in navigation2 of the releases Foxy (0.4), Galactic, Humble (1.1), Iron, Jazzy
-(1.3) and Kilted (1.4), and of its main branch in 2026: nav2_costmap_2d (costmap_2d_ros.cpp, plugins/*.cpp), nav2_amcl
-(amcl_node.cpp), nav2_navfn_planner and nav2_regulated_pure_pursuit_controller. A name that is in none of these tables
-has no effect in Nav2: rclcpp passes over values of parameters that no node declares.
+Source: the calls of declare_parameter in navigation2's costmap_2d_ros.cpp, obstacle_layer.cpp and denoise_layer.cpp,
+with the names that older releases had; the names of the other layers, of AMCL and of what plans and follows paths were
+not compared with their sources. A name that is in none of these tables gets a note and has no effect: rclcpp passes
+over values of parameters that no node declares.
 """
 
 from __future__ import annotations

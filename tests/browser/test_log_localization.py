@@ -90,7 +90,7 @@ def test_what_cannot_be_used_is_said(visitor: BrowserContext, server: str, tmp_p
     panel.get_by_text("Parameters of the filter").click()
     for lines, said in (
         (["z_hit: .nan"], "(z_hit) must be a finite number"),
-        (["z_hot: 0.5"], "AMCL has no parameter 'z_hot'"),
+        (["z_hot: 0.5"], "declares no parameter 'z_hot' (did you mean 'z_short'?)"),
         (["z_hit: 0.7", "scan_topic: front"], "Without effect here, and kept where you save: scan_topic."),
     ):
         panel.get_by_label("Yaml of an AMCL").set_input_files(amcl_yaml(tmp_path, *lines))

@@ -141,6 +141,12 @@ def test_a_service_that_is_not_there(path: Path) -> None:
             client.logs()
 
 
+def test_a_visitor_whose_id_cannot_be_kept_is_a_new_one(service: Service) -> None:
+    nowhere = Path("/dev/null/none/visitors.json")
+    with Client(f"127.0.0.1:{service.port}", visitors=nowhere) as client:
+        assert client.logs()
+
+
 def test_a_service_of_this_machine_is_not_asked_through_a_proxy(
     service: Service, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -35,14 +36,21 @@ class Start(Protocol):
 
 
 @pytest.fixture
-def start(tmp_path: Path) -> Iterator[Start]:
+def temporary() -> Iterator[Path]:
+    """A temporary folder with a short path: that of a Unix socket has at most 107 bytes."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
+@pytest.fixture
+def start(temporary: Path) -> Iterator[Start]:
     """Start a program whose temporary folder is that of the test; return it and the first line that it prints."""
     with ExitStack() as stack:
 
         def begin(program: str) -> tuple[subprocess.Popen[str], str]:
             process = stack.enter_context(
                 subprocess.Popen(
-                    [sys.executable, "-c", program], cwd=ROOT, env=os.environ | {"TMPDIR": str(tmp_path)},
+                    [sys.executable, "-c", program], cwd=ROOT, env=os.environ | {"TMPDIR": str(temporary)},
                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                 )
             )  # fmt: skip
@@ -53,8 +61,8 @@ def start(tmp_path: Path) -> Iterator[Start]:
         yield begin
 
 
-def test_a_start_removes_the_folders_of_killed_processes_alone(start: Start, tmp_path: Path) -> None:
-    other = tmp_path / "gridbloom-of-another-kind"
+def test_a_start_removes_the_folders_of_killed_processes_alone(start: Start, temporary: Path) -> None:
+    other = temporary / "gridbloom-of-another-kind"
     other.mkdir()
     killed, first = start(FOLDER)
     killed.kill()
@@ -66,19 +74,19 @@ def test_a_start_removes_the_folders_of_killed_processes_alone(start: Start, tmp
     assert Path(second).is_dir()
     assert Path(second).stat().st_mode & 0o077 == 0
     ending.communicate("\n")
-    assert sorted(tmp_path.iterdir()) == sorted([other, Path(second)]), third
+    assert sorted(temporary.iterdir()) == sorted([other, Path(second)]), third
 
 
-def test_a_service_that_was_killed_leaves_only_what_the_next_start_removes(start: Start, tmp_path: Path) -> None:
+def test_a_service_that_was_killed_leaves_only_what_the_next_start_removes(start: Start, temporary: Path) -> None:
     killed, said = start(SOCKETS)
     assert said == "begun"
     killed.kill()
     killed.wait()
-    (left,) = tmp_path.iterdir()
+    (left,) = temporary.iterdir()
     assert any(path.is_socket() for path in left.rglob("*"))
     ended, said = start(SOCKETS)
     assert said == "begun"
     assert not left.exists()
     ended.communicate("\n")
     assert ended.returncode == 0
-    until(lambda: not list(tmp_path.iterdir()))
+    until(lambda: not list(temporary.iterdir()))

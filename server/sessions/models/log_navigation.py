@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from server.library.given_map import GivenMap
     from server.sessions.models.log_recording import LogRecording
 
+LOCALIZED = "localized"  #: the trajectory of poses that were found in the given map
 MOST_CELLS = 4_000_000  #: of the map: each costmap holds a dozen grids of its size
 _OF_THE_LAB = ("desired_linear_vel", "lookahead_dist")  #: nothing drives
 ROWS = rows_with(
@@ -39,6 +40,13 @@ class LogNavigation(Navigation):
         self._index = -1  #: of the scan that the layers of obstacles saw last
         self._terrain: UploadedTerrain | None = None
         self._laid: UploadedTerrain | None = None  #: the terrain in the costmap
+
+    def _first_values(self) -> dict[str, Any]:
+        """Return the given map as the static one, where the poses in use are those that were found in it."""
+        given = self._given_map()
+        if given is None or given.values.size > MOST_CELLS or self._recording.trajectory != LOCALIZED:
+            return {}
+        return {"map": "given"}
 
     def _check(self, wanted: Mapping[str, Any]) -> None:
         geometry = self._recording.replay.grid.geometry

@@ -40,6 +40,10 @@ class Navigation(ABC):
         self._is_new = False  #: whether the costs have to be brought up to date before the next scan
         self._is_stale = False  #: whether the path has to be planned again
 
+    def _first_values(self) -> dict[str, Any]:
+        """Return the values that a new costmap has in the place of the table's first ones."""
+        return {}
+
     @abstractmethod
     def _check(self, wanted: Mapping[str, Any]) -> None:
         """Raise :class:`ConfigError` for parameters that this session cannot have."""
@@ -124,7 +128,8 @@ class Navigation(ABC):
         costmap = self._costmap
         wanted = values({"values": {}} | command)
         self._check(wanted)
-        parameters = (LabParameters() if costmap is None else costmap.parameters).with_values(wanted)
+        first = LabParameters().with_values(self._first_values()) if costmap is None else costmap.parameters
+        parameters = first.with_values(wanted)
         corners = command.get("footprint")
         if corners is not None:
             parameters = replace(parameters, footprint=footprint_of(corners))

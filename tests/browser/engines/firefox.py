@@ -25,10 +25,12 @@ _ADDRESS = re.compile(rb"WebDriver BiDi listening on (ws://\S+)")
 def _preferences(*, dark: bool) -> str:
     """Return a profile's preferences: less motion, a colour scheme, and a proxy that refuses all other hosts.
 
-    Without a screen Firefox has WebGL on few machines; it has none on any, so that tests see the same everywhere.
+    Without a screen Firefox has WebGL on few machines; it has none on any, so that tests see the same everywhere. A
+    click gives no button the focus, as in browsers on macOS.
     """
     values: dict[str, str | int] = {
         "webgl.disabled": True,
+        "accessibility.mouse_focuses_formcontrol": 0,
         "ui.prefersReducedMotion": 1,
         "layout.css.prefers-color-scheme.content-override": 0 if dark else 1,
         "network.proxy.type": 1,

@@ -36,7 +36,7 @@ def test_a_drive_in_which_nothing_happens_has_no_event(drift: float) -> None:
     [
         ((0.0, 0.4, 0.0), "left", "m to its left, which the wheels did not measure."),
         ((0.0, -0.25, 0.0), "right", "m to its right, which the wheels did not measure."),
-        ((-0.3, 0.0, 0.0), "behind", "m backwards, which the wheels did not measure."),
+        ((-0.4, 0.0, 0.0), "behind", "m backwards, which the wheels did not measure."),
     ],
 )
 def test_a_push_is_found_with_its_time_size_and_side(

@@ -69,6 +69,7 @@ export function Cell({ parameters, events: given }: CellProps) {
       class="cell"
       aria-label="One cell, updated with hits and misses"
       aria-keyshortcuts="H M"
+      tabIndex={-1} // macOS gives a pressed button no focus: the keys come here then
       onKeyDown={(event) => {
         if (event.ctrlKey || event.metaKey || event.altKey) return;
         const key = event.key.toLowerCase();

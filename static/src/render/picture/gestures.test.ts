@@ -163,3 +163,23 @@ test("a stroke is cancelled by the browser's pointercancel and by a second finge
   point("pointerdown", 60, 20, { pointerType: "touch", pointerId: 2 });
   expect(calls).toEqual([["stroke", [20, 20], null, false]]);
 });
+
+test("a pinch on a trackpad in WebKit zooms by steps of its scale, and fingers on a screen do so themselves", () => {
+  const pinch = (type: string, scale: number): boolean =>
+    element.dispatchEvent(Object.assign(new Event(type, { cancelable: true }), { scale, clientX: 30, clientY: 40 }));
+  expect(pinch("gesturestart", 1)).toBe(false); // the page is not enlarged
+  pinch("gesturechange", 2);
+  pinch("gesturechange", 3);
+  pinch("gesturestart", 1);
+  pinch("gesturechange", 0.5);
+  expect(calls).toEqual([
+    ["zoom", 30, 40, 2],
+    ["zoom", 30, 40, 1.5],
+    ["zoom", 30, 40, 0.5],
+  ]);
+  calls = [];
+  point("pointerdown", 20, 30, { pointerType: "touch" });
+  pinch("gesturestart", 1);
+  pinch("gesturechange", 2);
+  expect(calls).toEqual([]);
+});

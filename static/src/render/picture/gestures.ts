@@ -32,6 +32,13 @@ interface Contact {
   y: number;
 }
 
+/** WebKit's `GestureEvent`, in no standard; `scale` is relative to the beginning of the gesture. */
+interface TrackpadEvent extends Event {
+  readonly scale: number;
+  readonly clientX: number;
+  readonly clientY: number;
+}
+
 type Mode = "idle" | "pressed" | "robot" | "stroke" | "pan" | "pinch" | "longPress";
 
 /**
@@ -167,6 +174,18 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
     gestures.zoom(at.x, at.y, Math.exp(-Math.max(-240, Math.min(240, pixels)) * (event.ctrlKey ? 0.01 : 0.002)));
   };
 
+  // Two fingers on a trackpad: other browsers send them as a wheel with Ctrl, WebKit as events of its own.
+  let pinched = 1;
+  const trackpad = (event: Event): void => {
+    event.preventDefault(); // the page would be enlarged
+    const { scale, clientX, clientY } = event as TrackpadEvent;
+    if (event.type === "gesturechange" && contacts.size === 0) {
+      const at = where({ clientX, clientY });
+      gestures.zoom(at.x, at.y, scale / pinched);
+    }
+    pinched = scale;
+  };
+
   // Only a touch event's handler can prevent scrolling while a finger drags the robot.
   const touch = (event: TouchEvent): void => {
     const first = event.touches[0];
@@ -191,6 +210,8 @@ export function listen(element: HTMLElement, gestures: Gestures): () => void {
   element.addEventListener("pointerleave", leave, { signal });
   element.addEventListener("contextmenu", menu, { signal });
   element.addEventListener("wheel", wheel, { passive: false, signal });
+  element.addEventListener("gesturestart", trackpad, { signal });
+  element.addEventListener("gesturechange", trackpad, { signal });
   element.addEventListener("touchstart", touch, { passive: false, signal });
   element.addEventListener("touchmove", touch, { passive: false, signal });
   return () => {

@@ -96,6 +96,11 @@ function Find({ store, localizing }: Omit<LocalizeProps, "isGuest">) {
                   {(map.cols * map.resolution).toFixed(1)} × {(map.rows * map.resolution).toFixed(1)} m, cells of{" "}
                   {Number((100 * map.resolution).toFixed(2))} cm
                 </span>
+                {map.notes.map((note) => (
+                  <span class="map-note" key={note}>
+                    {note}
+                  </span>
+                ))}
               </p>
             )}
           </>
