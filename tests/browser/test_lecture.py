@@ -139,7 +139,7 @@ def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: P
       };
       const canvases = [...document.querySelectorAll(".stage canvas")];
       window.printed = {
-        figures: document.querySelectorAll(".lesson-figure figure").length,
+        figures: document.querySelectorAll(".lesson:has(.lesson-figure figure)").length,
         canvases: canvases.length,
         light: canvases.filter(light).length,
       };
