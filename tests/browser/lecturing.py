@@ -18,12 +18,12 @@ def never_idle(opener: Page | BrowserContext) -> None:
 def open_lecture(page: Page, server: str) -> None:
     """Open the lecture, and wait for its last sections: the code of some comes after the page."""
     page.goto(f"{server}/lecture.html")
-    expect(page.locator("#log")).to_be_attached()
+    expect(page.locator("#next")).to_be_attached()
 
 
 def set_up_every_figure(page: Page) -> None:
     """Have the lecture that is open render all its figures."""
-    expect(page.locator("#log")).to_be_attached()
+    expect(page.locator("#next")).to_be_attached()
     page.evaluate("() => dispatchEvent(new Event('beforeprint'))")
     expect(page.locator(".figure-awaited")).to_have_count(0)
     page.evaluate("() => dispatchEvent(new Event('afterprint'))")

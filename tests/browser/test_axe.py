@@ -36,7 +36,7 @@ AXE = Path(__file__).parents[2] / "static" / "node_modules" / "axe-core" / "axe.
 READY = {
     "/": ".hero canvas",
     "/lecture.html": ".lesson-figure figure",
-    "/lecture.html?present": ".on-slide .slide-question",  # the first step; test_slides.py looks at every slide
+    "/lecture.html?present": ".own-title.on-slide",  # the first slide; test_slides.py looks at every one
     "/lab.html": ".picture canvas",
     "/logs.html": ".log-card",
     "/puzzles.html": ".puzzles .card",

@@ -79,7 +79,7 @@ def test_nothing_in_view_moves_while_the_page_fills(
     def is_at(section: str) -> bool:
         return bool(abs(page.evaluate(OFF, section)) <= STILL_WITHIN)
 
-    expect(page.locator("#log")).to_be_attached()  # the sections whose code comes later are there
+    expect(page.locator("#next")).to_be_attached()  # the sections whose code comes later are there
     until("the section of the address", lambda: is_at("terrain"))
     for section in ("rays", "lifetime", "mount"):
         page.evaluate(JUMP, section)
@@ -104,7 +104,7 @@ def test_the_page_is_read_by_wheel_and_keys(page: Page, server: str) -> None:
     )
     page.goto(f"{server}/lecture.html#sonar")
     # The figures around it come, and then all others, without anybody going there.
-    expect(page.locator("#log .dropzone")).to_be_attached()
+    expect(page.locator("#next")).to_be_attached()
     expect(page.locator(".figure-awaited")).to_have_count(0)
     assert abs(page.evaluate(OFF, "sonar")) <= STILL_WITHIN
     # The section in sight is marked in the list beside the lecture, and another one is a key press away.
@@ -139,7 +139,7 @@ def test_printed_it_shows_every_figure_in_light_colours_without_controls(page: P
       };
       const canvases = [...document.querySelectorAll(".stage canvas")];
       window.printed = {
-        figures: document.querySelectorAll(".lesson-figure figure").length,
+        figures: document.querySelectorAll(".lesson:has(.lesson-figure figure)").length,
         canvases: canvases.length,
         light: canvases.filter(light).length,
       };

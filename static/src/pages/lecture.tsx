@@ -116,6 +116,7 @@ const FIRST_LATER = ENTRIES.findIndex(({ id }) => isLater(id));
  * its end only, so nothing in view moves.
  */
 const entriesNow = computed(() => (later.value || presenting.value ? ENTRIES : ENTRIES.slice(0, FIRST_LATER)));
+const isOnPage = ({ index }: { readonly index: number }): boolean => index < entriesNow.value.length;
 
 /** Fonts that come after the first text is shown move it; they are smaller than the page's code and load beside it. */
 const FONTS_MS = 1000;
@@ -199,13 +200,11 @@ function Page() {
           )}
           {LECTURE_PARTS.map((part, i) => (
             <Fragment key={part.title}>
-              {!presenting.value && <PartHead number={i + 1} part={part} />}
-              {part.lessons
-                .filter(({ index }) => index < entriesNow.value.length)
-                .map(({ id, title, index }) => {
-                  const Body = BODIES[id];
-                  return <Body key={id} id={id} number={index + 1} title={title} />;
-                })}
+              {!presenting.value && part.lessons.some(isOnPage) && <PartHead number={i + 1} part={part} />}
+              {part.lessons.filter(isOnPage).map(({ id, title, index }) => {
+                const Body = BODIES[id];
+                return <Body key={id} id={id} number={index + 1} title={title} />;
+              })}
             </Fragment>
           ))}
           <OwnSlide />

@@ -25,7 +25,7 @@ def test_nothing_in_view_moves_while_the_page_fills(tab: Tab, size: tuple[int, i
     tab.open("/lecture.html")
     tab.run(HOLD)
     tab.run(_LOOK, text, own_font)
-    tab.until("() => document.getElementById('log') !== null")
+    tab.until("() => document.getElementById('next') !== null")
     for section in ("rays", "lifetime", "mount"):
         tab.run(JUMP, section)
         tab.run(WATCH)
