@@ -153,7 +153,7 @@ def test_every_route_handles_odd_names_and_bodies(service: Service, method: str)
     assert codes <= {
         "http.not_found", "http.method_not_allowed", "http.bad_request", "request.invalid", "session.unknown",
         "log.not_found", "log.empty", "world.name", "link.gone", "parameter.unknown", "parameters.text",
-        "parameters.yaml", "amcl.yaml", "amcl.unknown", "class.unknown", "puzzle.gone",
+        "parameters.yaml", "amcl.yaml", "amcl.unknown", "class.unknown", "class.guesses", "puzzle.gone",
         "puzzle.no_game", "puzzle.unknown",
     }  # fmt: skip
 
