@@ -26,6 +26,7 @@ FEWEST_MOVED = 3  #: intervals in which it moved, to judge by its way
 #: Share of the way that the longer interval would have, at the usual speed, from which it was driven: while scans are
 #: missing a robot drives on, but where scans are recorded each time it has come some way, that way is always the same.
 DROVE_ON = 0.7
+CLOCK_SET_S = 86_400.0  #: a jump of the stamps that is no pause of a robot, however little it moved
 FARTHER = 1.5  #: times nearly the longest usual way, from which the robot moved during a gap
 #: Correlation of the speed from one interval to the next, from which stamps are those of measurement: a robot has mass,
 #: and by the stamps of arrival its speed would jump. It is 0.5 to 0.6 of logs that are recorded by distance, and 0 to
@@ -115,7 +116,7 @@ def check(log: ScanLog, seen: Examined) -> list[Finding]:
     gap = steps > max(GAP_S, 5.0 * usual)
     if way is not None and (~gap).any():
         # A robot that stood, or whose scans are recorded by distance, has missed nothing.
-        gap &= way > max(MOVED_M, FARTHER * float(np.quantile(way[~gap], 0.95)))
+        gap &= (way > max(MOVED_M, FARTHER * float(np.quantile(way[~gap], 0.95)))) | (steps > CLOCK_SET_S)
     if gap.any():
         found.append(
             Finding(

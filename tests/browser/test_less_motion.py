@@ -93,6 +93,8 @@ def test_figures_of_the_lecture_go_by_steps(page: Page, server: str) -> None:
         ("algorithm", "Step forward", ".figure-controls output"),
         ("forgetting", "Forward one scan", "figcaption"),
     ):
+        if section == "algorithm":
+            page.locator("#algorithm").get_by_text("beam by beam", exact=True).click()
         figure = page.locator(f"#{section} figure")
         figure.scroll_into_view_if_needed()
         if section == "forgetting":

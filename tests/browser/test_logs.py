@@ -257,7 +257,7 @@ def test_a_file_that_is_no_log_is_refused_with_one_sentence(page: Page, server: 
     error = card.locator(".card-error", has_text=".")
     expect(error).to_be_visible()
     assert "Traceback" not in error.inner_text()
-    expect(card).to_contain_text("CARMEN logs, ROS bags, MCAP")
+    expect(card).to_contain_text("CARMEN, CMU, ROS 1 bag")
     # Nothing else stopped working: the sample opens beside it.
     page.locator(".log-card", has_text="sample").get_by_role("button", name="Open map").click()
     await_true(page, "() => window.gridbloom && gridbloom.cells().free > 50")

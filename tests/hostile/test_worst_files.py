@@ -12,6 +12,7 @@ import httpx
 import pytest
 import zstandard
 
+from server.process_folder import PREFIX
 from tests.hostile import bombs
 from tests.hostile.archives import tarred
 from tests.hostile.corpus import TEXTS, bag_record, bag_with_chunk, images, mcap_with_chunk, recording
@@ -135,6 +136,6 @@ def test_the_service_continues_and_no_files_are_left(process, name):
         assert str(data) not in log["error"]["message"]
     assert client.delete(there).status_code == 204
     assert files(data) == {"blobs": 0, "packs": 0, "incoming": 0}
-    left = [path for path in temporary.rglob("*") if not path.match("pymp-*") and not path.match("pymp-*/listener-*")]
-    assert left == [], "nothing but the socket of the fork server"
+    left = [path for path in temporary.rglob("*") if not path.relative_to(temporary).parts[0].startswith(PREFIX)]
+    assert left == [], "nothing but the sockets of the service"
     assert alive(client)

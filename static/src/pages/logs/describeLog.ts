@@ -131,9 +131,10 @@ export function topic(one: Topic): string {
 
 const REMEDIES: readonly (readonly [codes: RegExp, remedy: string])[] = [
   [
-    /\.(unknown_format|binary|garbage|empty|missing)$/,
-    "CARMEN and gmapping logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap's files and zips of depth images. Convert other formats first.",
+    /\.(empty|missing)$/,
+    "CARMEN and gmapping logs, ROS bags, MCAP, DP-SLAM, BreezySLAM and CSV logs can be read, and PCD, PLY, VTK, LAS, XYZ, OctoMap's files and zips of depth images.",
   ],
+  [/\.(unknown_format|binary|garbage)$/, "Convert other formats first."], // the error names those that are read
   [
     /\.(truncated|gzip|compression|sqlite|unreadable)$/,
     "Copy the file again from where it was recorded; this copy is damaged.",
