@@ -57,8 +57,8 @@ def bad_files() -> dict[str, tuple[bytes, str]]:
     return {
         "a billion points claimed": (pcd((1, 2, 3), count=10**9), "more than the limit of 50000000"),
         "a PLY that claims a billion": (
-            b"ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\n"
-            b"end_header\n1 2 3\n",
+            (b"ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\n"
+            b"end_header\n1 2 3\n"),
             "more than the limit of 50000000",
         ),
         "nothing but nan and infinite": (pcd((np.nan, 0, 0), (np.inf, 1, 1)), "is finite"),
