@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -29,6 +30,7 @@ from mapper.simulation.second_map import SecondMap, Vanishing
 from mapper.simulation.simulation import Simulation
 from mapper.simulation.worlds import World
 
+SNAP_M = 0.2  #: metres that a robot is moved aside without a word
 MARGIN = 1.0  #: metres around a world that its grid holds from the start, for readings that noise lengthens
 WARM_UP_S = 2.0  #: seconds that the robot has driven when a visitor arrives
 MAX_SEGMENTS = 32  #: recordings of different sensors that one map is made from
@@ -313,10 +315,14 @@ class LiveMap:
     # -- what a person changes --------------------------------------------------------------------------------------
 
     def teleport(self, x: float, y: float, yaw: float | None) -> tuple[Change, str | None]:
-        """Put the robot somewhere and look; return the change, and a sentence where it had to be put elsewhere."""
+        """Put the robot somewhere and look; return the change, and a sentence where it had to be put elsewhere.
+
+        A place at most :data:`SNAP_M` beside the one that was asked for needs no sentence.
+        """
         landed = self.simulation.teleport(x, y, yaw)
         self._odometer.place(landed.pose)
-        return self.look(), landed.message if landed.moved else None
+        is_told = landed.moved and math.hypot(landed.pose[0] - x, landed.pose[1] - y) > SNAP_M
+        return self.look(), landed.message if is_told else None
 
     def set_sensor(self, sensor: SensorConfig) -> bool:
         """Exchange the sensor; return whether the map had to be made again, because a recording was given up.

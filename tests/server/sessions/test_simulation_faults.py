@@ -14,7 +14,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, Faults, SensorConfig
-from mapper.simulation.live_map import LiveMap
+from mapper.simulation.live_map import SNAP_M, LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.models.story import replayed, story_of
 from server.stream.layers import GridLayer
@@ -227,3 +227,17 @@ async def test_subscribers_of_the_second_map_receive_it(registry: SessionRegistr
     assert np.any(first != second)
     texts = [message for message in client.take() if isinstance(message, str)]
     assert {json.loads(text)["type"] for text in texts} >= {"hello", "layers", "geometry", "frame"}
+
+
+def test_a_robot_that_is_moved_aside_by_little_is_put_there_without_a_word() -> None:
+    mapper = LiveMap(WORLDS["room"], seed=1)
+    radius, world = mapper.simulation.radius, mapper.simulation.world
+    x, y = world.bounds[0] + 0.5 * radius, world.bounds[1] + 5.0  # in or at a wall
+    for _ in range(200):  # away from it, until the robot nearly fits
+        place = world.nearest_free((x, y), radius + 1e-3)
+        if np.hypot(place[0] - x, place[1] - y) < SNAP_M:
+            break
+        x += 0.01
+    assert not world.is_free((x, y), radius + 1e-3)
+    assert mapper.teleport(x, y, None)[1] is None
+    assert "nearest free spot" in (mapper.teleport(-50.0, -50.0, None)[1] or "")
