@@ -104,7 +104,7 @@ test("a log that failed comes with something to do about it", () => {
     state: "failed",
     error: { code, message },
   });
-  expect(remedy(failed("log.unknown_format", "The file is a ROS 1 bag."))).toContain("CARMEN");
+  expect(remedy(failed("log.unknown_format", "The file is a ROS 1 bag."))).toContain("Convert other formats");
   expect(remedy(failed("log.too_many_lines", "The log has more lines than the limit."))).toContain("shorter");
   expect(remedy(failed("log.no_scans", "The log holds no scans."))).toContain("range readings");
   expect(remedy(failed("log.truncated", "The gzip data ends early."))).toContain("Copy");
