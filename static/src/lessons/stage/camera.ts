@@ -1,11 +1,12 @@
 /** The part of the floor that the stage shows, and the way from one part to another. */
 
-/** A box of the floor, metres: its centre, and the width and height that have to be visible. */
+/** What the camera shows: a box of the floor, and the strip beside it. */
 export interface View extends Box {
-  /** How much of the history of a cell's strip beside the map is shown: 0 none, 1 all of it. */
+  /** How much of the strip with a cell's history is shown beside the map: 0 none, 1 all of it. */
   readonly strip: number;
 }
 
+/** A box of the floor, metres: its centre, and the width and height that have to be visible. */
 export interface Box {
   readonly x: number;
   readonly y: number;

@@ -94,7 +94,7 @@ export const ALGORITHM = {
 /** Scans of the drive at the section on the sensor model; the newest has the reading of the curve. */
 const MODEL_SCANS = 28;
 
-/** The reading of the stage's beam at the section on the sensor model, metres: the one set by hand, or the measured one. */
+/** The measured range of the stage's beam at the section on the sensor model, metres. */
 export const modelBeam = computed(
   () => scanAt(DRIVE[MODEL_SCANS - 1] ?? [0, 0, 0], MODEL_SCANS - 1, USUAL).ranges[pipelineBeam.value] ?? null,
 );
