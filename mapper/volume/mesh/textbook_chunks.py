@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -28,9 +29,9 @@ def part_of_mesh(
 
 
 def linear_of(colors: UInt8Array) -> Float64Array:
-    """Return sRGB colours as linear ones, 0 to 1. Source: IEC 61966-2-1."""
-    srgb = colors.astype(np.float64) / 255.0
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    """Return sRGB colours as linear ones, 0 to 1, each of the 256 values by itself. Source: IEC 61966-2-1."""
+    values = [k / 255.0 for k in range(256)]
+    return np.array([v / 12.92 if v <= 0.04045 else math.pow((v + 0.055) / 1.055, 2.4) for v in values])[colors]
 
 
 def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
