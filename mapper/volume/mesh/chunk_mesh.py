@@ -95,7 +95,7 @@ def cut_between(mesh: ChunkMesh, low: float, high: float) -> ChunkMesh | None:
 
 
 def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
-    """Return colours (n, 3) with the light on a surface, as :func:`mapper.volume.mesh.textbook_chunks.shaded` does.
+    """Return colours (n, 3) with the light on a surface, as :func:`mapper.volume.mesh.textbook.shaded` does.
 
     Raises :class:`ConfigError` for arrays of other shapes.
     """
