@@ -32,7 +32,8 @@ def odometry_control(before: Float64Array, after: Float64Array) -> tuple[float, 
     way = complex(after[0] - before[0], after[1] - before[1])
     distance = abs(way)
     direction = heading if distance < 0.01 else way / distance
-    return float(np.angle(direction / heading)), distance, float(np.angle(next_heading / direction))
+    turns = wrap_angle(np.angle([direction / heading, next_heading / direction]))  # −π, not π, as elsewhere
+    return float(turns[0]), distance, float(turns[1])
 
 
 def odometry_sigmas(control: tuple[float, float, float], alphas: Alphas) -> Float64Array:
