@@ -18,7 +18,7 @@ from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.log import LogModel
 from server.sessions.models.terrain_map import TerrainMap
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
 
 STATIC_ONLY = {"obstacle_layer": False, "dynamic_layer": False}
@@ -34,7 +34,7 @@ class Log:
 
     def do(self, **command: Any) -> dict[str, Any]:
         result = TickResult()
-        self.model.obey(command, result)
+        self.model.handle(command_of(command), result)
         while self.model.is_catching_up:
             self.model.advance(0.0, result)
         self.model.draw(result)

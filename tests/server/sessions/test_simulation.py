@@ -20,6 +20,7 @@ from mapper.replay import Replay
 from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
+from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
@@ -249,7 +250,7 @@ async def test_of_many_parameters_only_the_newest_is_made(
 
     monkeypatch.setattr(LiveMap, "remake", counted)
     for i in range(100):
-        session.enqueue({"type": "parameters", "values": {"window": 0.01 * i}})
+        session.enqueue(command_of({"type": "parameters", "values": {"window": 0.01 * i}}))
     await obey(session, type="parameters", values={"log_odds_hit": 1.5})
     assert made == [0.99]
     assert view_of(session).config.window == 0.99
@@ -294,7 +295,7 @@ async def test_a_refused_command_changes_nothing(
     before, config, sensor = view_of(session), session.model.config, session.model.sensor
     client = session.join()
     client.take()
-    session.enqueue(command, client)
+    session.enqueue(command_of(command), client)
     await obey(session, type="pause")
     answers = "".join(str(message) for message in client.take())
     assert '"type":"error"' in answers
