@@ -23,6 +23,7 @@ from server.library.given_map import GivenMap
 from server.sessions.models.map_editing import MapModel, operation_of
 from server.sessions.models.painted_zones import painted_filters
 from server.sessions.tick import TickResult
+from server.stream.commands import MapEditCommand
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.service import Service, once_read, running, settings_for, until
 
@@ -138,8 +139,8 @@ def test_what_a_map_refuses() -> None:
         ({"op": "rotate"}, "lacks angle"),
     ):
         with pytest.raises(ConfigError, match=said):
-            operation_of(command)
-    with pytest.raises(ProtocolError, match="A map has no command 'seek'"):
+            operation_of(MapEditCommand(**command))
+    with pytest.raises(ProtocolError, match="A map session has no command 'seek'"):
         shown.handle(command_of({"type": "seek", "index": 0}), TickResult())
     with pytest.raises(LimitError, match="30 × 20 cells; here one of at most 500 cells"):
         model(most=4000)

@@ -227,8 +227,8 @@ async def test_the_progress_says_what_is_computed(
         assert released.wait(PATIENCE_S)
 
     monkeypatch.setattr(LabNavigation, "draw", slow)
-    monkeypatch.setattr(VolumeView, "obey", slow)
-    monkeypatch.setattr(LogNavigation, "obey", slow)
+    monkeypatch.setattr(VolumeView, "handle", slow)
+    monkeypatch.setattr(LogNavigation, "handle", slow)
     lab = await new_simulation(registry, "me", "room", seed=1, playing=False)
     log = await new_log(registry, "me", office_log, playing=False)
     for session, command, subject in (

@@ -20,7 +20,8 @@ from mapper.replay import Replay
 from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
-from server.stream.protocol import command_of
+from server.sessions.tick import error_message
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
@@ -295,7 +296,10 @@ async def test_a_refused_command_changes_nothing(
     before, config, sensor = view_of(session), session.model.config, session.model.sensor
     client = session.join()
     client.take()
-    session.enqueue(command_of(command), client)
+    try:
+        session.enqueue(command_of(command), client)
+    except ProtocolError as error:  # as the socket refuses it
+        client.send(error_message(error.code, error.message))
     await obey(session, type="pause")
     answers = "".join(str(message) for message in client.take())
     assert '"type":"error"' in answers
