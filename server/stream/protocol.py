@@ -86,7 +86,6 @@ _TYPE_WORDS = {
     "array": "a list",
     "object": "an object",
     "null": "null",
-    "bool | float | str": "a number, a string, or true or false",
 }  #: descriptions of msgspec's names of types
 
 
@@ -187,8 +186,7 @@ def _refused(kind: str, error: str) -> ProtocolError:
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
     if missing is not None:
         return ProtocolError(f"command.{missing[1]}", f'The command "{kind}" needs a "{missing[1]}".')
-    for name, words in _TYPE_WORDS.items():
-        what = what.replace(f"`{name}`", words)
+    what = re.sub(r"`([^`]+)`", lambda name: " or ".join(_TYPE_WORDS.get(k, k) for k in name[1].split(" | ")), what)
     path = path.removesuffix("`").replace("[...]", "")
     name = path.partition("[")[0]
     return ProtocolError(f"command.{name}", f'"{path}" of the command "{kind}" is wrong: {what}.')

@@ -91,7 +91,7 @@ class LabNavigation(Navigation):
         velocities = self._path.control(pose, parameters)
         if velocities is not None:
             self._steered = time
-            linear, angular = (round(v, 3) for v in velocities)
+            linear, angular = (round(float(v), 3) for v in velocities)
             act(self._mapper, DriveCommand(linear, angular), result)
         if not self._path.drives:
             result.slot(self._path.message())  # it has arrived

@@ -21,6 +21,7 @@ from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.tick import error_message
+from server.stream.commands import ParametersCommand, SeekCommand
 from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
@@ -337,8 +338,8 @@ async def test_a_defect_pauses_the_session_and_is_reported(
 
 async def test_commands_may_be_queued_from_any_thread(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    await asyncio.to_thread(session.post, {"type": "parameters", "values": {"window": 0.5}})
-    await asyncio.to_thread(session.post, {"type": "nonsense"})
+    await asyncio.to_thread(session.post, ParametersCommand({"window": 0.5}))
+    await asyncio.to_thread(session.post, SeekCommand(3))
     await eventually(lambda: session.model.config.window == 0.5)
 
 

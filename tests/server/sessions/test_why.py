@@ -167,9 +167,7 @@ async def test_earlier_contributions_can_be_requested(
         ({"row": -1, "col": 0}, "command.cell"),
         ({"row": 0, "col": 10**6}, "command.cell"),
         ({"row": 0, "col": 0, "epoch": 99}, "command.epoch"),
-        ({"row": 0.5, "col": 0}, "command.row"),
         ({"row": 0, "col": 0, "until": 0}, "command.until"),
-        ({"row": 0, "col": 0, "until": "all"}, "command.until"),
     ],
 )
 async def test_a_question_that_has_no_answer(

@@ -64,6 +64,13 @@ def test_a_field_has_its_type_or_the_command_is_refused_by_its_name(value: Any) 
             assert not isinstance(read, float) or math.isfinite(read)
 
 
+def test_a_refusal_says_what_is_expected() -> None:
+    with pytest.raises(ProtocolError) as refused:
+        command_of({"type": "why", "row": 0, "col": 0, "epoch": 1, "until": "all"})
+    assert refused.value.code == "command.until"
+    assert refused.value.message.endswith("Expected a whole number or null, got a string.")
+
+
 def test_wrong_values_are_left_to_the_table_of_parameters() -> None:
     given: Any = {"window": None, "model": [3], "resolution": 2**70}
     assert command_of({"type": "parameters", "values": given}) == ParametersCommand(given)
