@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -139,6 +139,55 @@ class JointLog(ScanLog):
 def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
     """Return the logs of a log's sensors: its parts, or itself."""
     return log.parts if isinstance(log, JointLog) else (log,)
+
+
+def by_sensor(log: ScanLog) -> list[tuple[ScanLog, Int64Array]]:
+    """Return the log of each of a log's sensors, and which of the log's scans its scans are, (n,).
+
+    Parts of one topic and frame are one sensor, whose scans have different beams or limits.
+    """
+    if not isinstance(log, JointLog):
+        return [(log, np.arange(log.n_scans))]
+    parts_of: dict[tuple[str, str] | int, list[int]] = {}
+    for number, part in enumerate(log.parts):
+        parts_of.setdefault((part.topic, part.frame_id) if part.topic else number, []).append(number)
+    found = []
+    for numbers in parts_of.values():
+        parts = [log.parts[number] for number in numbers]
+        sensor = parts[0] if len(parts) == 1 else log if len(parts) == len(log.parts) else JointLog.of(parts)
+        found.append((sensor, np.flatnonzero(np.isin(log.part_of_scan, numbers))))
+    return found
+
+
+def each_part(log: ScanLog, changed: Callable[[ScanLog], ScanLog]) -> ScanLog:
+    """Return a log with ``changed`` applied to each of its parts, which keeps their scans; or to itself."""
+    return JointLog.of([changed(part) for part in log.parts]) if isinstance(log, JointLog) else changed(log)
+
+
+def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> ScanLog:
+    """Return a log, and its parts, with these trajectories and no others, and without its odometry."""
+    if not isinstance(log, JointLog):
+        return replace(log, trajectories=trajectories, odometry=None)
+    owners = [log.part_of_scan == number for number in range(len(log.parts))]
+    return JointLog.of(
+        [
+            replace(
+                part,
+                trajectories={name: replace(one, poses=one.poses[own]) for name, one in trajectories.items()},
+                odometry=None,
+            )
+            for part, own in zip(log.parts, owners, strict=True)
+        ]
+    )
+
+
+def is_measured(log: ScanLog) -> NDArray[np.bool_]:
+    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of the sensor that took them."""
+    least, greatest = (
+        np.array([getattr(part, name) for part in sensors_of(log)])[sensor_of_scan(log), np.newaxis]
+        for name in ("range_min", "range_max")
+    )
+    return np.asarray((log.ranges >= least) & (log.ranges <= greatest))
 
 
 def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> ScanLog:

@@ -147,7 +147,7 @@ def map_log(
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
+        f"origin {', '.join(f'{value:.10g}' for value in facts['origin'])}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     typer.echo(
@@ -195,9 +195,10 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
     """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
     from mapper.mapping.prepare_scans import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
     from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
+    from mapper.sensors.joint_log import sensors_of  # noqa: PLC0415 - start-up
 
     deskewed = left_out = 0
-    for one in logs:
+    for one in (part for log in logs for part in sensors_of(log)):
         plan = plan_update(config, one.range_min, one.range_max)
         deskewed += int(deskewed_scans(one, plan, trajectory).sum())
         left_out += int((~covered_scans(one, plan, trajectory)).sum())
