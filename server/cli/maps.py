@@ -22,6 +22,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    check_mount,
     configured,
     fail,
     given_cut,
@@ -77,7 +78,7 @@ def map_log(
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
     logs = read_sensors(log, topics, tum_trajectory, cut, tf)
-    _check_mount(logs, given)
+    check_mount(len(logs), configured(given))
     scans = logs[0]
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory
@@ -162,15 +163,6 @@ def map_log(
         return
     for note in [*notes, *(one for one in (cause, drift) if one)]:
         typer.echo(f"  note: {note}")
-
-
-def _check_mount(logs: Sequence[ScanLog], given: dict[str, Any]) -> None:
-    """End the command where a correction of the mount was given, and several sensors are mapped."""
-    if len(logs) < 2:
-        return
-    moved = [name for name in (*MOUNT, "mount_upside_down") if given.get(name)]
-    if moved:
-        fail("A correction of the mount is for one sensor; give one --topic with it.")
 
 
 def _joined(logs: Sequence[ScanLog]) -> ScanLog:

@@ -62,9 +62,9 @@ def exported_sensors(
     """Return the sensors of a log with names of their own.
 
     One sensor's topics are ``/scan`` and ``/points``, or ``/sonar_0`` …; those of several are named as they were in the
-    recording, apart from what is not allowed in a name and from the names that are ``taken``. The parts of one lidar that was
-    switched share its names; they are in the log's order. ``config`` is that of the map in which the scans are to lie,
-    if there is one.
+    recording, apart from what is not allowed in a name and from the names that are ``taken``. The parts of one lidar
+    that was switched, which are in the log's order, share its names. ``config`` is that of the map in which the scans
+    are to lie, if there is one.
     """
     if not isinstance(log, JointLog):
         names = [f"/sonar_{i}" for i in range(log.n_beams)]
