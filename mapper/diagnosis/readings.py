@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined
 from mapper.diagnosis.finding import Finding
-from mapper.sensors.joint_log import is_measured, sensor_of_scan, sensors_of
+from mapper.sensors.joint_log import is_measured, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 FEW = "readings.few"
@@ -65,7 +65,7 @@ def max_range_finding(log: ScanLog) -> list[Finding]:
     if len(below) and count < OFTENER * int(below[-BELOW:].max()):
         return []
     # A log that states what did not return in another way has no code for it, unless the value is the sensor's limit.
-    limits = np.array([part.range_max for part in sensors_of(log)])[sensor_of_scan(log)]
+    limits = np.array([part.range_max for part in sensors_of(log)])[part_of_scan(log)]
     stated = int(np.count_nonzero(np.isinf(log.ranges) | (log.ranges > limits[:, np.newaxis])))
     if stated >= count and greatest < (1.0 - AT_LIMIT) * log.range_max:
         return []
@@ -117,7 +117,7 @@ def _by_bearing(log: ScanLog) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     Of scans with different beams the ranges are at the nearest of the beams that most scans have, at most one step off.
     """
     ranges = np.where(is_measured(log), log.ranges.astype(np.float64), np.nan)
-    parts, owner = sensors_of(log), sensor_of_scan(log)
+    parts, owner = sensors_of(log), part_of_scan(log)
     usual = parts[int(np.argmax(np.bincount(owner, minlength=len(parts))))]
     angles = usual.angles
     if len(parts) == 1:

@@ -15,7 +15,7 @@ from mapper.diagnosis.finding import MOST_SCANS, POSSIBLE, Finding
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.kernels.lattice import cell_of
 from mapper.mapping.integrate import geometry_for, integrate_scans
-from mapper.sensors.joint_log import sensor_of_scan, sensors_of
+from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 STRETCH = 16  #: scans that motion hardly shows in
@@ -106,7 +106,7 @@ def _worst_scans(seen: Examined) -> tuple[int, ...]:
 def _endpoints(seen: Examined, geometry: GridGeometry) -> list[NDArray[np.int64]]:
     log = seen.log
     out = []
-    parts, owner = sensors_of(log), sensor_of_scan(log).tolist()
+    parts, owner = sensors_of(log), part_of_scan(log).tolist()
     angles = [part.angles for part in parts]
     for t, (x, y, theta) in enumerate(log.sensor_poses()):
         part, bearings = parts[owner[t]], angles[owner[t]]

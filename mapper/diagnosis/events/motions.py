@@ -19,7 +19,7 @@ from mapper.core.se2 import compose, inverse
 from mapper.io.logs.summary import recorded_seconds
 from mapper.matching import MatchConfig, match_scan
 from mapper.matching.target import Target
-from mapper.sensors.joint_log import sensor_of_scan, sensors_of
+from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
@@ -82,7 +82,7 @@ def aligned_motions(
     seconds, by_wheels = seconds[numbers], motions(some.trajectory().poses)
     config = SlamConfig()
     front = FrontEnd(ScanStore(sensors_of(some), config.range_max, int(config.n_beams)), config)
-    part_of_scan = sensor_of_scan(some).tolist()
+    parts = part_of_scan(some).tolist()
     by_scans = by_wheels.copy()
     fits = np.ones(len(by_wheels), dtype=np.bool_)
     for k in range(some.n_scans):
@@ -93,7 +93,7 @@ def aligned_motions(
                 progress(k / some.n_scans)
         passed = float(seconds[k] - seconds[k - 1]) if k else 0.0
         step = front.add(
-            some.ranges[k], by_wheels[k - 1] if k else None, sensor=part_of_scan[k],
+            some.ranges[k], by_wheels[k - 1] if k else None, sensor=parts[k],
             seconds=passed if passed > 0.0 else None, mount=some.mount_of(k),
         )  # fmt: skip
         if k:

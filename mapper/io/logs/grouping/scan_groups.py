@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from mapper.core.errors import LimitError
 from mapper.core.limits import Limits
 from mapper.core.se2 import wrap_angle
-from mapper.io.logs.recording.range_limits import counted, notes_on_limits, usable_limits
-from mapper.io.logs.recording.sensor_scans import Beaming, SensorScans, median_seconds
-from mapper.sensors.planar.options import is_cut
+from mapper.io.logs.grouping.range_limits import counted, notes_on_limits, usable_limits
+from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.sensors.scan import MAX_STATED_S
 
-MOST_GROUPS = 8  #: of one sensor
+MOST_GROUPS = 64  #: of one sensor
 MOST_COMPARED = 100  #: different angles of one sensor
+MOST_TOLD = 4  #: groups that a note describes
+MOST_STEPS = 4  #: times between beams
 SAME_ANGLE = 2e-5  #: radians: angles in 32 bits that differ by less are one
 STEP_APART = 1.25  #: times between beams that differ by this factor are of different groups
 LIMIT_FOLLOWS = 0.9  #: share of scans whose largest reading is their range_max, which then is no limit
@@ -48,7 +49,7 @@ class ScanGroup:
     time_increment: float
 
 
-def scan_groups(sensor: SensorScans, limits: Limits) -> tuple[list[ScanGroup], list[str]]:
+def scan_groups(sensor: StatedScans, limits: Limits) -> tuple[list[ScanGroup], list[str]]:
     """Return the groups of a sensor's scans, that with most scans first, and what is to be noted about them.
 
     Raises :class:`LimitError` where there would be too many readings.
@@ -57,7 +58,7 @@ def scan_groups(sensor: SensorScans, limits: Limits) -> tuple[list[ScanGroup], l
 
 
 class _Grouping:
-    def __init__(self, sensor: SensorScans, limits: Limits) -> None:
+    def __init__(self, sensor: StatedScans, limits: Limits) -> None:
         self.sensor, self.limits = sensor, limits
         self.beamings, self.of_scan = sensor.beamings, sensor.beaming_of_scan
         counts = np.bincount(self.of_scan, minlength=len(self.beamings)).tolist()
@@ -67,7 +68,7 @@ class _Grouping:
         stated: Counter[tuple[float, float]] = Counter()
         for one, count in zip(self.beamings, counts, strict=True):
             stated[one.range_min, one.range_max] += count
-        if not is_cut(sensor.kind):  # the limits of what is cut are the cut's
+        if not sensor.is_cut:
             self.notes += notes_on_limits(sensor.topic, sensor.n_scans, stated)
 
     def groups(self) -> tuple[list[ScanGroup], list[str]]:
@@ -204,11 +205,12 @@ class _Grouping:
         kinds = [
             f"{len(one.scans)} with {one.ranges.shape[1]} beams {np.degrees(one.angle_increment):.4g}° apart from "
             f"{np.degrees(one.angle_min):.4g}°, up to {one.range_max:g} m"
-            for one in found
+            for one in found[:MOST_TOLD]
         ]
+        more = f"; and {len(found) - MOST_TOLD} kinds more" if len(found) > MOST_TOLD else ""
         return (
             f"{counted(self.sensor.n_scans, self.sensor.n_scans)} on {self.sensor.topic} do not have the same beams or "
-            f"limits: {'; '.join(kinds)}. Each scan is read as it states itself."
+            f"limits: {'; '.join(kinds)}{more}. Each scan is read as it states itself."
         )
 
 
@@ -238,7 +240,7 @@ def _steps(stated: NDArray[np.float32]) -> Int64Array:
     usable = np.where(np.abs(stated) <= MAX_STATED_S, np.abs(stated), 0.0)
     sorted_steps = np.unique(usable)
     edges = sorted_steps[1:] > STEP_APART * sorted_steps[:-1]
-    if np.count_nonzero(edges) >= MOST_GROUPS // 2:
+    if np.count_nonzero(edges) >= MOST_STEPS:
         return np.zeros(len(stated), dtype=np.int64)
     number = np.concatenate([[0], np.cumsum(edges)])
     return np.asarray(number[np.searchsorted(sorted_steps, usable)], dtype=np.int64)
