@@ -472,6 +472,74 @@ def test_foxgloves_messages_are_read(tmp_path, encoding):
     assert f"foxglove.LaserScan messages in {encoding} on /scan are read as sensor_msgs/LaserScan." in log.notes
 
 
+FOXGLOVE_MSGS = {
+    "PackedElementField": "string name\nuint32 offset\nuint8 type",
+    "LaserScan": "{time} timestamp\nstring frame_id\ngeometry_msgs/Pose pose\nfloat64 start_angle\n"
+    "float64 end_angle\nfloat64[] ranges\nfloat64[] intensities",
+    "PointCloud": "{time} timestamp\nstring frame_id\ngeometry_msgs/Pose pose\nuint32 point_stride\n"
+    "foxglove_msgs/PackedElementField[] fields\nuint8[] data",
+    "FrameTransform": "{time} timestamp\nstring parent_frame_id\nstring child_frame_id\n"
+    "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
+    "FrameTransforms": "foxglove_msgs/FrameTransform[] transforms",
+}  #: foxglove-sdk's schemas of ROS
+
+
+@pytest.mark.parametrize("sensor", ["LaserScan", "PointCloud"])
+@pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
+def test_foxgloves_messages_in_the_serialisation_of_ros_are_read(tmp_path, kind, sensor):
+    """foxglove_msgs, as ros_foxglove_bridge's packages have them; of a robot in a namespace of its own."""
+    from rosbags.typesys import get_types_from_msg
+
+    for ros, time in ((1, "time"), (2, "builtin_interfaces/Time")):
+        types: dict[str, Any] = {}
+        for name, text in FOXGLOVE_MSGS.items():
+            types |= get_types_from_msg(text.format(time=time), f"foxglove_msgs/msg/{name}")
+        recorded.store(ros).register(types)
+    bearings = -2.0 + 0.05 * np.arange(81)
+    said = []
+    for i in range(N):
+        at, (x, y, yaw) = T0 + i * STEP, pose(i)
+        stamp = {"sec": at // SECOND, "nanosec": at % SECOND}
+        place = {"translation": {"x": x, "y": y, "z": 0.0}, "rotation": recorded.quaternion(yaw)}
+        one = {"timestamp": stamp, "parent_frame_id": "odom", "child_frame_id": "base_link", **place}
+        said.append(Said("/robot/transforms", "foxglove_msgs/msg/FrameTransforms", at, {"transforms": [one]}))
+        origin = {
+            "position": {"x": MOUNT[0], "y": MOUNT[1], "z": 0.4}, "orientation": recorded.quaternion(MOUNT[2])
+        }  # fmt: skip
+        fields: dict[str, Any] = {"timestamp": stamp, "frame_id": "base_link", "pose": origin}
+        ranges = distances(i, bearings)
+        if sensor == "LaserScan":
+            fields |= {"start_angle": -2.0, "end_angle": 2.0, "ranges": ranges, "intensities": np.zeros(0)}
+        else:
+            points = np.stack([ranges * np.cos(bearings), ranges * np.sin(bearings), 0.0 * ranges], axis=1)
+            packed = [{"name": name, "offset": 4 * k, "type": 7} for k, name in enumerate("xyz")]
+            data = np.frombuffer(points.astype("<f4").tobytes(), np.uint8)
+            fields |= {"point_stride": 12, "fields": packed, "data": data}
+        said.append(Said("/robot/front/scan", f"foxglove_msgs/msg/{sensor}", at, fields))
+    log = open_log(written(tmp_path, said, kind))
+    assert (log.n_scans, log.default_trajectory) == (N, "tf/odom")
+    if sensor == "LaserScan":
+        assert log.mount == pytest.approx(MOUNT, abs=1e-6)
+    assert len(ends(log)) > 0.9 * N * len(bearings)
+    assert off_the_walls(ends(log)) < (1e-3 if sensor == "LaserScan" else 0.12)
+    encoding = "ros1" if kind == "bag" else "cdr"
+    assert any(f"{sensor} messages in {encoding} on /robot/front/scan are read as" in note for note in log.notes)
+
+
+def test_flatbuffers_are_named(tmp_path):
+    out = io.BytesIO()
+    writer = Writer(out)
+    writer.start()
+    number = writer.register_schema("foxglove.LaserScan", "flatbuffer", b"\0")
+    channel = writer.register_channel("/scan", "flatbuffer", number)
+    writer.add_message(channel, T0, b"\0" * 40, T0)
+    writer.finish()  # type: ignore[no-untyped-call]
+    path = tmp_path / "a.mcap"
+    path.write_bytes(out.getvalue())
+    with pytest.raises(ReadError, match="the messages are encoded as 'flatbuffer', which is not read"):
+        open_log(path)
+
+
 def test_a_schema_that_is_empty_is_known_by_its_name(tmp_path):
     """ros2/rosbag2#1922; and one whose messages are serialised otherwise is named."""
     for encoding, schema in (("cdr", ""), ("json", "jsonschema")):

@@ -41,8 +41,8 @@ def run() -> ScanLog:
     return true_run(N, every=4)
 
 
-def checks(log: ScanLog, **given: float) -> list[str]:
-    return [one.check for one in examine(log, **given)]
+def checks(log: ScanLog) -> list[str]:
+    return [one.check for one in examine(log)]
 
 
 def test_a_clean_log_has_no_finding_and_is_one_sensor(run: ScanLog) -> None:
