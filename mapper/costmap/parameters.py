@@ -113,6 +113,14 @@ DECAY_PARAMETERS: tuple[Parameter, ...] = (
             "s", (0.1, 3600.0, 0.1)),
 )  # fmt: skip
 
+DENOISE_PARAMETERS: tuple[Parameter, ...] = (
+    _enabled("denoise"),
+    _number("minimal_group_size", "Least group", "denoise", 2,
+            "Groups of fewer cells are removed; of 1 or less, none.", "", (0, 1_000_000, 1)),
+    _number("group_connectivity_type", "Connectivity", "denoise", 8,
+            "4: cells of a group have an edge in common; 8: an edge or a corner.", "", (0, 100, 1)),
+)  # fmt: skip
+
 GIVEN_PARAMETERS: tuple[Parameter, ...] = (_enabled("terrain"),)
 
 INFLATION_PARAMETERS: tuple[Parameter, ...] = (
@@ -206,6 +214,18 @@ class DecayConfig(ObstacleConfig):
 
 
 @dataclass(frozen=True, slots=True)
+class DenoiseConfig:
+    """Parameters of the layer that removes small groups of obstacles. Raises as :class:`CostmapConfig`."""
+
+    enabled: bool = True
+    minimal_group_size: float = 2
+    group_connectivity_type: float = 8
+
+    def __post_init__(self) -> None:
+        check_fields(self, DENOISE_PARAMETERS)
+
+
+@dataclass(frozen=True, slots=True)
 class GivenConfig:
     """Parameters of a layer whose costs another module computes. Raises as :class:`CostmapConfig`."""
 
@@ -235,6 +255,7 @@ for _config, _table in (
     (ObstacleConfig, OBSTACLE_PARAMETERS),
     (VoxelConfig, VOXEL_PARAMETERS),
     (DecayConfig, DECAY_PARAMETERS),
+    (DenoiseConfig, DENOISE_PARAMETERS),
     (GivenConfig, GIVEN_PARAMETERS),
     (InflationConfig, INFLATION_PARAMETERS),
 ):
