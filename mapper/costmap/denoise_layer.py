@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mapper.core.array_types import UInt8Array
+from mapper.core.array_types import BoolArray, UInt8Array
 from mapper.costmap.costs import FREE, INSCRIBED, LETHAL, NO_INFORMATION
 from mapper.costmap.layers import Robot, part_of
 from mapper.costmap.parameters import CostmapConfig, DenoiseConfig
@@ -39,6 +39,7 @@ class DenoiseLayer:
     def changed(self, now: float, robot: Robot | None) -> CellBox | None:
         """Return None: it changes only where the layers before do."""
         del now, robot
+        return None
 
     def lay(self, master: UInt8Array, box: CellBox) -> None:
         """Free the cells of small groups; those outside the box are as they were when they were laid."""
@@ -67,12 +68,12 @@ class DenoiseLayer:
     def _connectivity(self) -> int:
         return FOUR if int(self._config.group_connectivity_type) == FOUR else 8
 
-    def _obstacles(self, costs: UInt8Array) -> np.ndarray:
-        obstacles = (costs == LETHAL) | (costs == INSCRIBED)
-        return obstacles | (costs == NO_INFORMATION) if self._unknown_is_obstacle else obstacles
+    def _obstacles(self, costs: UInt8Array) -> BoolArray:
+        kinds = (LETHAL, INSCRIBED, NO_INFORMATION) if self._unknown_is_obstacle else (LETHAL, INSCRIBED)
+        return np.isin(costs, kinds)
 
 
-def small_groups(obstacles: np.ndarray, least: int, connectivity: int) -> np.ndarray:
+def small_groups(obstacles: BoolArray, least: int, connectivity: int) -> BoolArray:
     """Return which of the ``obstacles`` (rows, cols) bool are of connected groups of fewer than ``least`` cells.
 
     ``connectivity`` is 4 or 8.

@@ -115,24 +115,25 @@ def _fields_of_ros(fields: MessageFields, table: Table) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for number in sorted(table):
         field = table[number]
-        if field.kind is _TIME:
+        kind = field.kind
+        if kind is _TIME:
             seconds, nanoseconds = fields.unpack("iI" if fields.cdr else "II", 4)
             values[field.name] = {"sec": int(seconds), "nsec": int(nanoseconds)}
-        elif isinstance(field.kind, dict):
+        elif not isinstance(kind, str):
             if not field.repeated:
-                values[field.name] = _fields_of_ros(fields, field.kind)
+                values[field.name] = _fields_of_ros(fields, kind)
                 continue
             n = fields.count(LEAST_OF_A_PART)
-            values[field.name] = [_fields_of_ros(fields, field.kind) for _ in range(n)]
-        elif field.kind == "string":
+            values[field.name] = [_fields_of_ros(fields, kind) for _ in range(n)]
+        elif kind == "string":
             values[field.name] = fields.string()
-        elif field.kind == "bytes":
+        elif kind == "bytes":
             values[field.name] = bytes(fields.bytes())
         elif field.repeated:
             n = fields.count(8)
             values[field.name] = fields.unpack(f"{n}d", 8) if n else ()
         else:
-            code, size = _IN_ROS[field.kind]
+            code, size = _IN_ROS[kind]
             values[field.name] = fields.unpack(code, size)[0]
     return values
 
