@@ -190,11 +190,7 @@ export function Events({ events, store }: { readonly events: readonly LogEvent[]
       <ul>
         {events.map((event) => (
           <li key={`${event.kind} ${event.seconds}`} data-event={event.kind}>
-            <Button
-              kind="quiet"
-              label={`Go to ${event.time}`}
-              onClick={() => store.goTo(event.scan + 1)}
-            >
+            <Button kind="quiet" label={`Go to ${event.time}`} onClick={() => store.goTo(event.scan + 1)}>
               {event.time}
             </Button>
             <p>
