@@ -20,7 +20,7 @@ def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
 
     with refusing(path), progress_bar("Reading") as bar:
         scans = sum(1 for _ in read_scan_graph(path)) if kind == "scan graph" else None
-        facts = {"name": path.name, "format": kind, "scans": scans}
+        facts: dict[str, Any] = {"name": path.name, "format": kind, "scans": scans}
         cloud = read_cloud(path, progress=bar)
         facts |= description(cloud)
     offset = offset_of(cloud.points[cloud.finite]) if cloud.finite.any() else None

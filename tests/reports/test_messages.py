@@ -279,7 +279,7 @@ ANGLES: tuple[tuple[int, float, float, tuple[str, ...], str], ...] = (
     (271, -135.0, 1.0, (), "270° in all"),
     (811, -135.0, 1.0 / 3.0, (), "270° in all"),
     (381, -95.0, 0.5, (), "190° in all"),
-    (271, -135.0, 1.0, ("PARAM laser_front_laser_resolution 1.0",), "as PARAM states"),
+    (273, -136.0, 1.0, ("PARAM laser_front_laser_resolution 1.0",), "as PARAM states"),
     (513, -128.0, 0.5, ("PARAM laser_front_laser_fov 256", "PARAM laser_front_laser_resolution 0.5"), "256° in all"),
     (501, -125.0, 0.5, ("PARAM laser_front_laser_fov 4.363323",), "as PARAM states"),
     (361, -180.0, 1.0, ("PARAM laser_front_laser_fov 360", "PARAM laser_front_laser_resolution 1"), "as PARAM states"),
