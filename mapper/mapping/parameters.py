@@ -91,7 +91,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     ),
     Parameter(
         "window", "Hit window", "model", "number", 0.0,
-        "Width r of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
+        "Width w of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
         unit="m", low=0.0, high=2.0, step=0.05, only_for=_STEPPED,
     ),
     Parameter(
