@@ -244,7 +244,7 @@ function Handles({ transform, scene, shown, still }: PartProps & { transform: St
               ownCell.value = [limited(px, FLOOR.width), limited(py, FLOOR.height)];
             }}
           >
-            <path class="probe" d="M-13 0H-7M7 0H13M0 -13V-7M0 7V13" />
+            {!scene.marks.includes("values") && <path class="probe" d="M-13 0H-7M7 0H13M0 -13V-7M0 7V13" />}
           </DragHandle>
         </>
       )}
