@@ -183,7 +183,7 @@ def test_the_lecturer_arranges_a_deck_and_keeps_it(page: Page, server: str, tmp_
     dialog.get_by_role("button", name="Move “One cell” up").click()
     dialog.get_by_role("button", name="Hide “Sonar cones”").click()
     dialog.get_by_text("Add a slide").click()
-    dialog.get_by_label("Title").fill("Exercises")
+    dialog.get_by_role("textbox", name="Title").fill("Exercises")
     dialog.get_by_label("Text:").fill("- One\n- Two\n\nUntil Friday.")
     dialog.get_by_label("Notes").fill("Hand out the sheet.")
     dialog.get_by_role("button", name="Add at the end").click()
