@@ -17,11 +17,11 @@ from PIL import Image
 from mapper.core.errors import ReadError
 from mapper.io.logs import open_log
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file, write_octree
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.library import SAMPLE_ID, Library, LogNotFoundError, LogReadOnlyError, Record
 from server.library.folder import MAX_FILES
 from server.settings import Settings
-from tests.mapper.io.logs.test_split import split
+from tests.mapper.io.logs.containers.test_split import split
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually
