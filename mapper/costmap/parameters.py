@@ -147,6 +147,25 @@ class DecayConfig(ObstacleConfig):
 
 
 @dataclass(frozen=True, slots=True)
+class DenoiseConfig:
+    """Parameters of the layer that removes small groups of obstacles. Raises as :class:`CostmapConfig`."""
+
+    # fmt: off
+    enabled: bool = _enabled("denoise")
+    minimal_group_size: float = number(
+        "Least group", "denoise", 2, "Groups of fewer cells are removed; of 1 or less, none.", "", 0, 1_000_000, 1,
+    )
+    group_connectivity_type: float = number(
+        "Connectivity", "denoise", 8, "4: cells of a group have an edge in common; 8: an edge or a corner.", "",
+        0, 100, 1,
+    )
+    # fmt: on
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, slots=True)
 class GivenConfig:
     """Parameters of a layer whose costs another module computes. Raises as :class:`CostmapConfig`."""
 
@@ -189,5 +208,6 @@ STATIC_PARAMETERS = table_of(StaticConfig)
 OBSTACLE_PARAMETERS = table_of(ObstacleConfig)
 VOXEL_PARAMETERS = table_of(VoxelConfig)
 DECAY_PARAMETERS = table_of(DecayConfig)
+DENOISE_PARAMETERS = table_of(DenoiseConfig)
 GIVEN_PARAMETERS = table_of(GivenConfig)
 INFLATION_PARAMETERS = table_of(InflationConfig)

@@ -1,6 +1,6 @@
 /** Requests to the service. */
 
-import { AWAY, sentence } from "./library";
+import { AWAY, sentence } from "./library/library";
 
 /** Send a request, and return the JSON of the answer. Rejects with the server's sentence if it is refused. */
 export async function request<T>(address: string, method = "GET", body?: unknown, ending?: AbortSignal): Promise<T> {

@@ -1,9 +1,9 @@
 /** Requests about the localization of a log in a map. Each rejects with the server's sentence. */
 
 import type { Pose, Values } from "../../../wire/protocol";
-import { AWAY, sentence } from "../library";
+import { AWAY, sentence } from "../library/library";
+import { tarred } from "../library/tar";
 import { request } from "../request";
-import { tarred } from "../tar";
 
 /** The map that a log is localized in. */
 export interface GivenMap {
