@@ -19,6 +19,7 @@ from server.http.routes.clients import client_address
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
 from server.library.localize_jobs import parameter_table
+from server.sessions.commands import ShowGivenMap
 
 if TYPE_CHECKING:
     from server.library.given_map import GivenMap
@@ -215,5 +216,5 @@ def _check_idle(job: dict[str, Any]) -> None:
 
 
 def _show(session: SessionHost, given: GivenMap) -> dict[str, Any]:
-    session.enqueue({"type": "show_given_map", "map": given})
+    session.enqueue(ShowGivenMap(given))
     return {"map": given.public()}

@@ -4,7 +4,7 @@ import { type Brush, paintOutline } from "../../render/picture/brush";
 import type { Store } from "../../store/store";
 
 export function paintPatch(store: Store, brush: Brush): void {
-  const patch = store.terrain.message.peek()?.patch;
+  const patch = store.part("terrain").message.peek()?.patch;
   if (!patch || store.underlay.peek()?.startsWith("terrain") !== true) return;
   const [x, y] = patch.centre;
   const { half } = patch;
@@ -22,5 +22,5 @@ export function paintPatch(store: Store, brush: Brush): void {
 
 /** Read every signal that is painted here. */
 export function watchPatch(store: Store): void {
-  void store.terrain.message.value;
+  void store.part("terrain").message.value;
 }

@@ -1,7 +1,7 @@
 /** What the message of a patch means for its figure: its points, the heights to show, and what is just safe. */
 
-import type { Limits, Place } from "../../../lessons/terrain/model";
-import type { Values } from "../../../wire/protocol";
+import type { Values } from "../../wire/protocol";
+import type { Limits, Place } from "./model";
 
 /** x, y, z of one point after the other as points. */
 export function placesOf(flat: readonly number[]): readonly Place[] {

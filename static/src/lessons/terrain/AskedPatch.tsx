@@ -2,14 +2,15 @@
 
 import { useSignal } from "@preact/signals";
 import { useMemo } from "preact/hooks";
-import type { Limits, Place } from "../../../lessons/terrain/model";
-import { PatchFigure } from "../../../lessons/terrain/PatchFigure";
-import { Children } from "../../../lessons/terrain/PatchNumbers";
-import { Button } from "../../../ui/Button";
-import { written } from "../../../ui/numbers";
-import type { TerrainMessage, Values } from "../../../wire/protocol";
-import "../../../lessons/terrain/terrain.css";
-import { heightsOf, limitsOf, placesOf } from "./patch";
+import { Button } from "../../ui/Button";
+import { written } from "../../ui/numbers";
+import type { TerrainMessage } from "../../wire/messages";
+import type { Values } from "../../wire/protocol";
+import type { Limits, Place } from "./model";
+import { PatchFigure } from "./PatchFigure";
+import { Children } from "./PatchNumbers";
+import "./terrain.css";
+import { heightsOf, limitsOf, placesOf } from "./askedPatch";
 
 export function AskedPatch({ message }: { readonly message: TerrainMessage }) {
   const { patch, values } = message;

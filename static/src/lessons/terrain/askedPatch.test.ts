@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { momentsOf, planeOf, ratiosOf, scoreOf, stepOf } from "../../../lessons/terrain/model";
-import { heightsOf, limitsOf, placesOf } from "./patch";
+import { heightsOf, limitsOf, placesOf } from "./askedPatch";
+import { momentsOf, planeOf, ratiosOf, scoreOf, stepOf } from "./model";
 
 const VALUES = {
   max_slope: 45,

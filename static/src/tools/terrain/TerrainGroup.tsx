@@ -1,14 +1,15 @@
 /** The terrain of what the robot's 3D sensor measured: classes over the map, κ, windows, and a patch that is asked about. */
 
+import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import type { Store } from "../../../store/store";
-import { useMap3dRows } from "../../../tools/map3d/Sensor3d";
-import { ParameterRows } from "../../../tools/parameters/ParameterRows";
-import { Button } from "../../../ui/Button";
-import { SwitchChip } from "../../../ui/SwitchChip";
-import type { Parameter, TerrainMessage, Value } from "../../../wire/protocol";
-import { AskedPatch } from "./AskedPatch";
-import "./terrainGroup.css";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { SwitchChip } from "../../ui/SwitchChip";
+import type { TerrainMessage } from "../../wire/messages";
+import type { Parameter, Value } from "../../wire/protocol";
+import { useMap3dRows } from "../map3d/Sensor3d";
+import { ParameterRows } from "../parameters/ParameterRows";
+import "./terrain.css";
 
 const COSTS = "terrain_costs";
 const VALUES = "terrain_values";
@@ -18,10 +19,13 @@ interface GroupProps {
   readonly store: Store;
   /** Of a file, whose points are there; otherwise they are those of the lab's 3D map. */
   readonly isFile?: boolean;
+  /** The patch that is asked about, with its figure. */
+  readonly asked: (message: TerrainMessage) => JSX.Element;
 }
 
-export function TerrainGroup({ store, isFile = false }: GroupProps) {
-  const { terrain, map3d, layers } = store;
+export function TerrainGroup({ store, isFile = false, asked }: GroupProps) {
+  const { layers } = store;
+  const [terrain, map3d] = [store.part("terrain"), store.part("map3d")];
   const message = terrain.message.value;
   const isOn = message?.is_on === true;
   const hasPoints = isFile ? message !== null : (map3d.message.value?.taken ?? 0) > 0;
@@ -29,7 +33,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
   const view = useMap3dRows(store, "terrain_view");
   const patches = useMap3dRows(store, "terrain_patches");
   const ground = useMap3dRows(store, "terrain_ground");
-  const set = useMemo(() => (name: string, value: Value) => store.setTerrain({ [name]: value }), [store]);
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("terrain", { [name]: value }), [store]);
   const shown = isProperty(terrain.values.values.value.shown) ? VALUES : COSTS;
   useEffect(() => {
     if (isEnded || isOn) return;
@@ -56,7 +60,7 @@ export function TerrainGroup({ store, isFile = false }: GroupProps) {
     <div class="terrain-group">
       {shown === COSTS && <Key />}
       <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
-      <AskedPatch message={message} />
+      {asked(message)}
       <ParameterRows rows={view} values={values} set={set} />
       {!isFile && <CostmapChoice store={store} />}
       <h3>Patches</h3>
@@ -94,12 +98,12 @@ function Key() {
 }
 
 function Begin({ store }: { readonly store: Store }) {
-  if (!store.terrain.isEnded.value) return <p class="quiet">Waiting for the first points of the 3D sensor …</p>;
+  if (!store.part("terrain").isEnded.value) return <p class="quiet">Waiting for the first points of the 3D sensor …</p>;
   return (
     <Button
       kind="primary"
       onClick={() => {
-        store.terrain.isEnded.value = false;
+        store.part("terrain").isEnded.value = false;
       }}
     >
       Assess the terrain
@@ -153,7 +157,7 @@ function CostmapChoice({ store }: { readonly store: Store }) {
       checked={isOn}
       onChange={(wanted) => {
         if (wanted) navigation.isEnded.value = false;
-        store.setNavigation({ map: wanted ? "terrain" : "belief" });
+        store.setPart("costmap", { map: wanted ? "terrain" : "belief" });
       }}
     />
   );
