@@ -58,7 +58,7 @@ def test_casts_are_the_textbooks(
 
 def test_the_range_is_a_sum_in_float64() -> None:
     """The centre at 0.7 m, whose squares add up to 0.48999999 in float64 and to 0.49000001 in float32, is in range."""
-    origin, away = np.float32([[0.25, 1.05, -0.85]]), np.float32([[-0.35, -0.55, -0.95]])
+    origin, away = np.array([[[0.25, 1.05, -0.85]], [[-0.35, -0.55, -0.95]]], dtype=np.float32)
     volume = OccupancyVolume(CONFIG)
     casts = cast(volume, origin, away, through_unknown=True, range_max=0.7)
     ends, keys = textbook_casts(volume, origin, away, through_unknown=True, range_max=0.7)
