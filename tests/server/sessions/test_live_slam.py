@@ -16,6 +16,7 @@ from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.models.live_slam import LiveSlam, live_slam
 from server.sessions.models.slam_view import SlamView
+from server.sessions.tick import TickResult
 from tests.server.begin import new_simulation
 from tests.server.view import view_of
 
@@ -41,7 +42,7 @@ def test_the_poses_are_right_although_the_wheels_drift_and_the_map_is_made_with_
     assert errors(mapper, "odometry").max() > 0.5
     assert errors(mapper, "slam").max() < 0.1
     assert np.hypot(*(np.array(mapper.believed_pose) - mapper.newest_pose)[:2]) < 0.1
-    slam = mapper.healing.corrector_of(mapper.recordings[-1])
+    slam = mapper.pose_correction.corrector_of(mapper.recordings[-1])
     assert isinstance(slam, LiveSlam)
     np.testing.assert_allclose(slam.newest, slam.poses[-1], atol=1e-12)
     # The map is that of the whole recording along its present poses, however often they were corrected.
@@ -49,12 +50,12 @@ def test_the_poses_are_right_although_the_wheels_drift_and_the_map_is_made_with_
     made = OccupancyGrid(mapper.grid.geometry, mapper.config.log_odds_prior)
     integrate_log(made, mapper.logs()[-1], mapper.config, "slam")
     np.testing.assert_array_equal(mapper.grid.log_odds, made.log_odds)
-    view = SlamView()
-    view.draw(mapper)
+    view = SlamView(mapper)
+    view.changed(TickResult())
     path, graph = view.layers
     assert (graph.name, path.name) == ("slam", "true_path")
     mapper.set_up(mapper.config, Faults(drift=True))
-    view.draw(mapper)
+    view.changed(TickResult())
     assert view.layers == ()
 
 
@@ -86,7 +87,7 @@ def test_a_sonar_follows_its_wheels() -> None:
     # A lidar goes on from there.
     mapper.set_sensor(SensorConfig())
     mapper.advance(1.0)
-    assert isinstance(mapper.healing.corrector_of(mapper.recordings[-1]), LiveSlam)
+    assert isinstance(mapper.pose_correction.corrector_of(mapper.recordings[-1]), LiveSlam)
 
 
 async def test_a_session_and_its_copy_have_the_same_healed_map(
