@@ -6,14 +6,15 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mapper.core.errors import ConfigError
-from mapper.grid import CellBox, OccupancyGrid
+from mapper.grid import OccupancyGrid
 from mapper.io.costmaps import RecordedCostmap
 from mapper.io.maps.reading import grid_of_values
+from server.parts.terrain.costs import meets
+from server.sessions.commands import UseTerrain
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
-from server.sessions.models.navigation import Navigation
-from server.sessions.models.terrain_map import meets
-from server.sessions.parts import UploadedTerrain
+from server.sessions.models.navigation import Navigation, OfNavigation
+from server.sessions.parts import UploadedCosts
 from server.sessions.tick import TickResult
 from server.stream.commands import GoalCommand
 
@@ -34,14 +35,17 @@ ROWS = rows_with(
 class LogNavigation(Navigation):
     """The costmap and the path of a log. The path begins at the robot of the newest scan in the map."""
 
+    commands = (*Navigation.commands, UseTerrain)
+
     def __init__(self, recording: LogRecording, given_map: Callable[[], GivenMap | None]) -> None:
         """``given_map`` returns the map that the log is localized in."""
         super().__init__()
+        self.tables = {"navigation": ROWS}
         self._recording, self._given_map = recording, given_map
         self._given: GivenMap | None = None  #: which the static layer has
         self._index = -1  #: of the scan that the layers of obstacles saw last
-        self._terrain: UploadedTerrain | None = None
-        self._laid: UploadedTerrain | None = None  #: the terrain in the costmap
+        self._terrain: UploadedCosts | None = None
+        self._laid: UploadedCosts | None = None  #: the terrain in the costmap
 
     def _first_values(self) -> dict[str, Any]:
         """Return the given map as the static one, where the poses in use are those that were found in it."""
@@ -82,9 +86,9 @@ class LogNavigation(Navigation):
         self._given = given
         return StaticMap(grid_of_values(given.geometry, given.values), given.keepout, given.speed)
 
-    def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
+    def changed(self, result: TickResult) -> None:
         """Follow what changed in the map, look at a new scan, and plan again."""
-        costmap, replay = self._costmap, self._recording.replay
+        costmap, replay, box, whole = self._costmap, self._recording.replay, result.box, result.new_grid
         if costmap is None:
             return
         if costmap.parameters.values["map"] == "given" and self._given is not self._given_map():
@@ -125,21 +129,25 @@ class LogNavigation(Navigation):
             result.slot(self._path.message())
         result.changed |= self._path.draw()
 
-    def use_terrain(self, terrain: UploadedTerrain | None, result: TickResult) -> None:
-        """Take the costs of an upload for the terrain's layer; None for none."""
-        self._terrain = terrain
+    def handle(self, command: OfNavigation | UseTerrain, result: TickResult) -> None:
+        """Carry out a command; of the service, take the costs of an upload for the terrain's layer."""
+        if not isinstance(command, UseTerrain):
+            super().handle(command, result)
+            return
+        result.changed = True
+        terrain = self._terrain = command.terrain
         costmap = self._costmap
         geometry = self._recording.replay.grid.geometry if costmap is None else costmap.geometry
         if terrain is not None and not meets(terrain, geometry):
             message = "The terrain has no known cell within the costmap: are both in one frame?"
             result.notice("terrain.elsewhere", message)
 
-    def commands(self) -> list[dict[str, Any]]:
+    def history(self) -> list[dict[str, Any]]:
         """Return the commands from which another session gets the same costmap, goal and terrain.
 
         The command ``use_terrain`` names the upload, which the service then reads.
         """
-        found = super().commands()
+        found = super().history()
         if found and self._terrain is not None:
             found.append({"type": "use_terrain", "log": self._terrain.log_id})
         return found
