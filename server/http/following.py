@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
 from server.http.routes.trajectories import update_sessions
-from server.library import Library
-from server.library.localize_jobs import NAME as LOCALIZED
-from server.library.pose_jobs import PoseJobs
-from server.library.slam_job import NAME as SLAM
+from server.library.library import Library
+from server.library.processing.localize_jobs import NAME as LOCALIZED
+from server.library.processing.pose_jobs import PoseJobs
+from server.library.processing.slam_job import NAME as SLAM
 from server.sessions import SessionRegistry
 from server.stream.protocol import ProtocolError
 

@@ -9,7 +9,8 @@ from fastapi import APIRouter, Query
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.http.services import Logs, Visitor
-from server.library import Library, Record
+from server.library.library import Library
+from server.library.logs.records import Record
 
 router = APIRouter(prefix="/api/fleet", tags=["fleet"])
 

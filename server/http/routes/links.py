@@ -18,7 +18,9 @@ from server.http.routes.sessions import public
 from server.http.services import FileDownloads, Logs, Sessions, Visitor
 from server.http.session_access import shareable_session
 from server.http.uploaded_terrain import uploaded_terrain
-from server.library import Library, Link, LinkGoneError, LogNotFoundError
+from server.library.annotations.links import Link, LinkGoneError
+from server.library.library import Library
+from server.library.logs.errors import LogNotFoundError
 from server.sessions import LogView, SessionRegistry, costmaps_plan, log_plan
 
 if TYPE_CHECKING:

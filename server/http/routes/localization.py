@@ -18,10 +18,10 @@ from server.http.request_work import in_turn
 from server.http.routes.clients import client_address
 from server.http.services import Logs, RequestWork, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
-from server.library.localize_jobs import parameter_table
+from server.library.processing.localize_jobs import parameter_table
 
 if TYPE_CHECKING:
-    from server.library.given_map import GivenMap
+    from server.library.packs.given_map import GivenMap
     from server.sessions import SessionHost
 
 router = APIRouter(prefix="/api", tags=["logs"])
@@ -75,7 +75,7 @@ async def of_yaml(request: Request, work: RequestWork, visitor: Visitor) -> dict
 
     def read() -> dict[str, Any]:
         from mapper.localization import parse_amcl_yaml  # noqa: PLC0415 - few visitors have one
-        from server.library.localize_jobs import changed_values  # noqa: PLC0415
+        from server.library.processing.localize_jobs import changed_values  # noqa: PLC0415
 
         found = parse_amcl_yaml(bytes(text))
         values = changed_values(found.config.as_dict())

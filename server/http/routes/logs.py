@@ -13,9 +13,10 @@ from starlette.requests import ClientDisconnect
 from mapper.core.errors import ReadError
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Part, Record
-from server.library.listing import Order, Wanted, listed
-from server.library.tags import MAX_TAGS
+from server.library.annotations.tags import MAX_TAGS
+from server.library.logs.listing import Order, Wanted, listed
+from server.library.logs.records import Record
+from server.library.uploads.receiver import Part
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
 

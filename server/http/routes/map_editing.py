@@ -52,7 +52,7 @@ async def keep(
     request: Request, library: Logs, sessions: Sessions, visitor: Visitor, session_id: str, wanted: NewMap
 ) -> dict[str, Any]:
     """Keep the session's edited map with its edits as a new map of this visitor; return its record."""
-    from server.library.map_files import archived  # noqa: PLC0415 - few visitors edit maps
+    from server.library.packs.map_files import archived  # noqa: PLC0415 - few visitors edit maps
 
     files = await _edited(sessions.get(session_id)).files(file_stem(wanted.name))
     data = archived(files)
@@ -88,8 +88,8 @@ async def keep_present(
     """Keep the present map of a session, of a world or a log, as a new map of this visitor; return its record."""
     from mapper.editing import EditedMap  # noqa: PLC0415 - few visitors edit maps
     from mapper.editing.files import map_files  # noqa: PLC0415
-    from server.library.given_map_job import MOST_CELLS  # noqa: PLC0415
-    from server.library.map_files import archived  # noqa: PLC0415
+    from server.library.packs.map_files import archived  # noqa: PLC0415
+    from server.library.processing.given_map_job import MOST_CELLS  # noqa: PLC0415
 
     session = sessions.get(session_id)
     stem, frame = file_stem(wanted.name), session.model.frame_id

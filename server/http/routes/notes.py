@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraint
 from server.http.guests import GuestRight, guests_may
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import session_of_log, writable_session
-from server.library import Library
-from server.library.notes import Pin
-from server.library.records import Record
+from server.library.annotations.notes import Pin
+from server.library.library import Library
+from server.library.logs.records import Record
 from server.sessions import SessionRegistry
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])

@@ -13,8 +13,8 @@ from server.http.following import follow_slam, tell_at_end
 from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Library
-from server.library.slam_jobs import parameter_table
+from server.library.library import Library
+from server.library.processing.slam_jobs import parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
 from server.sessions.view import GraphChange

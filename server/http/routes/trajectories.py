@@ -12,7 +12,7 @@ from starlette.requests import ClientDisconnect
 from server.downloads.names import disposition, file_name, file_stem
 from server.http.routes.clients import client_address
 from server.http.services import Logs, Sessions, Visitor
-from server.library import Library
+from server.library.library import Library
 from server.sessions import SessionRegistry
 from server.stream.protocol import ProtocolError
 

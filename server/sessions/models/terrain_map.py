@@ -13,7 +13,7 @@ from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
 
 if TYPE_CHECKING:
-    from server.library.given_map import GivenMap
+    from server.library.packs.given_map import GivenMap
 
 
 class TerrainCosts(Protocol):

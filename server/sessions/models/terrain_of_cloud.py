@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
-from server.library.given_map import public_map
+from server.library.packs.given_map import public_map
 from server.sessions.models.cloud_terrain import CloudPoints
 from server.sessions.models.lab_terrain import assessed
 from server.sessions.models.volume_start import bounds_of

@@ -17,24 +17,26 @@ from mapper.editing import EditedMap
 from mapper.editing.files import map_files
 from mapper.grid import GridGeometry
 from mapper.simulation import sample_log
-from server.library import Library, LibraryLimits, StorageError
-from server.library import leases as leasing
-from server.library.database import Database
-from server.library.fleet_job import FleetJob
-from server.library.given_map import GivenMap, read_given_map
-from server.library.job_record import put_job_record
-from server.library.lease_rows import LeaseRows
-from server.library.leases import Lease, LeaseLostError, Leases, Once
-from server.library.localize_job import LocalizeJob, LocalizeOutcome
-from server.library.map_files import archived
-from server.library.pose_job_record import PoseJobRecord
-from server.library.slam_job import SlamJob
-from server.library.tables import leases, localization_jobs, logs
+from server.jobs import leases as leasing
+from server.jobs.leases import Lease, LeaseLostError, Leases, Once
+from server.library.library import Library
+from server.library.limits import LibraryLimits
+from server.library.packs.given_map import GivenMap, read_given_map
+from server.library.packs.map_files import archived
+from server.library.processing.fleet.fleet_job import FleetJob
+from server.library.processing.job_record import put_job_record
+from server.library.processing.localize_job import LocalizeJob, LocalizeOutcome
+from server.library.processing.pose_job_record import PoseJobRecord
+from server.library.processing.slam_job import SlamJob
+from server.library.store.database import Database
+from server.library.store.lease_rows import LeaseRows
+from server.library.store.tables import leases, localization_jobs, logs
 from server.settings import Settings
+from server.storage import StorageError
 from server.work.fair_lock import FairLock
-from tests.server.library import slam_stand_ins as stand_ins
 from tests.server.library.kept import settled
 from tests.server.library.postgresql import Cluster
+from tests.server.library.processing import slam_stand_ins as stand_ins
 from tests.server.library.small_logs import carmen
 from tests.server.service import eventually
 
@@ -129,9 +131,9 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
             return {"picture": False}
         return stand_ins.quick(job) if isinstance(job, SlamJob) else stand_ins.quick_merge(job)
 
-    monkeypatch.setattr("server.library.slam_job.do_slam_job", quickly)
-    monkeypatch.setattr("server.library.merge_job.do_merge_job", quickly)
-    monkeypatch.setattr("server.library.fleet_job.do_fleet_job", quickly)
+    monkeypatch.setattr("server.library.processing.slam_job.do_slam_job", quickly)
+    monkeypatch.setattr("server.library.processing.merge_job.do_merge_job", quickly)
+    monkeypatch.setattr("server.library.processing.fleet.fleet_job.do_fleet_job", quickly)
     for library in (two.first, two.second):
         for queue in (library.slam, library.merges, library.fleet):
             monkeypatch.setattr(queue, "_make_worker", stand_ins.ThreadWorker)
@@ -179,7 +181,7 @@ async def test_the_map_to_localize_in_is_had_by_the_service_that_takes_the_job_o
         given.append(read_given_map(Path(job.given)))
         raise ConfigError("test.enough", "This is enough.")
 
-    monkeypatch.setattr("server.library.localize_job.do_localize_job", quickly)
+    monkeypatch.setattr("server.library.processing.localize_job.do_localize_job", quickly)
     for library in (two.first, two.second):
         monkeypatch.setattr(library.localization, "_make_worker", stand_ins.ThreadWorker)
     record = await two.first.put("ann", "a.log", chunks(carmen(9)))

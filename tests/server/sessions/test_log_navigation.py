@@ -11,7 +11,7 @@ from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, cost_of_distance
 from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
-from server.library.given_map import GivenMap
+from server.library.packs.given_map import GivenMap
 from server.sessions import SessionRegistry
 from server.sessions.models import log_navigation
 from server.sessions.models.lab_navigation_parameters import LabParameters

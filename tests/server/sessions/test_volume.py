@@ -21,7 +21,7 @@ from mapper.volume.mesh_files import ply_bytes
 from mapper.volume.scan_sequence import ScanSequence, gather
 from mapper.volume.sources import Insertion, insert_all, open_source
 from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
-from server.library.volume_pack import read_volume_pack, write_volume_pack
+from server.library.packs.volume import read_volume_pack, write_volume_pack
 from server.sessions.models.cloud_terrain import CloudPoints
 from tests.mapper.io.logs.recorded import written
 from tests.mapper.io.logs.test_clouds import recording_of_room
