@@ -75,11 +75,11 @@ from mapper.volume import (
     octree_file,
     project,
 )
-from mapper.volume.chunk_mesh import shaded
-from mapper.volume.faces import VoxelFaces, chunks_of, face_rule
 from mapper.volume.kernels.blocks import block_code, slot_of
-from mapper.volume.octree_files import octree_of_bytes
-from mapper.volume.surface_chunks import SurfaceChunks
+from mapper.volume.mesh.chunk_mesh import shaded
+from mapper.volume.mesh.faces import VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.surface_chunks import SurfaceChunks
+from mapper.volume.octree.files import octree_of_bytes
 
 SECONDS = 1.0  # of simulated driving: a few scans and a plan
 

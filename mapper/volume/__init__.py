@@ -10,16 +10,16 @@ from mapper.core.lazy_imports import attributes_from
 
 if TYPE_CHECKING:
     from mapper.volume.blocks import BlockHash
-    from mapper.volume.changes import Changes, changes_between
-    from mapper.volume.mesh import Mesh
-    from mapper.volume.meshing import surface_mesh
-    from mapper.volume.occupancy import Inserted, OccupancyVolume
-    from mapper.volume.octree import Octree
-    from mapper.volume.octree_files import OctreeFile, octree_file, read_octree, write_octree
-    from mapper.volume.parameters import VOLUME_PARAMETERS, VolumeConfig
-    from mapper.volume.queries import Casts, cast, distance_to_obstacle, project, voxels_in_box
-    from mapper.volume.tsdf import Fused, TsdfVolume
-    from mapper.volume.tsdf_parameters import TSDF_PARAMETERS, TsdfConfig
+    from mapper.volume.mesh.mesh import Mesh
+    from mapper.volume.mesh.meshing import surface_mesh
+    from mapper.volume.occupancy.changes import Changes, changes_between
+    from mapper.volume.occupancy.parameters import VOLUME_PARAMETERS, VolumeConfig
+    from mapper.volume.occupancy.queries import Casts, cast, distance_to_obstacle, project, voxels_in_box
+    from mapper.volume.occupancy.volume import Inserted, OccupancyVolume
+    from mapper.volume.octree.files import OctreeFile, octree_file, read_octree, write_octree
+    from mapper.volume.octree.octree import Octree
+    from mapper.volume.surface.parameters import TSDF_PARAMETERS, TsdfConfig
+    from mapper.volume.surface.tsdf import Fused, TsdfVolume
 
 __all__ = [
     "TSDF_PARAMETERS",
@@ -52,27 +52,27 @@ __getattr__ = attributes_from(
     __name__,
     {
         "BlockHash": "mapper.volume.blocks",
-        "Casts": "mapper.volume.queries",
-        "Changes": "mapper.volume.changes",
-        "Fused": "mapper.volume.tsdf",
-        "Inserted": "mapper.volume.occupancy",
-        "OccupancyVolume": "mapper.volume.occupancy",
-        "Mesh": "mapper.volume.mesh",
-        "Octree": "mapper.volume.octree",
-        "OctreeFile": "mapper.volume.octree_files",
-        "TSDF_PARAMETERS": "mapper.volume.tsdf_parameters",
-        "TsdfConfig": "mapper.volume.tsdf_parameters",
-        "TsdfVolume": "mapper.volume.tsdf",
-        "VOLUME_PARAMETERS": "mapper.volume.parameters",
-        "VolumeConfig": "mapper.volume.parameters",
-        "cast": "mapper.volume.queries",
-        "changes_between": "mapper.volume.changes",
-        "distance_to_obstacle": "mapper.volume.queries",
-        "octree_file": "mapper.volume.octree_files",
-        "project": "mapper.volume.queries",
-        "read_octree": "mapper.volume.octree_files",
-        "surface_mesh": "mapper.volume.meshing",
-        "voxels_in_box": "mapper.volume.queries",
-        "write_octree": "mapper.volume.octree_files",
+        "Casts": "mapper.volume.occupancy.queries",
+        "Changes": "mapper.volume.occupancy.changes",
+        "Fused": "mapper.volume.surface.tsdf",
+        "Inserted": "mapper.volume.occupancy.volume",
+        "OccupancyVolume": "mapper.volume.occupancy.volume",
+        "Mesh": "mapper.volume.mesh.mesh",
+        "Octree": "mapper.volume.octree.octree",
+        "OctreeFile": "mapper.volume.octree.files",
+        "TSDF_PARAMETERS": "mapper.volume.surface.parameters",
+        "TsdfConfig": "mapper.volume.surface.parameters",
+        "TsdfVolume": "mapper.volume.surface.tsdf",
+        "VOLUME_PARAMETERS": "mapper.volume.occupancy.parameters",
+        "VolumeConfig": "mapper.volume.occupancy.parameters",
+        "cast": "mapper.volume.occupancy.queries",
+        "changes_between": "mapper.volume.occupancy.changes",
+        "distance_to_obstacle": "mapper.volume.occupancy.queries",
+        "octree_file": "mapper.volume.octree.files",
+        "project": "mapper.volume.occupancy.queries",
+        "read_octree": "mapper.volume.octree.files",
+        "surface_mesh": "mapper.volume.mesh.meshing",
+        "voxels_in_box": "mapper.volume.occupancy.queries",
+        "write_octree": "mapper.volume.octree.files",
     },
 )

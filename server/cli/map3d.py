@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mapper.core.errors import ConfigError, MapperError
-from mapper.volume.parameters import VOLUME_PARAMETERS, VolumeConfig
-from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
+from mapper.volume.occupancy.parameters import VOLUME_PARAMETERS, VolumeConfig
+from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from server.cli.app import app
 from server.cli.common import (
     AsJson,
@@ -91,9 +91,9 @@ def map3d(
     import numpy as np  # noqa: PLC0415 - start-up
 
     from mapper.volume import OccupancyVolume, Octree  # noqa: PLC0415 - start-up
-    from mapper.volume.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
-    from mapper.volume.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
-    from mapper.volume.voxel_mesh import voxel_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume.mesh.voxel_mesh import voxel_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
 
     heights = None if band is None else numbers("--band", "two numbers, LOW,HIGH in metres", 2, band)
     place = None if sensor is None else np.array(numbers("--sensor", "three numbers, X,Y,Z in metres", 3, sensor))
@@ -185,8 +185,8 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
     from mapper.core.limits import DEFAULT_LIMITS  # noqa: PLC0415 - start-up
     from mapper.io.clouds.given_poses import GivenPoses  # noqa: PLC0415 - start-up
     from mapper.io.clouds.reading import cloud_format  # noqa: PLC0415 - start-up
-    from mapper.volume.octree_files import is_octree  # noqa: PLC0415 - start-up
-    from mapper.volume.sources import file_head, refuse_poses  # noqa: PLC0415 - start-up
+    from mapper.volume.octree.files import is_octree  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.sources import file_head, refuse_poses  # noqa: PLC0415 - start-up
 
     if place is not None:
         fail("--sensor is the place of one cloud's sensor, and has no meaning with --poses.")
@@ -210,7 +210,7 @@ def _poses(path: Path, inputs: list[Path], place: Float64Array | None) -> GivenP
 
 def _first_octree(path: Path) -> OctreeFile | None:
     """Return the octree in a file, None for a file that holds something else."""
-    from mapper.volume.octree_files import is_octree, read_octree  # noqa: PLC0415 - start-up
+    from mapper.volume.octree.files import is_octree, read_octree  # noqa: PLC0415 - start-up
 
     if not path.is_file():
         return None
@@ -237,7 +237,7 @@ def _write_projection(
 ) -> list[Path]:
     """Write the map from above in the coordinates of the files, in which ``heights`` are too."""
     from mapper.volume import project  # noqa: PLC0415 - start-up
-    from mapper.volume.map_offset import georeferenced  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.map_offset import georeferenced  # noqa: PLC0415 - start-up
     from server.cli.map_files import save  # noqa: PLC0415 - start-up
 
     with refusing(of):
@@ -276,7 +276,7 @@ def print_tree(facts: dict[str, Any]) -> None:
 
 def describe_octree(path: Path, *, as_json: bool) -> bool:
     """Print what an octree file holds; return whether the file is one."""
-    from mapper.volume.map_offset import offset_notes  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.map_offset import offset_notes  # noqa: PLC0415 - start-up
 
     read = _first_octree(path)
     if read is None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from mapper.core.errors import MapperError, ReadError
-from mapper.volume.tsdf_parameters import TSDF_PARAMETERS, TsdfConfig
+from mapper.volume.surface.parameters import TSDF_PARAMETERS, TsdfConfig
 from server.cli.common import fail, print_json, progress_bar, refusing, value_of
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ def map_surface(
 ) -> None:
     """Fuse what the inputs hold, write the surface and print what was done."""
     from mapper.volume import TsdfVolume, surface_mesh  # noqa: PLC0415 - start-up
-    from mapper.volume.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
-    from mapper.volume.surface_sources import Fusions, fuse_all  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
+    from mapper.volume.surface.sources import Fusions, fuse_all  # noqa: PLC0415 - start-up
 
     others = sorted(values.keys() - ROWS.keys())
     if others:
@@ -87,7 +87,7 @@ def map_surface(
 
 def write_mesh_file(mesh: Mesh, path: Path, offset: Float64Array | None = None) -> Path:
     """Write a mesh, or end the command with an error."""
-    from mapper.volume.mesh_files import write_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume.mesh.files import write_mesh  # noqa: PLC0415 - start-up
 
     with refusing(path):
         write_mesh(mesh, path, offset)

@@ -21,7 +21,7 @@ async def uploaded_terrain(library: Library, downloads: Downloads, owner: str, l
     Raises :class:`mapper.core.errors.MapperError` for other logs, for a map with too many cells, and for a cloud of
     which no terrain can be made.
     """
-    from mapper.volume.scan_sequence import ScanSequence  # noqa: PLC0415 - few sessions have a terrain
+    from mapper.volume.scans.scan_sequence import ScanSequence  # noqa: PLC0415 - few sessions have a terrain
     from server.sessions.models.terrain_map import TerrainMap  # noqa: PLC0415
     from server.sessions.models.terrain_of_cloud import TerrainOfCloud  # noqa: PLC0415
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.volume.chunk_mesh import ChunkMesh, shaded
+from mapper.volume.mesh.chunk_mesh import ChunkMesh, shaded
 from server.scenes.chunk_glb import LIGHT, glb_bytes
 
 _LIGHT = LIGHT.astype(np.float32)

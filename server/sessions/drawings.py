@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.grid import GridGeometry
-from mapper.volume.chunk_mesh import ChunkMesh
+from mapper.volume.mesh.chunk_mesh import ChunkMesh
 
 MAX_DRAWING_BYTES = 64 << 20  #: bytes of the arrays of one drawing, which are sent in one message
 

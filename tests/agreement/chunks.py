@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from mapper.volume import textbook_chunks
-from mapper.volume.chunk_mesh import STEPS, chunk_meshes, shaded
-from mapper.volume.mesh import Mesh
-from mapper.volume.meshing import surface_mesh
-from mapper.volume.tsdf import CENTRE
+from mapper.volume.mesh import textbook_chunks
+from mapper.volume.mesh.chunk_mesh import STEPS, chunk_meshes, shaded
+from mapper.volume.mesh.mesh import Mesh
+from mapper.volume.mesh.meshing import surface_mesh
+from mapper.volume.surface.tsdf import CENTRE
 from tests.agreement.tsdf import FieldCase, volume_of
 
 RESOLUTION = 0.1  # of the fields

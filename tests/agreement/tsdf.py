@@ -10,11 +10,13 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from mapper.sensors.camera import Intrinsics
-from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh, textbook_marching, textbook_tsdf
+from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from mapper.volume.blocks import BLOCK
-from mapper.volume.mesh import Mesh
-from mapper.volume.meshing import blocks_of_change
-from mapper.volume.tsdf import CENTRE
+from mapper.volume.mesh import textbook_marching
+from mapper.volume.mesh.mesh import Mesh
+from mapper.volume.mesh.meshing import blocks_of_change
+from mapper.volume.surface import textbook as textbook_tsdf
+from mapper.volume.surface.tsdf import CENTRE
 
 CAMERA = Intrinsics(22, 17, 15.0, 16.0, 10.3, 8.2)
 REACH = 2.4  # metres from 0 that a case may see: the corners of an image, behind its farthest depth

@@ -9,18 +9,10 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from mapper.volume import (
-    OccupancyVolume,
-    Octree,
-    VolumeConfig,
-    cast,
-    distance_to_obstacle,
-    octree_file,
-    project,
-    textbook,
-)
-from mapper.volume.faces import CHUNK, FaceRule, VoxelFaces, chunks_of, face_rule
-from mapper.volume.occupancy import FORGET_BELOW
+from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, distance_to_obstacle, octree_file, project
+from mapper.volume.mesh.faces import CHUNK, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.occupancy import textbook
+from mapper.volume.occupancy.volume import FORGET_BELOW
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ import numpy as np
 from mapper.io.clouds import read_cloud, read_depth_folder
 from mapper.sensors.depth_folder import DepthFolder
 from mapper.volume import TsdfConfig, TsdfVolume, VolumeConfig
-from mapper.volume.chunk_mesh import ChunkMesh
-from mapper.volume.faces import ChunkKey, VoxelFaces, chunks_of, face_rule
-from mapper.volume.replayed import ReplayedVolume
-from mapper.volume.scan_sequence import ScanSequence, gather
-from mapper.volume.surface_chunks import SurfaceChunks
+from mapper.volume.mesh.chunk_mesh import ChunkMesh
+from mapper.volume.mesh.faces import ChunkKey, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.surface_chunks import SurfaceChunks
+from mapper.volume.scans.replayed import ReplayedVolume
+from mapper.volume.scans.scan_sequence import ScanSequence, gather
 from server.scenes.surface_glb import surface_glb
 from server.scenes.viser_server import Compressor
 from server.scenes.voxel_chunk import face_colors, voxel_chunk

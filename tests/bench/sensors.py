@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.io.contents import bag_index, seeking
-from mapper.io.logs.ros1_bag import ROS1_BAG
+from mapper.io.logs.containers.ros1_bag import ROS1_BAG
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.joint_log import JointLog

@@ -21,8 +21,8 @@ from mapper.core.errors import ReadError
 from mapper.io.clouds import read_depth_folder
 from mapper.sensors.depth_folder import DepthFolder
 from mapper.volume import Mesh, TsdfConfig, TsdfVolume, surface_mesh
-from mapper.volume.meshing import blocks_of_change
-from mapper.volume.tsdf_parameters import TRUNCATION_VOXELS
+from mapper.volume.mesh.meshing import blocks_of_change
+from mapper.volume.surface.parameters import TRUNCATION_VOXELS
 from tests.bench.surface_socket import surface_socket_row
 
 Frames = list[tuple[np.ndarray, np.ndarray]]

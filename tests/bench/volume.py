@@ -15,7 +15,7 @@ import pyoctomap
 
 from mapper.io.clouds import read_scan_graph
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, cast, octree_file
-from mapper.volume.queries import HIT
+from mapper.volume.occupancy.queries import HIT
 
 N_POINTS, N_RAYS = 100_000, 20_000
 

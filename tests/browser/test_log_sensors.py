@@ -16,7 +16,7 @@ from mapper.simulation.lidar import SensorConfig
 from tests.browser.looking import SECONDS, await_true, frame, open_group, settled_digest, until
 from tests.mapper.io.contents.recorded_robot import T0, imu
 from tests.mapper.io.logs import recorded
-from tests.mapper.io.logs.test_clouds import recording_of_room
+from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.mapper.mapping.sweeping import swept
 from tests.mapper.slam.worlds import along, drive
 

@@ -26,7 +26,7 @@ from tests.browser.looking import (
     until,
 )
 from tests.hostile.corpus import SONAR_POSES, SONAR_READINGS
-from tests.mapper.io.logs.test_split import split
+from tests.mapper.io.logs.containers.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 

@@ -33,7 +33,7 @@ from mapper.core.errors import MapperError
 from mapper.io.clouds import read_cloud
 from mapper.io.logs import open_log
 from mapper.io.maps import load_map
-from mapper.volume.octree_files import read_octree
+from mapper.volume.octree.files import read_octree
 readers = {"cloud": read_cloud, "log": open_log, "map": load_map, "octree": read_octree}
 for path in map(Path, sys.argv[1:]):
     print(path.name, flush=True)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from mapper.core.errors import ReadError
-from mapper.io.logs import cutting
-from mapper.io.logs.cloud_messages import PART_POINTS
+from mapper.io.logs.recording import cutting
+from mapper.io.logs.ros.cloud_messages import PART_POINTS
 from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import T0
 from tests.hostile.damage import opened

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from mapper.core.errors import LimitError
-from mapper.io.logs.poses3 import Poses3
-from mapper.io.logs.timeline import Int64Array, Timeline
-from mapper.io.logs.transforms import MAX_DEPTH, MAX_WORLDS
+from mapper.io.logs.recording.poses3 import Poses3
+from mapper.io.logs.recording.timeline import Int64Array, Timeline
+from mapper.io.logs.recording.transforms import MAX_DEPTH, MAX_WORLDS
 from mapper.sensors.scan import ScanLog
 from tests.hostile.corpus import T0
 from tests.hostile.damage import opened

@@ -11,7 +11,7 @@ import pytest
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file, read_octree
-from mapper.volume.octree_files import OctreeFile, octree_of_bytes
+from mapper.volume.octree.files import OctreeFile, octree_of_bytes
 from tests.hostile.damage import ALL, ROUNDS, check_sentence, flipped
 
 CONFIG = VolumeConfig(resolution=0.1)

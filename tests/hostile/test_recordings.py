@@ -211,7 +211,7 @@ def test_an_mcap_whose_summary_has_another_checksum_is_marked_and_its_summary_no
 
 def test_unknown_types_are_counted_and_never_decoded(tmp_path, monkeypatch):
     """Types that are named nearly as the known ones, and a known one that is said to be encoded in another way."""
-    from mapper.io.logs import ros_messages
+    from mapper.io.logs.ros import ros_messages
 
     decoded: list[bytes] = []
     decode = ros_messages.laser_scan

@@ -22,7 +22,7 @@ from mapper.io.clouds import read_cloud
 from mapper.io.clouds.projection import units_of
 from mapper.io.maps import load_map
 from mapper.volume import Octree, VolumeConfig, octree_file
-from mapper.volume.octree_files import octree_of_bytes
+from mapper.volume.octree.files import octree_of_bytes
 from tests.server.cli.running import Run
 
 RNG = np.random.default_rng(12)

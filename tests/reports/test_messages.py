@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ReadError
 from mapper.core.se2 import compose
 from mapper.io.logs import open_log
-from mapper.io.logs.carmen_beams import front_laser_beams
+from mapper.io.logs.text.carmen_beams import front_laser_beams
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.prepare_scans import is_deskewed
 from mapper.mapping.update_plan import plan_update

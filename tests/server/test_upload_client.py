@@ -17,7 +17,7 @@ from mapper.io.logs import open_log
 from server.cli import main
 from server.client import Client, ClientError
 from server.upload_client import TRIES
-from tests.mapper.io.logs.test_split import split
+from tests.mapper.io.logs.containers.test_split import split
 from tests.server.frayed_line import FrayedLine
 from tests.server.library.small_logs import carmen
 from tests.server.service import Service

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds.fields import standard_fields
-from mapper.io.logs.cloud_messages import times_of
-from mapper.io.logs.unpacking import Progress, Unpacked, opened
+from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
+from mapper.io.logs.ros.cloud_messages import times_of
 from mapper.sensors.point_cloud import PointCloud
 
 COARSE_STEP_M = 0.001  #: a cloud whose coordinates are rounded to more than this has a note about it

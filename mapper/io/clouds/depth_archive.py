@@ -19,8 +19,8 @@ from typing import IO
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.clouds.depth_folder import DEPTH_END, INTRINSICS, POSE_END
-from mapper.io.logs.archive import BLOCK, Member, is_tar, members
-from mapper.io.logs.unpacking import Progress, opened
+from mapper.io.logs.archives.archive import BLOCK, Member, is_tar, members
+from mapper.io.logs.archives.unpacking import Progress, opened
 
 ZIP_MAGIC = b"PK\x03\x04"
 EMPTY_ZIP = b"PK\x05\x06"

@@ -14,7 +14,7 @@ from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.clouds.content import content
 from mapper.io.clouds.ply import END, MOST_HEADER_BYTES, PlyFile, ply_file, read_ply
-from mapper.io.logs.unpacking import Unpacked, opened
+from mapper.io.logs.archives.unpacking import Unpacked, opened
 
 NOT_TRIANGLES = "ply.not_triangles"  #: code of the error for faces that are no plain list of three vertices
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs.container import Container
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.containers.container import Container
 from mapper.io.logs.opening import parts_of
-from mapper.io.logs.unpacking import Progress
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 from mapper.sensors.streams import CloudStream, Mounts
 

@@ -18,8 +18,8 @@ from mapper.io.clouds.pcd_header import looks_like_pcd
 from mapper.io.clouds.ply import read_ply
 from mapper.io.clouds.text import looks_like_text, read_text
 from mapper.io.clouds.vtk import read_vtk
+from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
 from mapper.io.logs.foreign import is_tum
-from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.point_cloud import PointCloud, PosedCloud
 
 Reader = Callable[[bytes, Limits], PointCloud]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
-from mapper.io.logs.lines import TextLines
 from mapper.io.logs.names import printable
+from mapper.io.logs.text.lines import TextLines
 from mapper.io.trajectories.lines import stamp_ns
 from mapper.io.trajectories.tum import tum_rows
 

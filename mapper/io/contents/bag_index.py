@@ -14,8 +14,10 @@ import numpy as np
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
-from mapper.io.logs.archive import Source
-from mapper.io.logs.bag_records import (
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.inflate import inflate
+from mapper.io.logs.archives.unpacking import opened
+from mapper.io.logs.containers.bag_records import (
     BAG_HEADER,
     CHUNK,
     CHUNK_INFO,
@@ -35,9 +37,7 @@ from mapper.io.logs.bag_records import (
     time_ns,
     topic_and_type,
 )
-from mapper.io.logs.inflate import inflate
 from mapper.io.logs.names import printable
-from mapper.io.logs.unpacking import opened
 
 MAX_INDEX_BYTES = 1 << 26  #: of the records at the end of a bag
 MAX_HEADER_BYTES = 1 << 12

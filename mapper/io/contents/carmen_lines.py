@@ -14,10 +14,10 @@ import numpy as np
 
 from mapper.core.limits import Limits
 from mapper.io.contents.model import Column, Contents, Series, TopicContents
-from mapper.io.logs.archive import Source
-from mapper.io.logs.lines import TextLines
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.names import printable
-from mapper.io.logs.unpacking import Progress
+from mapper.io.logs.text.lines import TextLines
 
 MAX_WORD = 40  #: characters
 MOST_WORDS = 200  #: lines of further words are not listed

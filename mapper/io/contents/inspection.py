@@ -18,17 +18,17 @@ from mapper.io.contents.carmen_lines import inspect_carmen
 from mapper.io.contents.downsampling import min_max
 from mapper.io.contents.model import Contents, FrameEdge, Series, TopicContents
 from mapper.io.contents.series_messages import PLOTTED, PlottedType
-from mapper.io.logs import carmen
-from mapper.io.logs.container import Container
-from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
-from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import open_robot_log, parts_of
-from mapper.io.logs.ros_messages import TRANSFORMS, plain_type
+from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.recording.transforms import why_ignored
+from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.ros_messages import TRANSFORMS, plain_type
 from mapper.io.logs.selection import ALL_SENSORS, Selection
-from mapper.io.logs.sink import MessageSink
-from mapper.io.logs.transforms import why_ignored
-from mapper.io.logs.unpacking import Progress
+from mapper.io.logs.text import carmen
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.streams import CloudStream, ImuStream
 

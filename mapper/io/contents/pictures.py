@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import LimitError, ReadError
-from mapper.io.logs.cloud_messages import point_cloud
-from mapper.io.logs.message_fields import BadMessageError, MessageFields
+from mapper.io.logs.ros.cloud_messages import point_cloud
+from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 
 if TYPE_CHECKING:
     from PIL.Image import Image

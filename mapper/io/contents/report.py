@@ -20,14 +20,14 @@ import numpy as np
 from mapper.core.errors import MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.logs import open_robot_log
-from mapper.io.logs.cloud_messages import CLOUD_DECODERS
-from mapper.io.logs.container import Container
-from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.archives.unpacking import Unpacked, opened
+from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
-from mapper.io.logs.ros_messages import POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
-from mapper.io.logs.sink import MessageSink
-from mapper.io.logs.unpacking import Unpacked, opened
+from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS
+from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.ros_messages import POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
 from mapper.sensors.joint_log import sensors_of
 from mapper.sensors.scan import ScanLog
 

@@ -15,15 +15,15 @@ from mcap.reader import SeekingReader
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.io.contents.bag_index import indexed_message
-from mapper.io.logs import mcap_file, ros1_bag, ros2_db3
-from mapper.io.logs.archive import Member, Source
-from mapper.io.logs.container import Container
-from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.archives.archive import Member, Source
+from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.archives.unpacking import opened
+from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
+from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
-from mapper.io.logs.ros_messages import plain_type
-from mapper.io.logs.sink import MessageSink
-from mapper.io.logs.unpacking import opened
+from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.ros.ros_messages import plain_type
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mapper.io.contents.model import Column
-from mapper.io.logs.message_fields import BadMessageError, MessageFields
-from mapper.io.logs.ros_messages import imu
+from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
+from mapper.io.logs.ros.ros_messages import imu
 
 Row = tuple[int, list[float]]  #: the stamp that the message states, ns, 0 for none, and its numbers
 

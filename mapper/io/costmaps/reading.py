@@ -19,14 +19,14 @@ from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError, LimitError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid.occupancy_grid import GridGeometry
-from mapper.io.logs.container import Container
-from mapper.io.logs.inflate import ZSTD_MAGIC, inflate
-from mapper.io.logs.message_fields import BadMessageError, MessageFields
+from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import parts_of
-from mapper.io.logs.ros_messages import plain_type
-from mapper.io.logs.sink import MessageSink
-from mapper.io.logs.unpacking import Progress
+from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
+from mapper.io.logs.ros.ros_messages import plain_type
 
 TYPE = "nav2_msgs/Costmap"
 MAX_COSTMAPS = 100_000

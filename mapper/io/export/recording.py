@@ -33,7 +33,7 @@ from mapper.io.export.exported_sensor import ExportedSensor, exported_sensors
 from mapper.io.export.growing_map import GrowingMap
 from mapper.io.export.ros2 import Pose
 from mapper.io.export.topics import Topics
-from mapper.io.logs.cdr_writer import SECOND
+from mapper.io.logs.ros.cdr_writer import SECOND
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import LaserScan, ScanLog
 

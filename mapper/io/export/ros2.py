@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.io.logs.cdr_writer import SECOND, CdrWriter
+from mapper.io.logs.ros.cdr_writer import SECOND, CdrWriter
 from mapper.sensors.scan import LaserScan
 
 LAST_STAMP_NS = (2**31 - 1) * SECOND  #: ROS 2 counts seconds in 32 bits

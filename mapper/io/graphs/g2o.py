@@ -15,8 +15,8 @@ import numpy as np
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import wrap_angle
-from mapper.io.logs import fields
-from mapper.io.logs.lines import TextLines
+from mapper.io.logs.text import fields
+from mapper.io.logs.text.lines import TextLines
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 
 VERTEX, EDGE, FIX = "VERTEX_SE2", "EDGE_SE2", "FIX"

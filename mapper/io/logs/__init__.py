@@ -1,4 +1,4 @@
-"""Readers of robot logs, one file per format; :func:`open_log` finds out which one a file needs.
+"""Readers of robot logs; :func:`open_log` finds out which one a file needs.
 
 Trajectory names, in the order in which a log offers them (the first is its default):
 

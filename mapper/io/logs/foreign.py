@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from mapper.core.errors import ReadError
-from mapper.io.logs import sonar
-from mapper.io.logs.inflate import ZSTD_MAGIC
-from mapper.io.logs.unpacking import GZIP_MAGIC
+from mapper.io.logs.archives.inflate import ZSTD_MAGIC
+from mapper.io.logs.archives.unpacking import GZIP_MAGIC
+from mapper.io.logs.text import sonar
 
 OLD_BAGS = (b"#ROSRECORD V", b"#ROSLOG V")  #: first bytes of ROS 1 bags before format 2.0
 KNOWN = "CARMEN, CMU, ROS 1 bag, ROS 2 bag (SQLite), MCAP, DP-SLAM, gmapping (.gfs), BreezySLAM, a sonar ring or CSV"

@@ -13,16 +13,17 @@ from typing import BinaryIO
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, mcap_file, ros1_bag, ros2_db3, sonar
-from mapper.io.logs.archive import Member, Source
-from mapper.io.logs.container import Container, are_parts_by_name, in_order
+from mapper.io.logs.archives.archive import Member, Source
+from mapper.io.logs.archives.packed_archive import archive_members, is_archive
+from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
+from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
+from mapper.io.logs.containers.container import Container, are_parts_by_name, in_order
 from mapper.io.logs.foreign import READ_HERE, not_a_log
-from mapper.io.logs.lines import BOM
-from mapper.io.logs.packed_archive import archive_members, is_archive
+from mapper.io.logs.recording.sink import MessageSink
 from mapper.io.logs.selection import ALL_SENSORS, Selection
-from mapper.io.logs.sink import MessageSink
+from mapper.io.logs.text import breezyslam, carmen, cmu, csv_scans, dpslam, gfs, sonar
+from mapper.io.logs.text.lines import BOM
 from mapper.io.logs.understanding import understood
-from mapper.io.logs.unpacking import Progress, Unpacked, opened
 from mapper.sensors.joint_log import with_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog

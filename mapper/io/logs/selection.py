@@ -14,7 +14,7 @@ class Selection:
     ``topics`` names them; without one, those that make one map by themselves are read: the lidar with most scans, or
     else all sonars. None reads all sensors. Point clouds and depth images are sensors as well, where they are named,
     or where there is no lidar: ``cut`` says how scans are cut out of them. ``tf`` names the topic of transforms that
-    are taken, where there are several (None: see :mod:`mapper.io.logs.tf_topics`).
+    are taken, where there are several (None: see :mod:`mapper.io.logs.recording.tf_topics`).
     """
 
     topics: tuple[str, ...] | None = ()

@@ -7,9 +7,9 @@ from decimal import Decimal
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import Limits
-from mapper.io.logs import fields
-from mapper.io.logs.archive import Source
-from mapper.io.logs.lines import TextLines
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.text import fields
+from mapper.io.logs.text.lines import TextLines
 
 
 def rows(path: Source, limits: Limits, kind: str, columns: str) -> Iterator[tuple[int, list[str]]]:

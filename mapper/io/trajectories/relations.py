@@ -15,7 +15,7 @@ import numpy as np
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.evaluation.relations import Relations
-from mapper.io.logs import fields
+from mapper.io.logs.text import fields
 from mapper.io.trajectories.lines import rows, stamp_ns
 
 COLUMNS = "t1 t2 x y z roll pitch yaw"

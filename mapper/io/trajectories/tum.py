@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from mapper.core.errors import ReadError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
-from mapper.io.logs import fields
-from mapper.io.logs.poses3 import Poses3
+from mapper.io.logs.recording.poses3 import Poses3
+from mapper.io.logs.text import fields
 from mapper.io.trajectories.lines import rows, stamp_ns
 from mapper.sensors.georeference import FARTHEST_M, NO_OFFSET, note_on_offset, offset_of
 from mapper.sensors.timed_poses import TimedPoses

@@ -1,8 +1,8 @@
 """Casts of rays through a map of voxels: the first occupied voxel, or the first occupied or unknown one.
 
-Numba twin of :func:`mapper.volume.textbook.cast_ray`. Blocks without a voxel that ends the ray are crossed in one step;
-in the others the ray is followed voxel by voxel. Source: Amanatides & Woo, A fast voxel traversal algorithm for ray
-tracing, 1987, over blocks and over voxels, with the number types and the order of ties of octomap's castRay.
+Numba twin of :func:`mapper.volume.occupancy.textbook.cast_ray`. Blocks without a voxel that ends the ray are crossed in
+one step; in the others the ray is followed voxel by voxel. Source: Amanatides & Woo, A fast voxel traversal algorithm
+for ray tracing, 1987, over blocks and over voxels, with the number types and the order of ties of octomap's castRay.
 
 octomap adds the distance between borders once for each voxel. A step over a block multiplies instead, which rounds
 differently, so the order of two borders is the same only where they are further apart than the error of either sum.

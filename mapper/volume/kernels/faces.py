@@ -1,6 +1,7 @@
 """The faces of occupied voxels that are seen, merged into rectangles, for one cube of 32³ voxels at a time.
 
-Numba twins of :func:`mapper.volume.textbook.chunk_colours` and :func:`mapper.volume.textbook.merged_faces`.
+Numba twins of :func:`mapper.volume.occupancy.textbook.chunk_colours` and
+:func:`mapper.volume.occupancy.textbook.merged_faces`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Parts of a mesh as meshes of their own, and their light; numba twins of :mod:`mapper.volume.textbook_chunks`."""
+"""Parts of a mesh as meshes of their own, and their light; numba twins of :mod:`mapper.volume.mesh.textbook_chunks`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Marching cubes in blocks of voxels, second part: the vertices with their normals, and the triangles.
 
-Numba twins of :func:`mapper.volume.textbook_marching.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH 1987:
-vertices by linear interpolation along edges, normals by that of the gradients at their ends.
+Numba twins of :func:`mapper.volume.mesh.textbook_marching.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH
+1987: vertices by linear interpolation along edges, normals by that of the gradients at their ends.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The octree of a map in depth-first order, as files have it: a node, then the trees of its children from 0 to 7.
 
-Numba twins of :func:`mapper.volume.textbook.pruned_tree` and of the files' formats. A node has a value and the bits of
-its children; a leaf has none. The Morton code of a voxel has the bits of its key interleaved, x lowest, so that depth
-first is the order of the codes. Source: octomap's OcTreeBaseImpl::writeNodesRecurs and
+Numba twins of :func:`mapper.volume.occupancy.textbook.pruned_tree` and of the files' formats. A node has a value and
+the bits of its children; a leaf has none. The Morton code of a voxel has the bits of its key interleaved, x lowest, so
+that depth first is the order of the codes. Source: octomap's OcTreeBaseImpl::writeNodesRecurs and
 OccupancyOcTreeBase::writeBinaryNode.
 """
 

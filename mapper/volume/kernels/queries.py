@@ -1,6 +1,7 @@
 """Queries of a map: the nearest occupied voxel, and the greatest log-odds of each column.
 
-Numba twins of :func:`mapper.volume.textbook.nearest_occupied` and :func:`mapper.volume.textbook.projection`.
+Numba twins of :func:`mapper.volume.occupancy.textbook.nearest_occupied` and
+:func:`mapper.volume.occupancy.textbook.projection`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The marks of the voxels that a scan's beams pass and end in.
 
-Numba twin of :func:`mapper.volume.textbook.seen_voxels`. Source: Amanatides & Woo, A fast voxel traversal algorithm for
-ray tracing, 1987, with the number types and the order of ties of octomap's computeRayKeys.
+Numba twin of :func:`mapper.volume.occupancy.textbook.seen_voxels`. Source: Amanatides & Woo, A fast voxel traversal
+algorithm for ray tracing, 1987, with the number types and the order of ties of octomap's computeRayKeys.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Depth images in truncated signed distances: which blocks an image's surface may touch, and their update.
 
-Numba twins of :func:`mapper.volume.textbook_tsdf.fuse_depth`. Source: Newcombe et al., KinectFusion, ISMAR 2011,
+Numba twins of :func:`mapper.volume.surface.textbook.fuse_depth`. Source: Newcombe et al., KinectFusion, ISMAR 2011,
 section 3.3: a voxel takes the depth of the pixel that its centre is seen in.
 """
 

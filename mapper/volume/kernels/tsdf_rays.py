@@ -1,7 +1,7 @@
 """Beams in truncated signed distances: the voxels of each around its end, one beam after the other.
 
-Numba twin of :func:`mapper.volume.textbook_tsdf.fuse_points`. Source: Curless & Levoy, SIGGRAPH 1996: signed distances
-along the line of sight; Amanatides & Woo, 1987, for the voxels on a line.
+Numba twin of :func:`mapper.volume.surface.textbook.fuse_points`. Source: Curless & Levoy, SIGGRAPH 1996: signed
+distances along the line of sight; Amanatides & Woo, 1987, for the voxels on a line.
 """
 
 from __future__ import annotations

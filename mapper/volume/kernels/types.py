@@ -129,8 +129,9 @@ class DepthView(NamedTuple):
 
 
 class CubeTables(NamedTuple):
-    """The cases of marching cubes, see :mod:`mapper.volume.cube_cases`: the number of triangles (256,), their edges
-    (256, 3 × the greatest number), the first corner of each edge (12,); and the number of bits of each byte (256,).
+    """The cases of marching cubes, see :mod:`mapper.volume.mesh.cube_cases`: the number of triangles (256,), their
+    edges (256, 3 × the greatest number), the first corner of each edge (12,); and the number of bits of each byte
+    (256,).
     """
 
     counts: UInt8Array

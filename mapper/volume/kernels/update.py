@@ -1,6 +1,6 @@
 """The update of a map by the marks of one scan, and its decay: each voxel once.
 
-Numba twins of :func:`mapper.volume.textbook.insert_scan` and :func:`mapper.volume.textbook.decay`.
+Numba twins of :func:`mapper.volume.occupancy.textbook.insert_scan` and :func:`mapper.volume.occupancy.textbook.decay`.
 """
 
 from __future__ import annotations

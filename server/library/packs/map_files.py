@@ -21,7 +21,7 @@ from mapper.core.limits import DEFAULT_LIMITS
 from server.library.packs.given_map import GivenMap
 
 if TYPE_CHECKING:
-    from mapper.io.logs.archive import Member
+    from mapper.io.logs.archives.archive import Member
 
 MOST_FILES = 8  #: in an archive
 MOST_BYTES = 256 << 20  #: of all of them together
@@ -117,7 +117,7 @@ def _origin_of(path: Path) -> str | None:
 
 def _files_in(source: Path) -> list[Member]:
     """Return the files in a tar archive. Raises :class:`OSError`, :class:`ReadError` and :class:`LimitError`."""
-    from mapper.io.logs.archive import BLOCK, is_tar, members  # noqa: PLC0415 - as the readers of maps
+    from mapper.io.logs.archives.archive import BLOCK, is_tar, members  # noqa: PLC0415 - as the readers of maps
 
     with source.open("rb") as file:
         if not is_tar(file.read(BLOCK)):

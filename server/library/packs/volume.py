@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from mapper.core.errors import MapperError
 from mapper.sensors.camera import Intrinsics
 from mapper.volume import Octree, OctreeFile
-from mapper.volume.depth_sequence import DepthSequence
-from mapper.volume.scan_sequence import FIELDS, ScanSequence
+from mapper.volume.scans.depth_sequence import DepthSequence
+from mapper.volume.scans.scan_sequence import FIELDS, ScanSequence
 from server.library.packs.log import StalePackError
 
 VERSION = 3

@@ -17,12 +17,12 @@ from mapper.io.clouds.content import content
 from mapper.io.clouds.depth_archive import is_depth_archive, is_zip, unpack_depth_archive
 from mapper.io.clouds.depth_folder import is_depth_folder
 from mapper.io.clouds.reading import TEXT, cloud_format
+from mapper.io.logs.archives.unpacking import Progress
 from mapper.io.logs.opening import is_log
 from mapper.io.logs.summary import LogSummary, ReadingCounts, TimeSummary
-from mapper.io.logs.unpacking import Progress
-from mapper.volume.octree_files import is_octree, octree_of_bytes
-from mapper.volume.scan_sequence import ScanSequence, gather
-from mapper.volume.sources import file_head
+from mapper.volume.octree.files import is_octree, octree_of_bytes
+from mapper.volume.scans.scan_sequence import ScanSequence, gather
+from mapper.volume.scans.sources import file_head
 from server.library.packs.volume import VolumeSource, write_volume_pack
 
 MOST_OCTREE_BYTES = 256 << 20  #: of the file of an octree, whose tree is kept in memory

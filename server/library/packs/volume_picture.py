@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from mapper.core.array_types import Float32Array
-from mapper.volume.occupancy import centres_of
-from mapper.volume.scan_sequence import UPS, ScanSequence
+from mapper.volume.occupancy.volume import centres_of
+from mapper.volume.scans.scan_sequence import UPS, ScanSequence
 from server.library.packs.picture import HEIGHTS, write_codes
 from server.library.packs.volume import VolumeSource
 

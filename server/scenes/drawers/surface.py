@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mapper.volume.chunk_mesh import STEPS, ChunkMesh
+from mapper.volume.mesh.chunk_mesh import STEPS, ChunkMesh
 from server.scenes.chunk_nodes import ChunkNodes
 from server.scenes.drawer import Drawer, DrawerContext, differs
 from server.scenes.surface_glb import surface_glb

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from mapper.core.array_types import BoolArray, Float64Array, Int64Array
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.sessions.models.lab_terrain import TerrainParameters
 
 if TYPE_CHECKING:

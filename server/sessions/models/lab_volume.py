@@ -16,9 +16,9 @@ from mapper.simulation.sensors_3d import Scan3D, measure_3d
 from mapper.simulation.worlds import World
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, project
 from mapper.volume.blocks import BLOCK
-from mapper.volume.occupancy import Inserted
+from mapper.volume.occupancy.volume import Inserted
 from mapper.volume.placed_scan import PlacedScan
-from mapper.volume.sources import Insertion
+from mapper.volume.scans.sources import Insertion
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
 
 MOST_BLOCKS = 30_000  #: of 8³ voxels: 60 MB of log-odds

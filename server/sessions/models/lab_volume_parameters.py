@@ -10,7 +10,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.parameter import Parameter, check_names
 from mapper.simulation.sensors_3d import SENSOR_3D_PARAMETERS, Sensor3D
 from mapper.volume import TsdfConfig, VolumeConfig
-from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
+from mapper.volume.surface.parameters import TSDF_PARAMETERS
 
 HIGHEST = 2.4  #: metres: no world of the lab is higher
 COLOURS = ("height", "belief", "normal")

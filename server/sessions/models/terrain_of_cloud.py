@@ -16,7 +16,7 @@ from server.sessions.models.volume_start import bounds_of
 
 if TYPE_CHECKING:
     from mapper.terrain import Terrain
-    from mapper.volume.scan_sequence import ScanSequence
+    from mapper.volume.scans.scan_sequence import ScanSequence
 
 
 @dataclass(frozen=True, slots=True, eq=False)

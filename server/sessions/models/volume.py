@@ -14,11 +14,11 @@ from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.grid import OccupancyGrid
 from mapper.volume import VOLUME_PARAMETERS, Octree, OctreeFile, VolumeConfig, octree_file, project
-from mapper.volume.faces import FaceRule
-from mapper.volume.map_offset import georeferenced
-from mapper.volume.replayed import ReplayedVolume
-from mapper.volume.replayed_surface import ReplayedSurface
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.mesh.faces import FaceRule
+from mapper.volume.scans.map_offset import georeferenced
+from mapper.volume.scans.replayed import ReplayedVolume
+from mapper.volume.scans.scan_sequence import ScanSequence
+from mapper.volume.surface.replayed import ReplayedSurface
 from server.sessions.drawings import Drawing
 from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.core.limits import Limits
 from mapper.volume import OctreeFile, VolumeConfig, changes_between
-from mapper.volume.changes import Changes
-from mapper.volume.replayed import ReplayedVolume
+from mapper.volume.occupancy.changes import Changes
+from mapper.volume.scans.replayed import ReplayedVolume
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from mapper.core.array_types import Float64Array, Int32Array, Int64Array
 from mapper.volume import OccupancyVolume, OctreeFile
-from mapper.volume.changes import Changes
-from mapper.volume.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
-from mapper.volume.scan_sequence import ScanSequence
-from mapper.volume.voxel_classes import Painted, voxel_classes
-from mapper.volume.voxel_normals import painted_directions
+from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.voxel_classes import Painted, voxel_classes
+from mapper.volume.mesh.voxel_normals import painted_directions
+from mapper.volume.occupancy.changes import Changes
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.sessions.drawings import Drawing, Points, Voxels
 from server.sessions.models.chosen_voxel import HIT, ChosenVoxel
 from server.sessions.models.volume_look import (

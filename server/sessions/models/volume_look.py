@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.parameter import Parameter, check_fields, check_table
-from mapper.volume.voxel_normals import directions
+from mapper.volume.mesh.voxel_normals import directions
 
 HEIGHTS = ("cut_low", "cut_high", "band_low", "band_high")  #: rows whose bounds are those of the map
 COLOURS = 24  #: of a ramp

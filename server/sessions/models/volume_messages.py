@@ -11,9 +11,9 @@ import numpy as np
 
 from mapper.core.array_types import Float32Array, Float64Array
 from mapper.volume import OctreeFile
-from mapper.volume.provenance import VoxelUpdate
-from mapper.volume.replayed import ReplayedVolume
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.occupancy.provenance import VoxelUpdate
+from mapper.volume.scans.replayed import ReplayedVolume
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_look import HEIGHTS, LOOK_PARAMETERS, Look
 

@@ -7,8 +7,8 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.volume import OctreeFile
-from mapper.volume.faces import CENTRE
-from mapper.volume.scan_sequence import ScanSequence, first_in_cubes
+from mapper.volume.mesh.faces import CENTRE
+from mapper.volume.scans.scan_sequence import ScanSequence, first_in_cubes
 from server.sessions.models.volume_look import COLOURS, Look
 
 RESOLUTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)

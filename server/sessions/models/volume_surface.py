@@ -15,16 +15,16 @@ from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.core.parameter import check_names
 from mapper.volume import TsdfConfig, surface_mesh
-from mapper.volume.chunk_mesh import STEPS, ChunkMesh, cut_between
 from mapper.volume.kernels.faces import CHUNK
-from mapper.volume.measured_scans import MeasuredScans
-from mapper.volume.mesh_files import glb_bytes, ply_bytes
-from mapper.volume.occupancy import centres_of, keys_of
-from mapper.volume.replayed_surface import SNAPSHOT_BYTES, ReplayedSurface
-from mapper.volume.surface_chunks import ChunkKey, SurfaceChunks
-from mapper.volume.surface_questions import first_surface, why_surface
-from mapper.volume.tsdf import CENTRE
-from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
+from mapper.volume.mesh.chunk_mesh import STEPS, ChunkMesh, cut_between
+from mapper.volume.mesh.files import glb_bytes, ply_bytes
+from mapper.volume.mesh.surface_chunks import ChunkKey, SurfaceChunks
+from mapper.volume.occupancy.volume import centres_of, keys_of
+from mapper.volume.surface.measured_scans import MeasuredScans
+from mapper.volume.surface.parameters import TSDF_PARAMETERS
+from mapper.volume.surface.questions import first_surface, why_surface
+from mapper.volume.surface.replayed import SNAPSHOT_BYTES, ReplayedSurface
+from mapper.volume.surface.tsdf import CENTRE
 from server.sessions.drawings import Surface
 from server.sessions.models.volume_look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of
 from server.sessions.models.volume_messages import MOST_UPDATES
@@ -134,7 +134,7 @@ class VolumeSurface:
     def file(self, kind: str, index: int, offset: Float64Array | None = None) -> bytes:
         """Return the surface of the first ``index`` scans as ``.ply`` or ``.glb``. Raises :class:`ConfigError`.
 
-        ``offset`` is that of :func:`mapper.volume.mesh_files.ply_bytes`.
+        ``offset`` is that of :func:`mapper.volume.mesh.files.ply_bytes`.
         """
         now = self.replayed
         now.go_to(index)

@@ -11,10 +11,10 @@ import numpy as np
 from mapper.core.array_types import Float64Array, Int64Array
 from mapper.core.errors import ConfigError
 from mapper.volume import OccupancyVolume, VolumeConfig
-from mapper.volume.faces import FaceRule, first_face
-from mapper.volume.occupancy import centres_of, keys_of
+from mapper.volume.mesh.faces import FaceRule, first_face
+from mapper.volume.occupancy.provenance import why_voxel
+from mapper.volume.occupancy.volume import centres_of, keys_of
 from mapper.volume.placed_scan import PlacedScan
-from mapper.volume.provenance import why_voxel
 from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.volume_messages import update_fields, voxel_message
 from server.sessions.tick import TickResult

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from mapper.core.array_types import Float64Array
-from mapper.volume import textbook, textbook_tsdf
-from mapper.volume.parameters import VolumeConfig
-from mapper.volume.textbook import CENTRE
-from mapper.volume.tsdf_parameters import TsdfConfig
+from mapper.volume.occupancy import textbook
+from mapper.volume.occupancy.parameters import VolumeConfig
+from mapper.volume.occupancy.textbook import CENTRE
+from mapper.volume.surface import textbook as textbook_tsdf
+from mapper.volume.surface.parameters import TsdfConfig
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "tsdf" / "tsdf.vectors.json"
 RESOLUTION = 0.1

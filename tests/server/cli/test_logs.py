@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from tests.mapper.io.logs import recorded
-from tests.mapper.io.logs.test_streams import run as streams
+from tests.mapper.io.logs.recording.test_streams import run as streams
 
 
 def test_info_prints_the_contents_of_a_log(run, log):

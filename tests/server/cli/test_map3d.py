@@ -14,7 +14,7 @@ from mapper.io.clouds.given_poses import GivenPoses
 from mapper.io.maps import load_map
 from mapper.volume import read_octree
 from tests.mapper.io.logs.recorded import written
-from tests.mapper.io.logs.test_clouds import recording_of_room
+from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.cli.running import Run
 
 GRAPH = "NODE 0.05 0.05 0.05 0 0 0\n1.0 0 0\n0 1.0 0.5\nnan 0 0\n"

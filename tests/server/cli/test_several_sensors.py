@@ -15,7 +15,7 @@ from mapper.sensors.joint_log import JointLog
 from mapper.simulation import sample_log
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import transform
-from tests.mapper.io.logs.test_clouds import recording_of_room
+from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.cli.running import Run, state_counts
 
 

@@ -15,7 +15,7 @@ from mapper.io.logs import open_robot_log
 from mapper.io.logs.selection import Selection
 from mapper.sensors.planar.options import PlanarCut
 from tests.mapper.io.logs import recorded
-from tests.mapper.io.logs.test_clouds import recording_of_room
+from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.service import PATIENCE_S, Service, Watcher, once_read, running, settings_for
 
 #: Above the floor and below the ceiling of the room, in a quarter of a circle.

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.volume.faces import triangles_of
+from mapper.volume.mesh.faces import triangles_of
 from server.scenes.voxel_chunk import face_colors, voxel_chunk
 from tests.server.scenes.voxel_world import PALETTE, blocks_world, seen_from_inside
 

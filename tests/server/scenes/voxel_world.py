@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.volume import OccupancyVolume, VolumeConfig
-from mapper.volume.faces import VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.faces import VoxelFaces, chunks_of, face_rule
 
 SIZE = 0.5
 PALETTE = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)

@@ -12,7 +12,7 @@ from mapper.core.errors import ConfigError
 from mapper.simulation import WORLDS
 from mapper.terrain import Patches, assess, find_ground
 from mapper.terrain.textbook import moments_of, plane_of
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments
 from server.sessions.models.cloud_terrain import CloudPoints

@@ -17,7 +17,7 @@ import trimesh
 from mapper.core.errors import ConfigError
 from mapper.core.limits import Limits
 from mapper.simulation.space import cast
-from mapper.volume.voxel_normals import voxel_normals
+from mapper.volume.mesh.voxel_normals import voxel_normals
 from server.sessions import SessionRegistry
 from server.sessions.drawings import GridColumns, Segments, Voxels
 from server.sessions.models import lab_volume

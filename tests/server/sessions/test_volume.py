@@ -17,14 +17,14 @@ import trimesh
 from mapper.io.clouds import read_cloud, read_depth_folder
 from mapper.terrain import agreement, find_ground
 from mapper.volume import OccupancyVolume, Octree, TsdfConfig, TsdfVolume, VolumeConfig, octree_file, surface_mesh
-from mapper.volume.mesh_files import ply_bytes
-from mapper.volume.scan_sequence import ScanSequence, gather
-from mapper.volume.sources import Insertion, insert_all, open_source
-from mapper.volume.tsdf_parameters import TSDF_PARAMETERS
+from mapper.volume.mesh.files import ply_bytes
+from mapper.volume.scans.scan_sequence import ScanSequence, gather
+from mapper.volume.scans.sources import Insertion, insert_all, open_source
+from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from server.library.packs.volume import read_volume_pack, write_volume_pack
 from server.sessions.models.cloud_terrain import CloudPoints
 from tests.mapper.io.logs.recorded import written
-from tests.mapper.io.logs.test_clouds import recording_of_room
+from tests.mapper.io.logs.recording.test_clouds import recording_of_room
 from tests.server.library.small_logs import carmen
 from tests.server.service import Service, Watcher, once_read, running, settings_for
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mapper.volume import OccupancyVolume, VolumeConfig
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.sessions.drawings import Voxels
 from server.sessions.models.volume_drawings import VolumeDrawings
 from server.sessions.models.volume_look import Look, normal_colors

@@ -10,7 +10,7 @@ const FIRST = { wall: 1.23, readings: 20, sigma: 0.02 };
 interface SurfaceProfileProps {
   /** Side of a voxel of the surface, m. */
   readonly resolution: number;
-  /** Parameters of the surface, as `mapper/volume/tsdf_parameters.py` has them. */
+  /** Parameters of the surface, as `mapper/volume/surface/parameters.py` has them. */
   readonly values: Values;
   readonly set: (name: string, value: Value) => void;
 }

@@ -1,7 +1,7 @@
 /**
- * One beam along a row of voxels, as two maps keep it: log-odds of occupancy as `mapper/volume/textbook.py` adds them,
- * and signed distances as `mapper/volume/textbook_tsdf.py` averages them. Metres from the sensor; voxel k is from
- * k · RESOLUTION to (k + 1) · RESOLUTION.
+ * One beam along a row of voxels, as two maps keep it: log-odds of occupancy as `mapper/volume/occupancy/textbook.py`
+ * adds them, and signed distances as `mapper/volume/surface/textbook.py` averages them. Metres from the sensor; voxel k
+ * is from k · RESOLUTION to (k + 1) · RESOLUTION.
  *
  * Source: Hornung and others 2013, OctoMap; Curless and Levoy 1996, section 3; Newcombe and others 2011, section 3.3.
  */

@@ -14,9 +14,9 @@ from PIL import Image
 
 from mapper.core.errors import ReadError
 from mapper.io.clouds import open_posed_clouds
-from mapper.io.logs.cloud_messages import DepthImage, NotDepthError
-from mapper.io.logs.compressed_depth import compressed_depth_image
-from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.ros.cloud_messages import DepthImage, NotDepthError
+from mapper.io.logs.ros.compressed_depth import compressed_depth_image
+from mapper.io.logs.ros.message_fields import BadMessageError
 from tests.hostile.damage import ROUNDS, flipped
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND, Said, camera, image, serialised, transform, written

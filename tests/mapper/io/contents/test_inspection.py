@@ -15,7 +15,8 @@ from mapper.core.errors import LimitError, ReadError
 from mapper.core.limits import Limits
 from mapper.io.contents.inspection import inspect, open_inspected
 from mapper.io.contents.model import Contents, Series
-from mapper.io.logs import mcap_file, open_robot_log, ros1_bag, ros2_db3
+from mapper.io.logs import open_robot_log
+from mapper.io.logs.containers import mcap_file, ros1_bag, ros2_db3
 from tests.mapper.io.contents.recorded_robot import T0, imu, robot
 from tests.mapper.io.logs import recorded
 from tests.mapper.io.logs.recorded import SECOND, serialised

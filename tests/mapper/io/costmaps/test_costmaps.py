@@ -17,7 +17,7 @@ from mapper.grid import GridGeometry
 from mapper.io.costmaps import occupancy_of_costs, open_costmaps
 from mapper.io.costmaps.reading import costmap_message
 from mapper.io.export import ros2
-from mapper.io.logs.message_fields import BadMessageError
+from mapper.io.logs.ros.message_fields import BadMessageError
 
 RECORDING = "bags/cm_moving_obstacle_0.mcap"
 

@@ -17,14 +17,14 @@ from PIL import Image
 from mapper.core.errors import ReadError
 from mapper.io.logs import open_log
 from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file, write_octree
-from mapper.volume.scan_sequence import ScanSequence
+from mapper.volume.scans.scan_sequence import ScanSequence
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
-from server.library.logs.folder import MAX_FILES
 from server.library.logs.records import Record
 from server.library.logs.sample import SAMPLE_ID
+from server.library.logs.folder import MAX_FILES
 from server.settings import Settings
-from tests.mapper.io.logs.test_split import split
+from tests.mapper.io.logs.containers.test_split import split
 from tests.server.library.kept import files, settled
 from tests.server.library.small_logs import carmen, in_pieces
 from tests.server.service import eventually

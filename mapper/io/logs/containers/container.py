@@ -1,0 +1,148 @@
+"""Recordings: the files that messages are kept in, and the log of one of them, or of all that it was split into."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.recording.recorded_streams import Streams, streams_of, with_streams
+from mapper.io.logs.recording.recording import Recording
+from mapper.io.logs.recording.sink import BothSinks, MessageSink
+from mapper.io.logs.selection import Selection
+from mapper.sensors.robot_log import RobotLog
+
+MAX_NOTES = 20
+NO_SENSOR = "\0"  #: what no topic is named
+
+
+@dataclass(frozen=True, slots=True)
+class Container:
+    """A format of recordings: its name, and what hands the messages of one file over."""
+
+    form: str
+    take: Callable[[Source, MessageSink, Limits, Progress | None], None]
+
+    def read(
+        self,
+        file: Source,
+        limits: Limits,
+        progress: Progress | None,
+        selection: Selection,
+        *,
+        also: MessageSink | None = None,
+    ) -> RobotLog:
+        """Return the recording in ``file`` as the log of the sensors that are selected; see :class:`Recording`.
+
+        ``also`` takes the messages in the same pass.
+        Of a file that is cut or damaged, what could be read, and notes that say what is missing. Raises
+        :class:`ReadError` where there is no scan, and :class:`LimitError`.
+        """
+        recording = Recording(limits, selection)
+        self.take(file, _with(recording, also), limits, progress)
+        return with_streams(recording.robot_log(file.name, self.form), [file], self.take, recording.parts)
+
+    def read_split(
+        self,
+        files: Sequence[Source],
+        name: str,
+        limits: Limits,
+        progress: Progress | None,
+        selection: Selection,
+        *,
+        also: MessageSink | None = None,
+        by_name: bool = False,
+    ) -> RobotLog:
+        """Return the recording ``name`` that was split into ``files``, in the order of their numbers, as one log.
+
+        Files of which nothing can be read are left out, and noted. Raises as :meth:`read`, and with ``by_name``, where
+        nothing but their names says that they belong together, also where they have no topic in common.
+        """
+        recording = Recording(limits, selection)
+        sink = _with(recording, also)
+        files = in_order(files)
+        why = ", as their names say" if by_name else ""
+        recording.notes.append(f"{len(files)} files are read as one recording{why}.{_missing(files)}")
+        common: set[str] = set()
+        for done, file in enumerate(files):
+            before = len(recording.notes)
+            try:
+                self.take(file, sink, limits, _part_of(progress, done, len(files)))
+            except LimitError:
+                raise
+            except ReadError as error:
+                recording.notes.append(f"It is left out: {error.message}")
+            said = recording.notes[before : max(before, MAX_NOTES)]
+            recording.notes[before:] = [f"{file.name}: {note}" for note in said]
+            topics = recording.topics_of_file
+            if by_name and common and topics and not common & topics:
+                raise ReadError(
+                    "log.folder",
+                    f"{files[0].name!r:.80} and {file.name!r:.80} are named as parts of one recording, and have no "
+                    "topic in common: open one of them.",
+                )
+            common |= topics
+            sink.next_file()
+            if progress is not None:
+                progress((done + 1) / len(files))
+        log = recording.robot_log(name, f"{self.form}, {len(files)} files")
+        return with_streams(log, files, self.take, recording.parts)
+
+    def streams(
+        self,
+        files: Sequence[Source],
+        limits: Limits,
+        progress: Progress | None,
+        *,
+        also: MessageSink | None = None,
+    ) -> Streams:
+        """Return the point clouds, IMUs and images of a recording by topic; of its messages only poses are read now.
+
+        ``also`` takes the messages in the same pass.
+        """
+        recording = Recording(limits, Selection((NO_SENSOR,)))
+        sink = _with(recording, also)
+        for done, file in enumerate(files):
+            self.take(file, sink, limits, _part_of(progress, done, len(files)))
+            sink.next_file()
+        recording.finish()
+        return streams_of(files, self.take, recording.parts)
+
+
+def _with(recording: Recording, also: MessageSink | None) -> MessageSink:
+    return recording if also is None else BothSinks(recording, also)
+
+
+def in_order(files: Sequence[Source]) -> list[Source]:
+    """Return the files of a split recording in the order of the numbers in their names."""
+    return sorted(files, key=lambda file: _numbered(file.name))
+
+
+def are_parts_by_name(names: Sequence[str]) -> bool:
+    """Return whether files are numbered from 0 and otherwise of one name, as rosbag2 names a recording's parts."""
+    found = [re.fullmatch(r"(.+)_([0-9]{1,9})(\.[a-z0-9.]+)", name) for name in names]
+    parts = {(one[1], one[3]) for one in found if one}
+    numbers = {int(one[2]) for one in found if one}
+    return None not in found and len(parts) == 1 and len(numbers) == len(names) and min(numbers) == 0
+
+
+def _part_of(progress: Progress | None, done: int, of: int) -> Progress | None:
+    return None if progress is None else lambda share: progress((done + share) / of)
+
+
+def _numbered(name: str) -> list[int | str]:
+    """Return a key to sort names by in which numbers count as numbers: ``run_10`` comes after ``run_2``."""
+    return [int(part) if at % 2 else part for at, part in enumerate(re.split(r"([0-9]{1,18})", name))]
+
+
+def _missing(files: Sequence[Source]) -> str:
+    """Return a sentence on the first number that lacks between two files', or nothing."""
+    numbers = [int(found[1]) for file in files if (found := re.search(r"_([0-9]{1,9})\.", file.name))]
+    pairs = pairwise(numbers)
+    gap = next((pair for pair in pairs if pair[1] > pair[0] + 1), None) if len(numbers) == len(files) else None
+    return f" Between number {gap[0]} and number {gap[1]} files are missing." if gap else ""

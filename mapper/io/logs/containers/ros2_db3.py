@@ -1,0 +1,252 @@
+"""ROS 2 bags in SQLite (``.db3``), plain, or the whole file gzip or Zstandard.
+
+Source: rosbag2_storage_sqlite3: a table ``topics`` (id, name, type, serialization_format, …) and one ``messages``
+(id, topic_id, timestamp, data).
+
+The file is opened read-only and as hostile as sqlite.org/security.html advises: no trusted schema, nothing but two
+ordinary tables is queried, no order is asked for that SQLite would have to sort, and no value may be huge.
+
+Data that nothing is made of is not read: SQLite keeps large values in pages of their own.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import IO
+from urllib.parse import quote
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.bytestream import byte_stream
+from mapper.io.logs.archives.unpacking import PIECE, Progress, opened
+from mapper.io.logs.containers.container import MAX_NOTES, Container
+from mapper.io.logs.names import printable
+from mapper.io.logs.recording.sink import MessageSink
+
+MAGIC = b"SQLite format 3\0"
+TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
+
+
+def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress: Progress | None) -> None:
+    """Hand what the ROS 2 bag ``file`` holds over to ``recording``; of a damaged one, the messages before the damage.
+
+    Raises :class:`ReadError` where there are none, and :class:`LimitError`.
+    """
+    before = recording.taken
+    connection, notes, is_journaled = _opened(file, limits, progress)
+    if notes is not None:  # read as a copy, which was half of the work
+        progress = progress and partial(_second_half, progress)
+    try:
+        recording.notes += notes or []
+        if is_journaled:
+            recording.notes.append(
+                "The SQLite file keeps a write-ahead log: if the recorder was not closed, what it wrote last is in the "
+                "file next to it that ends in -wal, which is not read, and is missing here."
+            )
+        _take_all(connection, recording, limits, progress)
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
+        if recording.taken == before:
+            raise _unreadable(error) from error
+        recording.notes.append(f"The SQLite file is damaged ({_reason(error)}): only what precedes is read.")
+    except ReadError as error:
+        if not is_journaled:
+            raise
+        raise ReadError(
+            error.code,
+            f"{error.message} If the recorder was not closed, what it wrote is in the file next to it that ends in "
+            "-wal; with both in one folder, sqlite3 FILE.db3 'PRAGMA wal_checkpoint' brings it in.",
+        ) from error
+    finally:
+        connection.close()
+
+
+ROS2_DB3 = Container("ROS 2 bag (SQLite)", take_ros2_db3)
+
+
+def _opened(
+    path: Source, limits: Limits, progress: Progress | None
+) -> tuple[sqlite3.Connection, list[str] | None, bool]:
+    """Return the database, what is missing of it, and whether it keeps a write-ahead log.
+
+    A file that SQLite cannot open as it is, as it is packed, cut or in an archive, is opened as a copy; of one that
+    needs none, None instead of what is missing.
+    """
+    with opened(path) as file:
+        head = file.read(100)
+        size = file.seek(0, os.SEEK_END)
+    notes: list[str] | None = None
+    try:
+        if isinstance(path, Path) and head.startswith(MAGIC) and not _is_cut(head, size):
+            connection = _connected(path)
+        else:
+            with _copied(path, limits, progress and partial(_first_half, progress)) as (copy, head, notes):
+                connection = _connected(copy)  # which goes on when the copy has lost its name
+        connection.text_factory = lambda data: data.decode("utf-8", "replace")
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, limits.max_chunk_bytes)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_COLUMN, 100)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_EXPR_DEPTH, 50)
+        connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 0)
+        for pragma in ("trusted_schema=OFF", "query_only=ON", "cell_size_check=ON", "mmap_size=0", "temp_store=MEMORY"):
+            connection.execute(f"PRAGMA {pragma}")
+    except (sqlite3.Error, OverflowError) as error:
+        raise _unreadable(error) from error
+    return connection, notes, 2 in head[18:20]
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    """Open a database."""
+    # immutable: neither locks nor a journal next to it, which a hostile file could come with
+    connection = sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode=ro&immutable=1", uri=True)
+    connection.execute("PRAGMA schema_version")  # only then is the file open
+    return connection
+
+
+@contextmanager
+def _copied(path: Source, limits: Limits, progress: Progress | None) -> Iterator[tuple[Path, bytes, list[str]]]:
+    """Yield a copy of what a file holds that SQLite takes, its first bytes, and what is missing.
+
+    Raises :class:`LimitError` where there is no room for it.
+    """
+    try:
+        with tempfile.NamedTemporaryFile(prefix="gridbloom-", suffix=".db3") as copy:
+            with byte_stream(path, limits, progress) as stream:
+                while piece := stream.read(PIECE):
+                    copy.write(piece)
+                size, notes = stream.at, stream.notes
+            copy.seek(0)
+            head = copy.read(100)
+            if _is_cut(head, size):
+                notes.append("The SQLite file ends early: only what precedes is read.")
+                # SQLite refuses a file that is shorter than it says, and takes what is missing of a page for zeros.
+                pages = size // _page_bytes(head)
+                copy.truncate(pages * _page_bytes(head))
+                _overwrite(copy.file, 28, pages.to_bytes(4, "big"))
+            if size >= 20:
+                _overwrite(copy.file, 18, b"\1\1")  # no write-ahead log: there is none beside the copy
+            copy.flush()
+            yield Path(copy.name), head, notes
+    except OSError as error:
+        raise LimitError(
+            "log.storage",
+            f"A packed or damaged SQLite file is read as a copy, which could not be made: {error.strerror}.",
+        ) from error
+
+
+def _overwrite(file: IO[bytes], at: int, data: bytes) -> None:
+    file.seek(at)
+    file.write(data)
+
+
+def _first_half(progress: Progress, share: float) -> None:
+    progress(0.5 * share)
+
+
+def _second_half(progress: Progress, share: float) -> None:
+    progress(0.5 + 0.5 * share)
+
+
+def _reason(error: Exception) -> str:
+    """Return what SQLite says, which may quote the file."""
+    return printable(" ".join(str(error).split())[:100]).rstrip(".")
+
+
+def _unreadable(error: Exception) -> ReadError:
+    return ReadError("log.sqlite", f"The SQLite file cannot be read: {_reason(error)}.")
+
+
+def _page_bytes(head: bytes) -> int:
+    stated = int.from_bytes(head[16:18], "big")
+    return 65536 if stated == 1 else max(stated, 512)
+
+
+def _is_cut(head: bytes, size: int) -> bool:
+    """Return whether a database with this header should have more bytes."""
+    return size < _page_bytes(head) * int.from_bytes(head[28:32], "big")
+
+
+def newest_row(file: Source, topic: str, at_ns: int, limits: Limits) -> tuple[int, str, bytes] | None:
+    """Return stamp, type and data of the newest message on ``topic`` at or before ``at_ns``, or else of the first.
+
+    None where there is none. Raises :class:`ReadError` for a file that is no ROS 2 bag.
+    """
+    connection, _, _ = _opened(file, limits, None)
+    # First which row it is, then its data: a file without an index of times has all of its rows looked at.
+    query = (
+        "SELECT messages.rowid FROM messages JOIN topics ON topic_id = topics.id "
+        "WHERE name = ? AND serialization_format = 'cdr' AND timestamp"
+    )
+    whole = "SELECT timestamp, type, data FROM messages JOIN topics ON topic_id = topics.id WHERE messages.rowid = ?"
+    try:
+        _check_tables(connection)
+        found = connection.execute(f"{query} <= ? ORDER BY timestamp DESC LIMIT 1", (topic, at_ns)).fetchone()
+        found = found or connection.execute(f"{query} > ? ORDER BY timestamp LIMIT 1", (topic, at_ns)).fetchone()
+        row = None if found is None else connection.execute(whole, found).fetchone()
+    except (sqlite3.Error, UnicodeDecodeError, OverflowError) as error:
+        raise _unreadable(error) from error
+    finally:
+        connection.close()
+    if row is None or not isinstance(row[0], int) or not isinstance(row[2], bytes):
+        return None
+    return row[0], str(row[1]), row[2]
+
+
+def _check_tables(connection: sqlite3.Connection) -> None:
+    """Raise :class:`ReadError` for a database whose tables are not those of a ROS 2 bag."""
+    for table, needed in TABLES.items():
+        found = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ?", (table,)).fetchall()
+        # A view, a virtual table or a computed column would run what the file says.
+        if len(found) != 1 or found[0][0] != "table" or str(found[0][1]).upper().startswith("CREATE VIRTUAL"):
+            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: it has no table {table!r}.")
+        columns = {row[1]: row[6] for row in connection.execute(f"PRAGMA table_xinfo({table})")}
+        if not needed <= set(columns) or any(columns[name] for name in needed) or "rowid" in map(str.lower, columns):
+            raise ReadError("log.unknown_format", f"The SQLite file is no ROS 2 bag: its table {table!r} is another.")
+
+
+def _database_bytes(connection: sqlite3.Connection) -> int:
+    (pages,), (size,) = (connection.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    return int(pages) * int(size)
+
+
+def _take_all(
+    connection: sqlite3.Connection, recording: MessageSink, limits: Limits, progress: Progress | None
+) -> None:
+    _check_tables(connection)
+    rows = connection.execute(
+        "SELECT id, name, type, serialization_format FROM topics LIMIT ?", (limits.max_topics + 1,)
+    )
+    keys = []
+    for key, name, kind, form in rows:
+        if isinstance(key, int):
+            keys.append(key)
+            recording.channel(key, str(name), str(kind), cdr=True, readable=form == "cdr")
+            if form != "cdr" and len(recording.notes) < MAX_NOTES:
+                what = f"{printable(str(kind)[:100])} on {printable(str(name)[:100])}"
+                recording.notes.append(f"{what}: the messages are encoded as {str(form)!r:.40}, and only cdr is read.")
+    wanted = ",".join(str(key) for key in keys if recording.wants(key))
+    last = 1
+    with contextlib.suppress(sqlite3.Error):  # of a file that was cut, the last row is what is missing
+        last = max(1, connection.execute("SELECT max(rowid) FROM messages").fetchone()[0] or 1)
+    # A row has five bytes at least, and each of its bytes a place of its own: cells or pages that a damaged or hostile
+    # file names again and again would be read for hours.
+    room = _database_bytes(connection)
+    read = 0
+    cursor = connection.execute(
+        "SELECT rowid, topic_id, timestamp, length(data), "  # noqa: S608 - the ids are whole numbers, and as such here
+        f"CASE WHEN topic_id IN ({wanted}) THEN data ELSE x'' END FROM messages ORDER BY rowid"
+    )
+    for index, (row, key, stamp, size, data) in enumerate(cursor):
+        read += 5 + (len(data) if isinstance(data, bytes | str) else 0)
+        if read > room:
+            raise sqlite3.DatabaseError(f"its messages have more than the {room} bytes of the file")
+        if isinstance(key, int) and isinstance(stamp, int) and isinstance(data, bytes):
+            recording.take(key, stamp, data, size)
+        if progress is not None and index % 256 == 0:
+            progress(min(1.0, max(0.0, row / last)))

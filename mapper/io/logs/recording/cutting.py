@@ -1,0 +1,217 @@
+"""Planar scans cut out of the clouds and depth images of a recording, while it is read.
+
+A cloud is cut as soon as tf has told where its frame is on the robot, of a frame that may move, at the cloud's stamp; a
+depth image as soon as its CameraInfo has come. Until then messages are held, at most :data:`HELD_BYTES`; then, and at
+the end of the recording, they are cut with what is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError
+from mapper.io.logs.recording.stream import Stream
+from mapper.io.logs.recording.tf_topics import TfTopics
+from mapper.io.logs.recording.timeline import Moments
+from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, Cloud, DepthImage, camera_info, depth_image
+from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.ros_messages import Beams
+from mapper.sensors.camera import Intrinsics
+from mapper.sensors.planar.cloud import NOT_PLACED, Placement, add_points, empty_scan, first_beam
+from mapper.sensors.planar.depth import cut_depth
+from mapper.sensors.planar.options import PlanarCut
+
+IMAGE, CAMERA = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+HELD_BYTES = 64 << 20
+FLOOR_CLOUDS = 20  #: of a topic: in so many of its first clouds the floor is looked for
+FLOOR_M = 0.1  #: metres above the lowest height in which the floor is looked for, and by which it shortens a beam
+
+Emit = Callable[[Stream, int, Beams, int], None]
+
+
+@dataclass(slots=True)
+class Low:
+    """Beams of a topic's first clouds: those that measured anything, and those that low points made shorter."""
+
+    clouds: int = 0
+    measured: int = 0
+    shorter: int = 0
+
+    @property
+    def share(self) -> float:
+        """The share of the beams that end at a point less than :data:`FLOOR_M` above the lowest height."""
+        return self.shorter / self.measured if self.measured else 0.0
+
+
+@dataclass(slots=True)
+class _Held:
+    stream: Stream
+    recorded_ns: int
+    message: Cloud | DepthImage
+    size: int
+    number: int  #: of the message in its stream, from 1
+    position: int  #: of the message in the recording
+
+
+class Cutter:
+    """Cuts clouds and images, and hands the scans to ``emit`` with their stream, when they were recorded, and where.
+
+    Where is the number of the message. ``tf`` and ``children`` are those of the recording, which grow while it is read.
+    """
+
+    def __init__(self, cut: PlanarCut, tf: TfTopics, children: set[str], emit: Emit) -> None:
+        self.position = 0  #: the number of the message that is taken
+        self._placements: dict[tuple[str, str], Placement] = {}  #: of frames that never move, by topic and frame
+        self.unplaced: set[str] = set()  #: frames that tf had not told of when their first cloud was cut
+        self.low: dict[str, Low] = {}  #: by topic
+        self._cut, self._tf, self._children, self._emit = cut, tf, children, emit
+        self._statics = 0  #: how many static transforms were known when the placements were found
+        self._cameras: dict[str, Intrinsics] = {}  #: by the folder of their topic
+        self._held: list[_Held] = []
+        self._held_bytes = 0
+
+    def take_cloud(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
+        """Take a cloud of one of the types :data:`CLOUD_DECODERS`. Raises :class:`BadMessageError`."""
+        cloud = CLOUD_DECODERS[stream.kind](data, cdr=stream.cdr)
+        self._take(_Held(stream, recorded_ns, cloud, len(data), stream.count, self.position))
+
+    def take_image(self, stream: Stream, recorded_ns: int, data: bytes) -> None:
+        """Take a sensor_msgs/Image. Raises :class:`BadMessageError`, and ``NotDepthError`` for a picture."""
+        image = depth_image(data, cdr=stream.cdr)
+        self._take(_Held(stream, recorded_ns, image, len(data), stream.count, self.position))
+
+    def take_camera(self, stream: Stream, _: int, data: bytes) -> None:
+        """Take a sensor_msgs/CameraInfo, of all images in its folder of topics. Raises :class:`BadMessageError`."""
+        self._cameras[topic_folder(stream.topic)] = camera_info(data, cdr=stream.cdr)
+        self._cut_held()
+
+    def finish(self) -> None:
+        """Cut what is held with what is known now. An image without a CameraInfo counts as one that cannot be read."""
+        held, self._held, self._held_bytes = self._held, [], 0
+        for one in held:
+            try:
+                self._cut_one(one)
+            except BadMessageError as error:
+                one.stream.refuse(str(error), one.number)
+
+    def _take(self, one: _Held) -> None:
+        waits = any(held.stream is one.stream for held in self._held)
+        if not waits and self._is_ready(one.message, one.stream):
+            self._cut_one(one)
+            return
+        self._held.append(one)
+        self._held_bytes += one.size
+        self._cut_held()
+        if self._held_bytes > HELD_BYTES:
+            self.finish()
+
+    def _cut_held(self) -> None:
+        """Cut what can be cut so far; of one stream in the order of the recording."""
+        held, self._held = self._held, []
+        waiting: set[int] = set()  #: streams, by their ids
+        for one in held:
+            if id(one.stream) in waiting or not self._is_ready(one.message, one.stream):
+                waiting.add(id(one.stream))
+                self._held.append(one)
+                continue
+            self._held_bytes -= one.size
+            try:
+                self._cut_one(one)
+            except BadMessageError as error:
+                one.stream.refuse(str(error), one.number)
+
+    def _is_ready(self, message: Cloud | DepthImage, stream: Stream) -> bool:
+        if isinstance(message, DepthImage):
+            return topic_folder(stream.topic) in self._cameras
+        if (stream.topic, message.frame) in self._placements:
+            return True
+        tf = self._tf.tree_of(stream.topic, message.frame)
+        base = tf.base_of(message.frame, self._children)
+        return tf.is_base(base, self._children) and tf.reaches(message.frame, base, message.stamp_ns)
+
+    def _cut_one(self, one: _Held) -> None:
+        if isinstance(one.message, Cloud):
+            beams = self._beams_of_cloud(one.message, one.stream.topic, one.position)
+        else:
+            beams = self._beams_of_image(one.message, one.stream.topic)
+        self._emit(one.stream, one.recorded_ns, beams, one.position)
+
+    def _beams_of_cloud(self, cloud: Cloud, topic: str, position: int) -> Beams:
+        cut = self._cut
+        placement = self._placement(cloud, topic, position)
+        ranges = empty_scan(cut)
+        for points in cloud.parts():
+            add_points(points, placement, cut, ranges)
+        self._look_for_floor(cloud, topic, placement, ranges)
+        least, greatest = cut.cloud_range
+        first, step, mount = first_beam(cut), cut.angle_increment, placement.mount
+        return Beams(cloud.stamp_ns, cloud.frame, first, step, least, greatest, ranges, mount=mount)
+
+    def _look_for_floor(self, cloud: Cloud, topic: str, placement: Placement, ranges: NDArray[np.float32]) -> None:
+        """Count the beams that are longer in the scan above the lowest :data:`FLOOR_M` of the heights that count."""
+        low = self.low.setdefault(topic, Low())
+        above = self._cut.min_height + FLOOR_M
+        if low.clouds >= FLOOR_CLOUDS or above >= self._cut.max_height:
+            return
+        low.clouds += 1
+        cut = replace(self._cut, min_height=above)
+        higher = empty_scan(cut)
+        for points in cloud.parts():
+            add_points(points, placement, cut, higher)
+        low.measured += int(np.count_nonzero(np.isfinite(ranges)))
+        low.shorter += int(np.count_nonzero(np.isfinite(higher) & (higher > ranges + FLOOR_M)))
+
+    def _placement(self, cloud: Cloud, topic: str, position: int) -> Placement:
+        """Return where a cloud's frame was on the robot at its stamp."""
+        key = (topic, cloud.frame)
+        if self._statics != self._tf.statics:  # one may have been replaced
+            self._statics = self._tf.statics
+            self._placements = {known: one for known, one in self._placements.items() if one is NOT_PLACED}
+        found = self._placements.get(key)
+        if found is not None:
+            return found
+        tf = self._tf.tree_of(topic, cloud.frame)
+        base = tf.base_of(cloud.frame, self._children)
+        poses = None
+        if base != cloud.frame:
+            poses = tf.relative(cloud.frame, base, Moments(np.array([cloud.stamp_ns]), np.array([position])))
+        if poses is None:
+            if not tf.is_base(base, self._children):
+                self.unplaced.add(cloud.frame)
+            self._placements[key] = NOT_PLACED
+            return NOT_PLACED
+        found = Placement(poses.matrices[0], poses.positions[0])
+        if tf.is_fixed(cloud.frame, base):
+            self._placements[key] = found
+        return found
+
+    def _beams_of_image(self, image: DepthImage, topic: str) -> Beams:
+        camera = self._cameras.get(topic_folder(topic))
+        if camera is None:
+            raise BadMessageError(f"no CameraInfo has come on {topic_folder(topic)}/camera_info")
+        try:
+            ranges = cut_depth(image.metres(), camera, self._cut)
+        except ConfigError as error:
+            raise BadMessageError(error.message) from None
+        first, step = camera.beams()
+        least, greatest = self._cut.depth_range
+        frame = self._cut.output_frame or image.frame
+        # A beam stands for the columns from its bearing to the next one's: it is stated in their middle.
+        return Beams(image.stamp_ns, frame, first + 0.5 * step, step, least, greatest, ranges)
+
+
+def topic_folder(topic: str) -> str:
+    """Return a topic without its last part: an image and its CameraInfo are in one folder."""
+    return topic.rpartition("/")[0]
+
+
+def is_forward(up: NDArray[np.float64]) -> bool:
+    """Return whether a camera's frame has its z axis along the view, by the z components (n,) of its z axis.
+
+    Optical frames are so (REP 103); some drivers state depth images in a frame whose x axis is along the view.
+    """
+    return bool(abs(float(up[0])) < 0.9)

@@ -1,0 +1,206 @@
+"""The clouds and IMUs of a recording as streams of its log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ConfigError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.recording.cutting import CAMERA, IMAGE, topic_folder
+from mapper.io.logs.recording.poses3 import Poses3
+from mapper.io.logs.recording.pulling import Take, pulled
+from mapper.io.logs.recording.taken import Taken
+from mapper.io.logs.recording.timeline import Moments
+from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, DepthImage, NotDepthError, camera_info, depth_image
+from mapper.io.logs.ros.compressed_depth import COMPRESSED, compressed_depth_image, image_topic
+from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.ros_messages import imu
+from mapper.sensors.camera import Intrinsics
+from mapper.sensors.point_cloud import PointCloud
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.streams import CloudStream, ImuSamples, ImuStream
+
+IMU = "sensor_msgs/Imu"
+IMU_ROWS = 1 << 12  #: messages in one part of an IMU's stream
+DEPTH_DECODERS: dict[str, Callable[..., DepthImage]] = {IMAGE: depth_image, COMPRESSED: compressed_depth_image}
+
+
+@dataclass(frozen=True, slots=True)
+class _Recorded:
+    """A recording: its files in their order, what reads one, and what was taken of all."""
+
+    files: Sequence[Source]
+    take: Take
+    taken: Taken
+
+    @property
+    def limits(self) -> Limits:
+        return self.taken.limits
+
+    def clouds(self, topic: str, kind: str) -> Iterator[PointCloud]:
+        for message in pulled(self.files, self.take, topic, kind, self.limits):
+            try:
+                cloud = CLOUD_DECODERS[kind](message.data, cdr=message.cdr)
+            except BadMessageError:
+                continue
+            yield cloud.whole(message.stamp_ns)
+
+    def imu(self, topic: str) -> Iterator[ImuSamples]:
+        messages = pulled(self.files, self.take, topic, IMU, self.limits)
+        while part := list(islice(messages, IMU_ROWS)):
+            readings = []
+            for message in part:
+                try:
+                    one = imu(message.data, cdr=message.cdr)
+                except BadMessageError:
+                    continue
+                readings.append((one.frame, one.stamp_ns or message.stamp_ns, one))
+            if readings:
+                yield ImuSamples(
+                    readings[0][0],
+                    np.array([stamp for _, stamp, _ in readings], dtype=np.int64),
+                    np.array([one.angular_velocity for *_, one in readings]),
+                    np.array([one.linear_acceleration for *_, one in readings]),
+                    np.array([one.orientation for *_, one in readings]),
+                )
+
+    def mounts(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
+        """Return ``T_base_frame`` (n, 4, 4) at n stamps; None where tf does not name the frame's place on a base."""
+        tree, children = self.taken.tf.tree_of(topic, frame), self.taken.children
+        base = tree.base_of(frame, children)
+        if base == frame and not tree.is_base(frame, children):
+            return None
+        poses = tree.relative(frame, base, Moments(stamps_ns))
+        if poses is None:
+            return None
+        out = np.tile(np.eye(4), (len(stamps_ns), 1, 1))
+        out[:, :3, :3], out[:, :3, 3] = poses.matrices, poses.positions
+        return out
+
+    def poses(self, topic: str, frame: str, stamps_ns: NDArray[np.int64]) -> NDArray[np.float64] | None:
+        """Return ``T_fixed_frame`` (n, 4, 4) at n stamps, NaN where it is not known; None where nothing says it.
+
+        The fixed frame is tf's ``map`` around the frame, else the farthest in which it moves, else that of odometry
+        messages, or of others with poses, of a frame to which this one is connected. Where the clock of the recording
+        began again, a stamp that is one of several runs has no pose.
+        """
+        found = np.full((len(stamps_ns), 4, 4), np.nan)
+        times_known = np.zeros(len(stamps_ns), dtype=np.int64)
+        for offset in self.taken.run_offsets:
+            poses = self._poses_at(topic, frame, Moments(stamps_ns + offset))
+            if poses is None:
+                return None
+            known = np.isfinite(poses[:, 0, 0])
+            found[known] = poses[known]
+            times_known += known
+        found[times_known > 1] = np.nan
+        return found
+
+    def _poses_at(self, topic: str, frame: str, when: Moments) -> NDArray[np.float64] | None:
+        tree = self.taken.tf.tree_of(topic, frame)
+        worlds = tree.worlds(frame)
+        if worlds:
+            return _matrices(tree.lookup(worlds[0], when), tree.covers(worlds[0], when.stamps_ns))
+        base = tree.base_of(frame, self.taken.children)
+        for known in self.taken.poses.values():
+            mount = tree.relative(frame, known.child or base, when) if len(known.timeline) else None
+            if mount is not None:
+                return _matrices(known.timeline.at(when.stamps_ns) @ mount, known.timeline.covers(when.stamps_ns))
+        return None
+
+    def depths(self, topic: str, kind: str) -> Iterator[PointCloud]:
+        """Yield the depth images of a topic and type as organised clouds in the optical frame.
+
+        Raises :class:`ReadError` for a topic without a CameraInfo beside it, for images of another size than that says,
+        and behind the last depth image for images of another encoding.
+        """
+        camera = self._camera(topic)
+        other = bad = ""
+        n = 0
+        for message in pulled(self.files, self.take, topic, kind, self.limits):
+            try:
+                image = DEPTH_DECODERS[kind](message.data, cdr=message.cdr)
+            except NotDepthError as error:
+                other = str(error)
+                continue
+            except BadMessageError as error:
+                bad = str(error)
+                continue
+            n += 1
+            depth = image.metres()
+            depth[~(depth > 0.0)] = np.nan  # 0 is no reading
+            try:
+                points = camera.points(depth)
+            except ConfigError as error:
+                raise ReadError("clouds.camera", f"{topic}: {error.message}.") from error
+            yield PointCloud(points, image.stamp_ns or message.stamp_ns, image.frame, (camera.height, camera.width))
+        if other:
+            raise ReadError("clouds.not_depth", f"Images on {topic} hold no depths: their encoding is {other!r:.40}.")
+        if bad and not n:
+            raise ReadError("clouds.bad_depth", f"No image on {topic} can be read: {bad:.200}.")
+
+    def _camera(self, topic: str) -> Intrinsics:
+        info = f"{topic_folder(image_topic(topic))}/camera_info"
+        for message in pulled(self.files, self.take, info, CAMERA, self.limits):
+            try:
+                return camera_info(message.data, cdr=message.cdr)
+            except BadMessageError:
+                continue
+        raise ReadError("clouds.no_camera", f"The depth images on {topic} have no CameraInfo on {info}.")
+
+
+def _matrices(poses: Poses3, known: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return poses as matrices (n, 4, 4), NaN where ``known`` (n,) is not set."""
+    out = np.tile(np.eye(4), (len(known), 1, 1))
+    out[:, :3, :3], out[:, :3, 3] = poses.matrices, poses.positions
+    out[~known] = np.nan
+    return out
+
+
+def with_streams(log: RobotLog, files: Sequence[Source], take: Take, taken: Taken) -> RobotLog:
+    """Return the log of a recording with its clouds and IMUs, which are read from ``files`` when asked for."""
+    streams = streams_of(files, take, taken)
+    return replace(log, clouds=streams.clouds, imus=streams.imus)
+
+
+class Streams(NamedTuple):
+    """The streams of a recording by topic; ``depths`` are depth images as organised clouds in the optical frame."""
+
+    clouds: dict[str, CloudStream]
+    imus: dict[str, ImuStream]
+    depths: dict[str, CloudStream]
+
+
+def streams_of(files: Sequence[Source], take: Take, taken: Taken) -> Streams:
+    """Return the clouds, IMUs and images of a recording, which are read from ``files`` when asked for."""
+    recorded = _Recorded(files, take, taken)
+    counts: dict[tuple[str, str], int] = {}
+    for stream in taken.streams:
+        if stream.kind in (*CLOUD_DECODERS, IMU, *DEPTH_DECODERS):
+            counts[stream.topic, stream.kind] = counts.get((stream.topic, stream.kind), 0) + stream.count
+    places = {topic: (partial(recorded.mounts, topic), partial(recorded.poses, topic)) for topic, _ in counts}
+    clouds = {
+        topic: CloudStream(topic, count, partial(recorded.clouds, topic, kind), *places[topic])
+        for (topic, kind), count in counts.items()
+        if kind in CLOUD_DECODERS
+    }
+    depths = {
+        topic: CloudStream(topic, count, partial(recorded.depths, topic, kind), *places[topic])
+        for wanted in DEPTH_DECODERS  # images as they are before compressed ones
+        for (topic, kind), count in counts.items()
+        if kind == wanted
+    }
+    imus = {
+        topic: ImuStream(topic, count, partial(recorded.imu, topic), places[topic][0])
+        for (topic, kind), count in counts.items()
+        if kind == IMU
+    }
+    return Streams(clouds, imus, depths)

@@ -1,0 +1,309 @@
+"""The messages of a recording, whatever container they came in, put together to a log.
+
+A container's reader announces each stream of messages (:meth:`Recording.channel`) and hands its messages over
+(:meth:`Recording.take`); :meth:`Recording.robot_log` makes the log of a robot out of them
+(:mod:`mapper.io.logs.recording.recorded_log`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archives.inflate import ZSTD_MAGIC, inflate
+from mapper.io.logs.names import printable
+from mapper.io.logs.recording.clocks import Clock
+from mapper.io.logs.recording.cutting import CAMERA, IMAGE, Cutter
+from mapper.io.logs.recording.pose_sources import STAMP_LIMIT_NS
+from mapper.io.logs.recording.recorded_log import RecordedLog
+from mapper.io.logs.recording.runs import Track, offsets_of_runs
+from mapper.io.logs.recording.sensor_scans import SensorScans
+from mapper.io.logs.recording.stream import Stream
+from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, PoseTopic, Taken
+from mapper.io.logs.recording.tf_topics import TfTopics
+from mapper.io.logs.recording.timeline import Timeline
+from mapper.io.logs.ros.cloud_messages import CLOUD_DECODERS, NotDepthError
+from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.ros_messages import PATH, POSES, SENSORS, TRANSFORMS, Beams, StampedPose, plain_type
+from mapper.io.logs.selection import Selection
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.scan import is_angle_step
+
+MAX_CHILDREN = 100  #: frames of which messages state the poses
+
+MOST_ANGLE = 100.0  #: radians: what is stated as more is no angle
+
+Take = Callable[[Stream, int, bytes], None]
+
+
+class Recording:
+    """Takes a recording message by message; :meth:`robot_log` makes a log of what it took.
+
+    Of the scans only those of the sensors in ``selection`` are taken.
+    """
+
+    def __init__(self, limits: Limits, selection: Selection | None = None) -> None:
+        self.limits = limits
+        self.selection = selection or Selection()
+        self.notes: list[str] = []  #: one sentence each on what was noticed; a container's reader adds its own
+        self._taken = Taken(limits, TfTopics(limits, self.selection.tf), self.notes)
+        self._channels: dict[int, tuple[Stream, Take | None]] = {}  #: of the file that is read
+        self._streams: dict[tuple[str, str, bool, bool], tuple[Stream, Take | None]] = {}
+        self._cutter = Cutter(self.selection.cut, self._taken.tf, self._taken.children, self._take_beams)
+        self._pictures: set[str] = set()  #: topics of images that are no depth images
+        self._has_lidar = False
+        self._paths: dict[str, tuple[Stream, int, bytes]] = {}  #: the last message of each topic of paths
+        self._position = 0  #: the number of the message that is taken
+        self._messages = 0
+        self._scans = 0
+        self._readings = 0
+
+    @property
+    def taken(self) -> int:
+        """Scans taken so far, of all sensors."""
+        return self._scans
+
+    @property
+    def parts(self) -> Taken:
+        """The messages of which the log is made."""
+        return self._taken
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages: ``kind`` is their type, ``cdr`` whether they are serialised as ROS 2 does.
+
+        Messages of a type that no map is made of, or that are not ``readable``, are only counted.
+        """
+        name, kind = printable(topic[:200]), printable(plain_type(kind)[:200])
+        stream = (name, kind, cdr, readable)
+        is_known = key in self._channels and stream in self._streams
+        if max(len(self._channels), len(self._streams)) >= self.limits.max_topics and not is_known:
+            raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} topics.")
+        if stream not in self._streams:
+            take = self._taker_of(name, kind) if readable else None
+            self._has_lidar |= take == self._take_scan and kind != SONAR
+            known = Stream(name, kind, cdr, readable)
+            self._taken.streams.append(known)
+            self._streams[stream] = (known, take)
+        self._channels[key] = self._streams[stream]
+
+    def _taker_of(self, topic: str, kind: str) -> Take | None:
+        """Return what takes the messages of a stream, None where nothing is made of them."""
+        if kind in SENSORS:
+            return self._take_scan if self.selection.wants(topic) else None
+        if kind == PATH:
+            return self._keep_path
+        if kind in POSES:
+            return self._take_pose
+        if kind in TRANSFORMS:
+            return self._take_transforms
+        if kind in CLOUD_DECODERS:
+            return self._cutter.take_cloud if self.selection.wants(topic) else None
+        if kind == IMAGE:
+            return self._cutter.take_image if self.selection.wants(topic) else None
+        return self._cutter.take_camera if kind == CAMERA else None
+
+    def _is_passed_over(self, stream: Stream) -> bool:
+        """Return whether a stream is not cut: a picture's, and, unless it is named, any where there is a lidar."""
+        if stream.kind != IMAGE and stream.kind not in CLOUD_DECODERS:
+            return False
+        return stream.topic in self._pictures or (self._has_lidar and not self.selection.names(stream.topic))
+
+    @property
+    def topics_of_file(self) -> set[str]:
+        """Topics of the file that is read."""
+        return {stream.topic for stream, _ in self._channels.values()}
+
+    def next_file(self) -> None:
+        """Go on with another file of the same recording, in which streams have keys of their own."""
+        self._channels.clear()
+
+    def wants(self, key: int) -> bool:
+        """Return whether anything is made of this stream's messages."""
+        if key not in self._channels:
+            return False
+        stream, take = self._channels[key]
+        return take is not None and not self._is_passed_over(stream)
+
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return key in self._channels
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count messages of a stream of which nothing is made, and which were not read."""
+        if key in self._channels:
+            self._channels[key][0].count += count
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:  # noqa: ARG002 - as sinks
+        """Take one message, recorded at ``stamp_ns``; one of a stream that was not announced is passed over.
+
+        Of a stream that is not wanted, ``data`` may be left out and ``size`` say how many bytes there are. Raises
+        :class:`LimitError`.
+        """
+        if key not in self._channels:
+            return
+        stream, take = self._channels[key]
+        stream.count += 1
+        self._position += 1
+        self._cutter.position = self._position
+        if take is None or self._is_passed_over(stream):
+            return
+        self._messages += 1
+        if self._messages > self.limits.max_messages:
+            raise LimitError(
+                "log.too_many_messages",
+                f"The log has more than the limit of {self.limits.max_messages} messages of scans and poses.",
+            )
+        try:
+            if data[:4] == ZSTD_MAGIC:  # rosbag2 can compress each message by itself
+                data, _ = inflate("zstd", data, self.limits.max_chunk_bytes, "a message")
+            take(stream, stamp_ns, data)
+        except NotDepthError:
+            self._pictures.add(stream.topic)
+        except BadMessageError as error:
+            stream.refuse(str(error))
+        except ReadError as error:
+            stream.refuse(error.message)
+
+    def _take_scan(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
+        self._take_beams(stream, stamp_ns, SENSORS[stream.kind](data, cdr=stream.cdr), self._position)
+
+    def _take_beams(self, stream: Stream, stamp_ns: int, beams: Beams, position: int) -> None:
+        n = len(beams.ranges)
+        why = _what_is_wrong(beams)
+        if why:
+            raise BadMessageError(why)
+        if n > self.limits.max_beams:
+            raise LimitError(
+                "log.too_many_beams",
+                f"A scan on {stream.topic} has {n} beams; the limit is {self.limits.max_beams}.",
+            )
+        self._scans += 1
+        self._readings += n
+        if self._scans > self.limits.max_scans or self._readings > self.limits.max_readings:
+            raise LimitError(
+                "log.too_many_scans",
+                f"The log has more than {self._scans - 1} scans; the limits are {self.limits.max_scans} scans "
+                f"(max_scans) and {self.limits.max_readings} readings (max_readings).",
+            )
+        sensor = self._sensor_of(stream, printable(beams.frame), beams.beam_width)
+        at = _stamp(beams.stamp_ns, stamp_ns)
+        sensor.add(at, beams)
+        sensor.positions.append(position)
+        sensor.clock.add(at, _stamp(stamp_ns, 0))
+
+    def _sensor_of(self, stream: Stream, frame: str, beam_width: float) -> SensorScans:
+        """Return the sensor that a message is of: several may share a topic, by their frames or their types."""
+        sensors = self._taken.sensors
+        name, *longer = stream.topic, f"{stream.topic}#{frame[:100]}", f"{stream.topic}#{stream.kind}#{frame[:100]}"
+        while longer and name in sensors and (sensors[name].kind, sensors[name].frame) != (stream.kind, frame):
+            name, *longer = longer
+        if name not in sensors:
+            if len(sensors) >= self.limits.max_topics:
+                raise LimitError("log.too_many_topics", f"The log has more than {self.limits.max_topics} sensors.")
+            sensors[name] = SensorScans(name, stream, frame, beam_width)
+        return sensors[name]
+
+    def _take_pose(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
+        for one in POSES[stream.kind](data, cdr=stream.cdr):
+            self._add_pose(stream, stamp_ns, one)
+
+    def _add_pose(self, stream: Stream, stamp_ns: int, one: StampedPose) -> None:
+        taken = self._taken
+        frame, child = printable(one.frame[:MAX_FRAME_NAME]), printable(one.child[:MAX_FRAME_NAME])
+        known = self._poses_of(stream, frame, child)
+        at = _stamp(one.stamp_ns, stamp_ns)
+        known.timeline.add(at, one.pose, self._position)
+        known.clock.add(at, _stamp(stamp_ns, 0))
+        if child and len(taken.children) < MAX_CHILDREN:
+            taken.children.add(child)
+
+    def _poses_of(self, stream: Stream, frame: str, child: str) -> PoseTopic:
+        """Return the poses of a pair of frames on a topic: several bodies may share one."""
+        poses = self._taken.poses
+        name, *longer = stream.topic, f"{stream.topic}#{child[:100]}", f"{stream.topic}#{frame[:100]}#{child[:100]}"
+        while longer and name in poses and (poses[name].frame, poses[name].child) != (frame, child):
+            name, *longer = longer
+        if name not in poses:
+            if len(poses) >= self.limits.max_topics:
+                raise LimitError("log.too_many_topics", f"The log has poses of more than {len(poses)} frames.")
+            poses[name] = PoseTopic(stream.topic, stream.kind, frame, child, Timeline(self.limits), Clock())
+        return poses[name]
+
+    def _keep_path(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
+        """Keep the last path of a topic: one that grows has in it all that came before."""
+        self._paths[stream.topic] = (stream, stamp_ns, data)
+
+    def _take_paths(self) -> None:
+        """Take the paths that are trajectories: the stamps of their poses ascend. Those of plans are all alike."""
+        for stream, stamp_ns, data in self._paths.values():
+            try:
+                poses = POSES[PATH](data, cdr=stream.cdr)
+                stamps = [one.stamp_ns for one in poses]
+                if len(poses) > 1 and stamps[0] > 0 and all(a < b for a, b in pairwise(stamps)):
+                    for one in poses:
+                        self._add_pose(stream, stamp_ns, one)
+            except BadMessageError as error:
+                stream.refuse(str(error))
+
+    def _take_transforms(self, stream: Stream, stamp_ns: int, data: bytes) -> None:
+        for one in TRANSFORMS[stream.kind](data, cdr=stream.cdr):
+            at = _stamp(one.stamp_ns, stamp_ns)
+            self._taken.tf_clock.add(at, _stamp(stamp_ns, 0))
+            pose = StampedPose(at, printable(one.frame), printable(one.child), one.pose)
+            ignored = self._taken.tf.add(stream.topic, pose, self._position)
+            if ignored:
+                stream.leave_out(ignored)
+
+    def _count_on(self) -> None:
+        """Count the stamps on where the clock of the recording began again, so that each run has its own times."""
+        taken = self._taken
+        lines = [*taken.tf.timelines, *((known.topic, known.timeline) for known in taken.poses.values())]
+        lines = [(topic, line) for topic, line in lines if len(line)]
+        sensors = [sensor for sensor in taken.sensors.values() if sensor.n_scans]
+        tracks = [Track(topic, *line.track) for topic, line in lines]
+        stamps = ((np.array(sensor.stamps), np.array(sensor.positions)) for sensor in sensors)
+        tracks += [Track(sensor.topic, *both) for sensor, both in zip(sensors, stamps, strict=True)]
+        offsets = offsets_of_runs(tracks)
+        if offsets is None:
+            return
+        taken.run_offsets = tuple(int(one) for one in np.unique(np.concatenate(offsets)))
+        for (_, line), own in zip(lines, offsets, strict=False):
+            line.count_on(own)
+        for sensor, own in zip(sensors, offsets[len(lines) :], strict=True):
+            sensor.offsets = own
+
+    def finish(self) -> None:
+        """Take what was held until all messages had come."""
+        self._cutter.finish()
+        self._take_paths()
+        self._count_on()
+        self._taken.unplaced = self._cutter.unplaced
+        self._taken.low = {topic: low.share for topic, low in self._cutter.low.items()}
+
+    def robot_log(self, name: str, form: str) -> RobotLog:
+        """Return the log of a recording's name and format, as :meth:`RecordedLog.robot_log`."""
+        self.finish()
+        return RecordedLog(self._taken, name, form).robot_log(self.selection)
+
+
+def _what_is_wrong(beams: Beams) -> str:
+    """Return why no beam of a message points anywhere; nothing where they do. Its range limits are judged later."""
+    n = len(beams.ranges)
+    if n == 0:
+        return "they have no readings"
+    for name in ("angle_min", "angle_increment", "beam_width"):
+        value = getattr(beams, name)
+        if not abs(value) < MOST_ANGLE:  # nan too
+            return f"the {'field_of_view' if name == 'beam_width' else name} is {value:g} rad"
+    if not is_angle_step(beams.angle_increment, n):
+        return f"the angle_increment is {beams.angle_increment:g} rad for {n} beams"
+    return ""
+
+
+def _stamp(stated_ns: int, recorded_ns: int) -> int:
+    """Return the time that a message states, or else when it was recorded, or else 0."""
+    return next((t for t in (stated_ns, recorded_ns) if t and abs(t) < STAMP_LIMIT_NS), 0)

@@ -1,0 +1,227 @@
+"""The sources of poses of the robot that carries a sensor: tf, odometry, the estimates of localisers and trackers.
+
+A message states the pose of a frame of the robot that need not be its base: of a camera that tracks, of a body with
+markers. tf gives the rest: ``T_odom_base = T_odom_child · T_child_base``.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.io.logs.recording.pose_sources import PoseSource, StatedPoses
+from mapper.io.logs.recording.poses3 import Poses3, interpolated
+from mapper.io.logs.recording.sensor_scans import SensorScans
+from mapper.io.logs.recording.taken import MAX_FRAME_NAME, ODOMETRY, PoseTopic, Taken
+from mapper.io.logs.recording.tf_topics import namespaces
+from mapper.io.logs.recording.timeline import Moments, Timeline
+from mapper.io.logs.recording.transforms import FrameTree, Path
+from mapper.io.logs.ros.ros_messages import PATH
+
+Int64Array = NDArray[np.int64]
+
+#: Types of poses, the one that is most likely to be of the robot's own motion first.
+KINDS = (
+    ODOMETRY,
+    "geometry_msgs/PoseWithCovarianceStamped",
+    "geometry_msgs/PoseStamped",
+    "geometry_msgs/TransformStamped",
+    PATH,
+)
+#: Words of topics of poses at which a robot shall be, and not is.
+WANTED = frozenset(("goal", "target", "setpoint", "waypoint", "initialpose", "initial", "desired", "reference", "plan"))
+MOST_BETWEEN_S = 5.0  #: usually between two poses that follow a motion
+
+
+@dataclass(slots=True)
+class RobotPoses:
+    """The sources of the poses of a robot's ``base``, by the transforms of ``tree``, for the scans of ``sensor``.
+
+    ``others`` are the transforms of other topics that may be this robot's, by topic. ``notes`` are filled by
+    :meth:`sources`. ``stated`` keeps what sources state with their own stamps.
+    """
+
+    taken: Taken
+    tree: FrameTree
+    others: dict[str, FrameTree]
+    base: str
+    sensor: SensorScans
+    notes: list[str]
+    stated: dict[tuple[str, ...], StatedPoses | None]
+
+    def sources(self) -> list[PoseSource]:
+        """Return the sources: each fixed frame that the base moves in by tf, then each topic of poses.
+
+        The last ones are those of other topics of tf.
+        """
+        worlds = self.tree.worlds(self.base)
+        found = self._by_tf("tf", self.tree, self.base, worlds)
+        several = {child: counts for path in worlds for child, counts in self.tree.several_parents(path)}
+        for child, counts in several.items():
+            listed = " and ".join(f"{parent!r:.100} ({n} transforms)" for parent, n in list(counts.items())[:4])
+            self.notes.append(
+                f"tf states {len(counts)} parents of the frame {child!r:.100}, {listed}, where a frame has one: what "
+                "follows from each is a trajectory of its own."
+            )
+        others = {path[-1] for path in worlds}
+        found += [source for topic in self._own_topics() if (source := self._by_topic(topic, others)) is not None]
+        for topic, tree in self.others.items():
+            base = self.base if tree.knows(self.base) else tree.base_apart(self.base, self.taken.children)
+            if base is not None:
+                found += self._by_tf(topic.lstrip("/"), tree, base, tree.worlds(base, only_moving=True))
+        return found
+
+    def _by_tf(self, topic: str, tree: FrameTree, base: str, worlds: list[Path]) -> list[PoseSource]:
+        found: dict[str, PoseSource] = {}
+        for path in worlds:
+            world = path[-1]
+            name = f"{topic}/{world}"
+            if name in found:
+                name = f"{name} via {path[-2]}"
+            denser = tree.denser(path)
+            between = "" if denser is None else ", and between its transforms as the frame moves in its other parent"
+            found[name] = PoseSource(
+                name=name,
+                frame_id=world[:MAX_FRAME_NAME],
+                child_frame_id=base[:MAX_FRAME_NAME],
+                sentence=f"{topic} from {world} to {base}, at the time of each scan{between}",
+                at=partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser),
+                covers=partial(tree.covers, path),
+                stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser),
+                ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
+                is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
+            )
+        return list(found.values())
+
+    def _own_topics(self) -> list[str]:
+        """Return the topics of poses that may be of this robot, in the order of preference: the nearest first.
+
+        A topic is another robot's where its namespace has sensors or transforms of its own.
+        """
+        own = namespaces(self.sensor.topic)
+        root = own[-2] if len(own) > 1 else ""
+        streams = [*self.taken.sensors, *self.taken.tf.moving]
+        robots = {namespaces(topic)[-2] for topic in streams if len(namespaces(topic)) > 1} - {root}
+        poses = self.taken.poses
+        topics = [
+            topic
+            for topic, known in poses.items()
+            if len(known.timeline) and namespaces(known.topic)[-2:][0] not in (robots if root else set())
+        ]
+        near = {space: rank for rank, space in enumerate(own)}
+        return sorted(
+            topics,
+            key=lambda topic: (KINDS.index(poses[topic].kind), near.get(namespaces(poses[topic].topic)[0], len(near))),
+        )
+
+    def _by_topic(self, topic: str, fixed: set[str]) -> PoseSource | None:
+        known = self.taken.poses[topic]
+        if self._is_no_motion(topic, known):
+            return None
+        base = self.base[:MAX_FRAME_NAME]
+        if base == self.sensor.frame[:MAX_FRAME_NAME] and base not in self.taken.children and not self.tree.knows(base):
+            # tf does not name the base: an odometry message may.
+            base = min(self.taken.children, default="base_link")
+        child = known.child or base
+        sentence = f"the {known.kind.split('/')[-1]} messages on {known.topic}, at the time of each scan"
+        path: Path | None = None
+        if child not in (base, self.base):
+            path = self.tree.path(self.base, child)
+            robots = self.base.rpartition("/")[0], child.rpartition("/")[0]
+            if (path is not None and fixed & set(path)) or (path is None and all(robots) and robots[0] != robots[1]):
+                self.notes.append(
+                    f"The poses on {known.topic} are of {child!r:.100}, which is not fixed to {base!r:.100}: they are "
+                    "left out."
+                )
+                return None
+            if path is not None:
+                sentence += f", carried from {child} to {base} by tf"
+                child = base
+            elif self.tree.is_base(self.base, set()):
+                self.notes.append(
+                    f"tf does not say where {child!r:.100}, of which {known.topic} states the poses, is on the robot: "
+                    f"they are taken to be those of {base!r:.100}."
+                )
+        return PoseSource(
+            name=topic.lstrip("/"),
+            frame_id=known.frame or ("odom" if known.kind == ODOMETRY else "map"),
+            child_frame_id=child,
+            sentence=sentence,
+            at=partial(self._at, known, path),
+            covers=known.timeline.covers,
+            stated=partial(self._stated_by_topic, topic, path),
+            ahead_ns=known.clock.ahead_of(self.sensor.clock),
+            is_odometry=known.kind == ODOMETRY,
+            repeats=KINDS.index(known.kind) > 1,
+        )
+
+    def _is_no_motion(self, topic: str, known: PoseTopic) -> bool:
+        """Return whether poses are those of goals, or too far apart in time to be of a motion, which is noted."""
+        if known.kind == ODOMETRY:
+            return False
+        if WANTED & set(re.split(r"[^a-z]+", known.topic.lower())):
+            return True
+        if known.kind == KINDS[1] or len(known.timeline) < 2:
+            return False
+        between = float(np.median(np.diff(known.timeline.in_order[0].stamps_ns))) * 1e-9
+        if between <= MOST_BETWEEN_S:
+            return False
+        self.notes.append(
+            f"The poses on {topic} are usually {between:.0f} s apart, too far to follow a motion: they are left out."
+        )
+        return True
+
+    def _at(self, known: PoseTopic, path: Path | None, when: Moments) -> Poses3:
+        poses = known.timeline.at(when.stamps_ns)
+        return poses if path is None else poses @ self.tree.lookup(path, when)
+
+    def _stated_by_tf(
+        self, key: tuple[str, ...], tree: FrameTree, path: Path, denser: Timeline | None
+    ) -> StatedPoses | None:
+        """Return where the first frame of a path was in the last, at all times at which a part of it was stated."""
+        if key not in self.stated:
+            when, stamps = tree.stated(path)
+            if denser is not None:
+                when, stamps = denser.in_order[0], denser.as_stated
+            known = tree.covers(path, when.stamps_ns)
+            when, stamps = when[known], stamps[known]
+            at = partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser)
+            poses = at(when).planar if len(when) else None
+            self.stated[key] = None if poses is None else StatedPoses(stamps, when.stamps_ns, poses)
+        return self.stated[key]
+
+    def _stated_by_topic(self, topic: str, path: Path | None) -> StatedPoses | None:
+        key = ("", topic, *(path or ()))
+        if key not in self.stated:
+            timeline = self.taken.poses[topic].timeline
+            when, poses = timeline.in_order
+            if path is not None:
+                poses = poses @ self.tree.lookup(path, when)
+            self.stated[key] = StatedPoses(timeline.as_stated, when.stamps_ns, poses.planar)
+        return self.stated[key]
+
+
+def _carried(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Poses3:
+    """Return where the first frame of a path was in the last, carried on between transforms by denser poses.
+
+    That is as REP 105 has it: what is interpolated, and holds before the first and after the last, is the transform
+    between the two fixed frames, ``T_map_odom = T_map_base · T_odom_base⁻¹``, which changes slowly.
+    """
+    stated, _ = tree.stated(path)
+    stated = stated[tree.covers(path, stated.stamps_ns) & denser.covers(stated.stamps_ns)]
+    known = denser.covers(when.stamps_ns)
+    if len(stated) < 2 or not known.any():
+        return tree.lookup(path, when)
+    between = tree.lookup(path, stated) @ denser.at(stated.stamps_ns).inverse
+    low = np.clip(np.searchsorted(stated.stamps_ns, when.stamps_ns, side="right") - 1, 0, len(stated) - 2)
+    since = (when.stamps_ns - stated.stamps_ns[low]).astype(np.float64)
+    weights = np.clip(since / (stated.stamps_ns[low + 1] - stated.stamps_ns[low]), 0.0, 1.0)
+    carried = interpolated(between[low], between[low + 1], weights) @ denser.at(when.stamps_ns)
+    if not known.all():
+        own = tree.lookup(path, when[~known])
+        carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
+    return carried

@@ -1,0 +1,50 @@
+"""The messages of a recording of which a log is made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from mapper.core.limits import Limits
+from mapper.io.logs.recording.clocks import Clock
+from mapper.io.logs.recording.sensor_scans import SensorScans
+from mapper.io.logs.recording.stream import Stream
+from mapper.io.logs.recording.tf_topics import TfTopics
+from mapper.io.logs.recording.timeline import Timeline
+
+MAX_FRAME_NAME = 200  #: characters of a frame's name that a log keeps
+SONAR = "sensor_msgs/Range"
+ODOMETRY = "nav_msgs/Odometry"
+
+
+@dataclass(frozen=True, slots=True)
+class PoseTopic:
+    """The poses of one topic, ``T_frame_child``; of a topic with several pairs of frames, those of one pair."""
+
+    topic: str
+    kind: str
+    frame: str
+    child: str
+    timeline: Timeline
+    clock: Clock
+
+
+@dataclass(slots=True)
+class Taken:
+    """Messages taken so far; ``children`` are frames of which odometry messages state the poses.
+
+    Of the frames ``unplaced`` it was not known where on the robot they are when their clouds were cut. ``low`` is, by
+    topic, the share of a cloud's beams that end at low points, probably on the floor. ``run_offsets`` are what is added
+    to stamps so that those of each run follow the run before, see :mod:`mapper.io.logs.recording.runs`.
+    """
+
+    limits: Limits
+    tf: TfTopics
+    notes: list[str]
+    streams: list[Stream] = field(default_factory=list)
+    sensors: dict[str, SensorScans] = field(default_factory=dict)
+    poses: dict[str, PoseTopic] = field(default_factory=dict)
+    children: set[str] = field(default_factory=set)
+    tf_clock: Clock = field(default_factory=Clock)
+    unplaced: set[str] = field(default_factory=set)
+    low: dict[str, float] = field(default_factory=dict)
+    run_offsets: tuple[int, ...] = (0,)

@@ -1,0 +1,148 @@
+"""The topics of tf of a recording, and which of them say where a sensor's frame is.
+
+Robots of one recording may have the same frames, each on its own topics: nodes look frames up in ``tf`` of their own
+namespace (Nav2 and others remap ``/tf`` to ``tf``). So a sensor's frames are those of ``tf`` and ``tf_static`` in the
+namespace of its topic, or in the nearest around it, up to ``/tf``; only where there is none of these, in another topic
+of transforms that knows its frame. The transforms of two topics are never put into one tree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mapper.core.limits import Limits
+from mapper.io.logs.recording.runs import Track
+from mapper.io.logs.recording.timeline import Timeline
+from mapper.io.logs.recording.transforms import FrameTree, Stated
+from mapper.io.logs.ros.ros_messages import StampedPose
+
+STATIC = "_static"  #: the end of the topic of transforms that never change
+
+
+def is_static(topic: str) -> bool:
+    """Return whether the transforms on a topic never change, by its name: ``tf_static``, ``tf_gt_static``."""
+    return topic.rsplit("/", 1)[-1].endswith(STATIC)
+
+
+def namespaces(topic: str) -> list[str]:
+    """Return the namespace of a topic and those around it: ``/a/b``, ``/a`` and nothing, of ``/a/b/scan``."""
+    parts = topic.strip("/").split("/")[:-1]
+    return ["".join(f"/{part}" for part in parts[:n]) for n in range(len(parts), -1, -1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The topics whose transforms are a sensor's, empty where there is none; ``others`` might be as well."""
+
+    moving: str
+    static: str
+    others: tuple[str, ...] = ()
+
+
+class TfTopics:
+    """The transforms of a recording by topic. ``wanted`` names the topic to take for all sensors."""
+
+    def __init__(self, limits: Limits, wanted: str | None = None) -> None:
+        self._limits, self._wanted = limits, wanted
+        self._stated: dict[str, Stated] = {}
+        self._chosen: dict[tuple[str, str], Choice] = {}
+        self.statics = 0  #: number of static transforms, without those that are stated again
+        self._nothing = Stated()
+
+    def add(self, topic: str, one: StampedPose, position: int) -> str:
+        """Take one transform of message number ``position`` on a topic; see :meth:`FrameTree.add`."""
+        stated = self._stated.setdefault(topic, Stated())
+        before, statics = stated.edges, stated.statics
+        ignored = stated.add(one, self._limits, is_static=is_static(topic), position=position)
+        if stated.edges != before:
+            self._chosen.clear()
+        self.statics += stated.statics - statics
+        return ignored
+
+    @property
+    def moving(self) -> list[str]:
+        """The topics of transforms that may change."""
+        return [topic for topic in self._stated if not is_static(topic)]
+
+    @property
+    def tracks(self) -> list[Track]:
+        """The stamps of each pair of frames of each topic."""
+        return [Track(topic, *line.track) for topic, line in self.timelines]
+
+    @property
+    def timelines(self) -> list[tuple[str, Timeline]]:
+        """The transforms of each pair of frames that are not static, with their topics."""
+        lines = ((topic, each.values()) for topic, one in self._stated.items() for each in one.moving.values())
+        return [(topic, line) for topic, each in lines for line in each]
+
+    def tree_of(self, sensor: str, frame: str) -> FrameTree:
+        """Return the transforms that say where the ``frame`` of the messages on a topic is."""
+        choice = self.choice(sensor, frame)
+        return self.tree_with(choice.moving, choice.static)
+
+    def tree_with(self, moving: str, static: str) -> FrameTree:
+        """Return the transforms of a topic together with the static ones of another."""
+        return FrameTree(self._limits, self._stated.get(moving, self._nothing), self._stated.get(static, self._nothing))
+
+    def choice(self, sensor: str, frame: str) -> Choice:
+        """Return the topics of transforms for the ``frame`` of the messages on a topic."""
+        key = (sensor, frame)
+        if key not in self._chosen:
+            self._chosen[key] = self._choose(sensor.split("#", maxsplit=1)[0], frame)
+        return self._chosen[key]
+
+    def _choose(self, sensor: str, frame: str) -> Choice:
+        moving = self._moving_of(sensor, frame)
+        static = self._static_of(sensor, moving, frame)
+        own = set(self._frames(moving))
+        others = [
+            topic
+            for topic in self.moving
+            if topic != moving and (topic in self._named(sensor, "tf") or own & set(self._frames(topic)))
+        ]
+        here = namespaces(sensor)[0]
+        if moving and namespaces(moving)[0] == here and here:
+            others = [topic for topic in others if namespaces(topic)[0] in ("", here)]  # others are other robots'
+        return Choice(moving, static, tuple(others))
+
+    def _frames(self, topic: str) -> list[str]:
+        stated = self._stated.get(topic)
+        return [] if stated is None else list(stated.moving)
+
+    def _named(self, topic: str, name: str) -> list[str]:
+        """Return the topics of a name in the namespace of another topic and around it, the nearest first."""
+        names = {known.strip("/"): known for known in self._stated}
+        wanted = (f"{space}/{name}".strip("/") for space in namespaces(topic))
+        return [names[one] for one in wanted if one in names]
+
+    def _moving_of(self, sensor: str, frame: str) -> str:
+        if self._wanted is not None:
+            named = next((one for one in self.moving if one.strip("/") == self._wanted.strip("/")), None)
+            if named is not None:
+                return named
+        near = self._named(sensor, "tf")
+        for topic in near:
+            static = self._stated.get(self._static_of(sensor, topic, frame), self._nothing)
+            if self._stated[topic].knows(frame) or static.knows(frame):
+                return topic
+        if near:
+            return near[0]
+        known = [topic for topic in self.moving if self._stated[topic].knows(frame)]
+        return max(known or self.moving, key=self._count, default="")
+
+    def _count(self, topic: str) -> int:
+        return sum(len(line) for lines in self._stated[topic].moving.values() for line in lines.values())
+
+    def _static_of(self, sensor: str, moving: str, frame: str) -> str:
+        """Return the topic of static transforms that belongs to one of others, or else to the sensor."""
+        statics = [topic for topic in self._stated if is_static(topic)]
+        pair = [topic for topic in statics if moving and topic.strip("/") == moving.strip("/") + STATIC]
+        near = [*self._named(sensor, f"tf{STATIC}"), *(self._named(moving, f"tf{STATIC}") if moving else [])]
+        if namespaces(sensor)[0] and not pair:
+            pair = near[:1]
+        candidates = dict.fromkeys([*pair, *near, *(statics if len(statics) == 1 else [])])
+        return next((topic for topic in candidates if self._stated[topic].knows(frame)), next(iter(candidates), ""))
+
+    def has(self, topic: str) -> bool:
+        """Return whether there are transforms that may change on a topic."""
+        return any(one.strip("/") == topic.strip("/") for one in self.moving)

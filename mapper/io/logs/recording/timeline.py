@@ -1,0 +1,195 @@
+"""A pose that a recording states at several times."""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.io.logs.recording.poses3 import Poses3, interpolated, poses_of, why_no_pose
+from mapper.io.logs.recording.runs import LEAST_STEP_NS
+from mapper.io.logs.ros.message_fields import BadMessageError, Pose7
+
+Float64Array = NDArray[np.float64]
+Int64Array = NDArray[np.int64]
+
+SLACK_NS = 200_000_000  #: before the first and after the last pose, within which the nearest is taken
+_MOVED_M, _MOVED_RAD = 1e-3, 1e-3  #: a pose that never differs by more is a mount, not a motion
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """n times of a recording: ``stamps_ns`` (n,), counted on where the clock began again, see :mod:`.runs`.
+
+    ``positions`` (n,) are the numbers of the messages that the times are of, in the order of the recording; None where
+    they are not known, which is behind all messages.
+    """
+
+    stamps_ns: Int64Array
+    positions: Int64Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    def __getitem__(self, which: NDArray[np.bool_] | slice) -> Moments:
+        return Moments(self.stamps_ns[which], None if self.positions is None else self.positions[which])
+
+    def __add__(self, ahead_ns: int) -> Moments:
+        return Moments(self.stamps_ns + ahead_ns, self.positions)
+
+
+class Timeline:
+    """A pose that was stated at several times, as tf2's TimeCache keeps a transform: late messages are put in order.
+
+    While a recording is read, only poses since its clock last began again are interpolated (:meth:`at`); afterwards
+    :meth:`count_on` gives all of them stamps that ascend from run to run.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._stamps = array("q")
+        self._positions = array("q")
+        self._values = array("d")
+        self._offsets: Int64Array | None = None  #: what is added to the stamps where the clock began again
+        self._in_order: tuple[Int64Array, Poses3, Int64Array] | None = None  #: made when first asked for
+        self._moves: bool | None = None  #: found out when first asked for
+        self._is_ascending = True
+        self._run_from = 0  #: index of the first pose since the clock began again
+        self._before_ns = -(1 << 63)  #: the latest stamp before that
+        self.latest_ns = -(1 << 63)  #: the latest stamp since then
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def add(self, stamp_ns: int, pose: Pose7, position: int = 0) -> None:
+        """Append one, stated in message number ``position`` of the recording.
+
+        Raises :class:`BadMessageError` for what is no pose, naming the reason, and :class:`LimitError` for too many.
+        """
+        why = why_no_pose(pose)
+        if why:
+            raise BadMessageError(why)
+        if len(self._stamps) >= self._limits.max_messages:
+            raise LimitError("log.too_many_poses", f"The log has more than {self._limits.max_messages} poses.")
+        self._in_order = self._moves = None
+        if self._run_from and stamp_ns >= self._before_ns:  # what seemed to be another run were late messages
+            self._run_from, self._is_ascending = 0, False
+        elif len(self._stamps) and stamp_ns < self.latest_ns - LEAST_STEP_NS:
+            self._run_from, self._is_ascending = len(self._stamps), True
+            self._before_ns, self.latest_ns = max(self._before_ns, self.latest_ns), stamp_ns
+        self._is_ascending &= stamp_ns >= self.latest_ns
+        self.latest_ns = max(self.latest_ns, stamp_ns)
+        self._stamps.append(stamp_ns)
+        self._positions.append(position)
+        self._values.extend(pose)
+
+    @property
+    def track(self) -> tuple[Int64Array, Int64Array]:
+        """The stamps (n,) as stated and the numbers of their messages (n,), in the order of the recording."""
+        return np.array(self._stamps, dtype=np.int64), np.array(self._positions, dtype=np.int64)
+
+    @property
+    def last_position(self) -> int:
+        """The number of the last message, −1 without one."""
+        return self._positions[-1] if self._positions else -1
+
+    def count_on(self, offsets: Int64Array) -> None:
+        """Add to each stamp (n,) what makes those of a later run follow those of the one before."""
+        self._offsets, self._in_order, self._run_from, self._is_ascending = offsets, None, 0, False
+
+    def _sorted(self) -> tuple[Int64Array, Poses3, Int64Array]:
+        if self._in_order is None:
+            self._in_order = self._put_in_order()
+        return self._in_order
+
+    def _put_in_order(self) -> tuple[Int64Array, Poses3, Int64Array]:
+        """Return the stamps (n,) in their order, the poses, and which of the messages they are (n,)."""
+        first = self._run_from
+        stamps = np.array(self._stamps[first:], dtype=np.int64)
+        if self._offsets is not None:
+            stamps += self._offsets
+        values = np.array(self._values[7 * first :]).reshape(-1, 7)
+        order = np.arange(len(stamps))
+        if (np.diff(stamps) < 0).any():
+            order = np.argsort(stamps, kind="stable")
+            stamps, values = stamps[order], values[order]
+        return stamps, poses_of(values), order + first
+
+    def _around(self, stamps_ns: Int64Array) -> tuple[Int64Array, Poses3]:
+        """Return the poses in their order; while they still come in, of one time, only the next ones to it."""
+        if self._in_order is not None or len(stamps_ns) != 1 or not self._is_ascending:
+            return self._sorted()[:2]
+        at = bisect_right(self._stamps, int(stamps_ns[0]), self._run_from)
+        first, last = max(self._run_from, at - 2), min(len(self._stamps), at + 2)
+        values = np.array(self._values[7 * first : 7 * last]).reshape(-1, 7)
+        return np.array(self._stamps[first:last], dtype=np.int64), poses_of(values)
+
+    def covers(self, stamps_ns: Int64Array) -> NDArray[np.bool_]:
+        """Return which of the times (n,) are between the first and the last of these, to within :data:`SLACK_NS`."""
+        stamps, *_ = self._sorted()
+        inside = (stamps_ns >= stamps[0] - SLACK_NS) & (stamps_ns <= stamps[-1] + SLACK_NS)
+        if self._offsets is not None and len(stamps) > 1:
+            high = np.clip(np.searchsorted(stamps, stamps_ns, side="right"), 1, len(stamps) - 1)
+            to_nearest = np.minimum(np.abs(stamps_ns - stamps[high - 1]), np.abs(stamps[high] - stamps_ns))
+            inside &= (to_nearest <= SLACK_NS) | ~self._are_apart(high - 1, high)
+        return np.asarray(inside)
+
+    def _are_apart(self, low: Int64Array, high: Int64Array) -> NDArray[np.bool_]:
+        """Return whether poses of these places in the order (n,) are of two runs."""
+        if self._offsets is None:
+            return np.zeros(len(low), dtype=np.bool_)
+        *_, order = self._sorted()
+        return np.asarray(self._offsets[order[low]] != self._offsets[order[high]])
+
+    def at(self, stamps_ns: Int64Array) -> Poses3:
+        """Return the poses at n times, or one for all: linear in position, along the shorter arc in rotation.
+
+        Nothing is extrapolated, nor interpolated between two runs.
+        """
+        stamps, poses = self._around(stamps_ns)
+        if len(stamps) == 1:
+            return poses
+        high = np.clip(np.searchsorted(stamps, stamps_ns, side="right"), 1, len(stamps) - 1)
+        low = high - 1
+        span = (stamps[high] - stamps[low]).astype(np.float64)
+        into = (stamps_ns - stamps[low]).astype(np.float64)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            w = np.where(span > 0.0, np.clip(into / span, 0.0, 1.0), 0.0)
+        if self._offsets is not None:
+            w = np.where(self._are_apart(low, high), np.rint(w), w)
+        return interpolated(poses[low], poses[high], w)
+
+    @property
+    def in_order(self) -> tuple[Moments, Poses3]:
+        """The poses in the order of their times, each time once; of several at one time the last stated counts."""
+        stamps, poses, order = self._sorted()
+        last = np.append(stamps[1:] != stamps[:-1], True)
+        positions = np.array(self._positions, dtype=np.int64)[order[last]]
+        return Moments(stamps[last], positions), poses[last]
+
+    @property
+    def as_stated(self) -> Int64Array:
+        """The stamps (n,) of :attr:`in_order` as they were stated."""
+        stamps, _, order = self._sorted()
+        last = np.append(stamps[1:] != stamps[:-1], True)
+        return np.asarray(np.array(self._stamps, dtype=np.int64)[order[last]])
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The earliest and the latest stamp, as stated."""
+        return min(self._stamps), max(self._stamps)
+
+    @property
+    def moves(self) -> bool:
+        """Whether any pose differs from the first one."""
+        if self._moves is None:
+            _, poses, _ = self._sorted()
+            dots = np.abs(np.sum(poses.rotations * poses.rotations[0], axis=1))
+            far = np.abs(poses.positions - poses.positions[0]).max() > _MOVED_M
+            self._moves = bool(far or (2.0 * np.arccos(np.minimum(dots, 1.0))).max() > _MOVED_RAD)
+        return self._moves

@@ -1,0 +1,211 @@
+"""Foxglove's messages of scans, clouds, transforms and poses, in JSON or Protocol Buffers, as messages of ROS 2.
+
+A scan or a cloud may state a pose of its origin in its frame: it becomes a transform to a frame of its own.
+Source: the schemas of foxglove-sdk (LaserScan, PointCloud, FrameTransform, FrameTransforms, PoseInFrame).
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+
+from mapper.io.logs.ros.cdr_writer import SECOND, CdrWriter
+from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.protobuf import Field, Table, decoded
+
+ENCODINGS = ("json", "protobuf")
+SCAN, CLOUD = "sensor_msgs/LaserScan", "sensor_msgs/PointCloud2"
+TF, POSE = "tf2_msgs/TFMessage", "geometry_msgs/PoseStamped"
+#: foxglove.PackedElementField's types of numbers → sensor_msgs/PointField's.
+NUMBERS = {1: 2, 2: 1, 3: 4, 4: 3, 5: 6, 6: 5, 7: 7, 8: 8}
+MOST_FIELDS, MOST_TRANSFORMS = 256, 1 << 14
+LAST_SECOND = 2**31 - 1  #: ROS 2 counts seconds in 32 bits
+_XYZ = {1: Field("x", "double"), 2: Field("y", "double"), 3: Field("z", "double")}
+_QUATERNION = {**_XYZ, 4: Field("w", "double")}
+_TIME = {1: Field("sec", "int"), 2: Field("nsec", "int")}
+_POSE = {1: Field("position", _XYZ), 2: Field("orientation", _QUATERNION)}
+_HEAD = {1: Field("timestamp", _TIME), 2: Field("frame_id", "string"), 3: Field("pose", _POSE)}
+_TRANSFORM = {
+    1: Field("timestamp", _TIME),
+    2: Field("parent_frame_id", "string"),
+    3: Field("child_frame_id", "string"),
+    4: Field("translation", _XYZ),
+    5: Field("rotation", _QUATERNION),
+}
+_ELEMENT = {1: Field("name", "string"), 2: Field("offset", "fixed32"), 3: Field("type", "int")}
+
+_USEFUL = frozenset(
+    {"LaserScan", "PointCloud2", "PointCloud", "TFMessage", "FrameTransform", "FrameTransforms", "Odometry", "Range"}
+)
+
+Values = Mapping[str, Any]
+Written = tuple[bytes | None, bytes]  #: a transform that comes first, and the message
+
+
+@dataclass(frozen=True, slots=True)
+class Transcoder:
+    """Makes the ROS messages of a topic's messages of one schema, which are ``encoding`` "json" or "protobuf"."""
+
+    topic: str
+    kind: str
+    encoding: str
+    table: Table
+    write: Callable[[str, Values], Written]
+
+    def messages(self, data: bytes) -> Iterator[tuple[bool, bytes]]:
+        """Yield the messages, CDR: whether it is a transform beside the message, and its bytes.
+
+        Raises :class:`BadMessageError`.
+        """
+        try:
+            values = decoded(data, self.table) if self.encoding == "protobuf" else json.loads(data)
+            if not isinstance(values, dict):
+                raise BadMessageError
+            beside, message = self.write(self.topic, values)
+        except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, struct.error):
+            raise BadMessageError from None
+        if beside is not None:
+            yield True, beside
+        yield False, message
+
+
+def transcoder(topic: str, schema: str, encoding: str) -> Transcoder | None:
+    """Return what reads a topic's messages; None for another schema or encoding."""
+    found = _SCHEMAS.get(schema)
+    if found is None or encoding not in ENCODINGS:
+        return None
+    kind, table, write = found
+    return Transcoder(topic, kind, encoding, table, write)
+
+
+def is_of_use(kind: str) -> bool:
+    """Return whether messages of a type, as ``sensor_msgs/LaserScan``, would be read in another serialisation."""
+    return kind.rpartition("/")[2].rpartition(".")[2] in _USEFUL
+
+
+def _laser_scan(topic: str, values: Values) -> Written:
+    stamp, frame, beside = _placed(topic, values)
+    ranges = np.array([_number(value) for value in values.get("ranges") or ()], dtype=np.float64).astype(np.float32)
+    first, last = _number(values.get("start_angle", 0.0)), _number(values.get("end_angle", 0.0))
+    step = (last - first) / (len(ranges) - 1) if len(ranges) > 1 else 0.0
+    out = CdrWriter().header(stamp, frame).pack("f", 4, first, last, step, 0.0, 0.0, 0.0, np.inf)
+    return beside, out.array(ranges).pack("I", 4, 0).message
+
+
+def _point_cloud(topic: str, values: Values) -> Written:
+    stamp, frame, beside = _placed(topic, values)
+    data = values.get("data") or b""
+    if isinstance(data, str):
+        try:
+            data = base64.b64decode(data, validate=True)
+        except binascii.Error:
+            raise BadMessageError from None
+    step, fields = int(values.get("point_stride", 0)), list(values.get("fields") or ())
+    if not 0 < step < 1 << 16 or len(fields) > MOST_FIELDS:
+        raise BadMessageError(f"its points have {len(fields)} fields in {step} bytes")
+    n = len(data) // step
+    out = CdrWriter().header(stamp, frame).pack("I", 4, 1, n, len(fields))
+    for field in fields:
+        kind = NUMBERS.get(int(field.get("type", 0)), 0)
+        out.string(str(field.get("name", ""))).pack("I", 4, int(field.get("offset", 0)))
+        out.pack("B", 1, kind).pack("I", 4, 1)
+    out.pack("B", 1, 0).pack("I", 4, step, step * n)
+    return beside, out.array(np.frombuffer(data, np.uint8, n * step)).pack("B", 1, 0).message
+
+
+def _frame_transform(_: str, values: Values) -> Written:
+    return None, _transforms([values])
+
+
+def _frame_transforms(_: str, values: Values) -> Written:
+    return None, _transforms(list(values.get("transforms") or ()))
+
+
+def _pose_in_frame(_: str, values: Values) -> Written:
+    position, turn = _pose_of(values.get("pose") or {})
+    out = CdrWriter().header(_stamp(values.get("timestamp")), str(values.get("frame_id", "")))
+    return None, out.pack("d", 8, *position, *turn).message
+
+
+def _transforms(items: list[Values]) -> bytes:
+    if len(items) > MOST_TRANSFORMS:
+        raise BadMessageError
+    out = CdrWriter().pack("I", 4, len(items))
+    for one in items:
+        position, turn = _pose_of({"position": one.get("translation"), "orientation": one.get("rotation")})
+        out.header(_stamp(one.get("timestamp")), str(one.get("parent_frame_id", "")))
+        out.string(str(one.get("child_frame_id", ""))).pack("d", 8, *position, *turn)
+    return out.message
+
+
+def _placed(topic: str, values: Values) -> tuple[int, str, bytes | None]:
+    """Return the stamp, the frame of the message's origin, and the transform to it where that is one of its own."""
+    stamp, frame = _stamp(values.get("timestamp")), str(values.get("frame_id", ""))
+    position, turn = _pose_of(values.get("pose") or {})
+    if not any(position) and not any(turn[:3]):
+        return stamp, frame, None
+    own = f"{frame}{'' if topic.startswith('/') else '/'}{topic}"
+    out = CdrWriter().pack("I", 4, 1).header(stamp, frame).string(own).pack("d", 8, *position, *turn)
+    return stamp, own, out.message
+
+
+def _pose_of(values: Values) -> tuple[list[float], list[float]]:
+    """Return x, y, z, and the quaternion x, y, z, w: the identity where none is stated."""
+    position, turn = values.get("position") or {}, values.get("orientation") or {"w": 1.0}
+    return (
+        [_number(position.get(axis, 0.0)) for axis in "xyz"],
+        [_number(turn.get(axis, 0.0)) for axis in "xyzw"],
+    )
+
+
+def _number(value: float | str | None) -> float:
+    """Return a number of JSON, which has no infinity: writers put a name, or null, in its place."""
+    return float("nan") if value is None else float(value)
+
+
+def _stamp(value: str | dict[str, int] | None) -> int:
+    """Return a time in nanoseconds, 0 where none is stated that ROS can."""
+    if isinstance(value, str):
+        moment = datetime.fromisoformat(value)
+        seconds, nanoseconds = int(moment.timestamp() // 1), moment.microsecond * 1000
+    elif isinstance(value, dict):
+        seconds = int(value.get("sec", value.get("seconds", 0)))
+        nanoseconds = int(value.get("nsec", value.get("nanos", 0)))
+    else:
+        return 0
+    return seconds * SECOND + nanoseconds if 0 <= seconds <= LAST_SECOND and 0 <= nanoseconds < SECOND else 0
+
+
+_SCHEMAS: dict[str, tuple[str, Table, Callable[[str, Values], Written]]] = {
+    "foxglove.LaserScan": (
+        SCAN,
+        {
+            **_HEAD,
+            4: Field("start_angle", "double"),
+            5: Field("end_angle", "double"),
+            6: Field("ranges", "double", repeated=True),
+        },
+        _laser_scan,
+    ),
+    "foxglove.PointCloud": (
+        CLOUD,
+        {
+            **_HEAD,
+            4: Field("point_stride", "fixed32"),
+            5: Field("fields", _ELEMENT, repeated=True),
+            6: Field("data", "bytes"),
+        },
+        _point_cloud,
+    ),
+    "foxglove.FrameTransform": (TF, _TRANSFORM, _frame_transform),
+    "foxglove.FrameTransforms": (TF, {1: Field("transforms", _TRANSFORM, repeated=True)}, _frame_transforms),
+    "foxglove.PoseInFrame": (POSE, _HEAD, _pose_in_frame),
+}

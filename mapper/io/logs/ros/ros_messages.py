@@ -1,0 +1,243 @@
+"""The few ROS messages that a map is made of, decoded from their serialised bytes.
+
+One fixed decoder for the message types below, in both serialisations: that of ROS 1, and CDR (ROS 2). A library that
+decodes any message takes its definition from the file; here no definition is ever read from a file, so none can
+redefine a type, refer to itself or claim ``string[1000000]``, and every length is checked against the bytes that are
+there before anything is made of it. The tests compare it with rosbags' decoder.
+
+Source: the message definitions of sensor_msgs, nav_msgs, tf2_msgs and geometry_msgs; the ROS wiki's technical overview
+(serialisation of ROS 1); OMG DDSI-RTPS, 10 (CDR and its encapsulation header); REP 117.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields, Pose7
+
+MOST_ECHOES = 1 << 21  #: of one message, with its intensities: what is more is no scan, and would take gigabytes
+MOST_TRANSFORMS = 1 << 14  #: of one message
+
+
+@dataclass(frozen=True, slots=True)
+class Beams:
+    """One reading of a range sensor: ``ranges`` (n_beams,) float32 metres, beam i at ``angle_min + i · increment``.
+
+    ``beam_width`` is the opening of a sonar's cone in radians, 0 for a lidar. ``time_increment`` (s/beam) and
+    ``scan_time`` (s) are as stated, which may be NaN. ``mount`` is ``T_base_scan`` (m, m, rad) of a scan that was cut
+    out of a cloud: tf says it of all others.
+    """
+
+    stamp_ns: int
+    frame: str
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ranges: NDArray[np.float32]
+    beam_width: float = 0.0
+    time_increment: float = 0.0
+    scan_time: float = 0.0
+    mount: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class StampedPose:
+    """``T_frame_child`` at a time."""
+
+    stamp_ns: int
+    frame: str
+    child: str
+    pose: Pose7
+
+
+def laser_scan(data: bytes, *, cdr: bool) -> Beams:
+    """Decode a sensor_msgs/LaserScan."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
+    ranges = fields.floats()
+    fields.floats()  # intensities
+    fields.end()
+    return Beams(
+        stamp,
+        frame,
+        angle_min,
+        increment,
+        range_min,
+        range_max,
+        ranges.astype(np.float32),
+        time_increment=time_increment,
+        scan_time=scan_time,
+    )
+
+
+def multi_echo_scan(data: bytes, *, cdr: bool) -> Beams:
+    """Decode a sensor_msgs/MultiEchoLaserScan: each beam's first echo; a beam without any is no return, +inf."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    angle_min, _, increment, time_increment, scan_time, range_min, range_max = fields.unpack("7f", 4)
+    return Beams(
+        stamp,
+        frame,
+        angle_min,
+        increment,
+        range_min,
+        range_max,
+        _first_echoes(fields),
+        time_increment=time_increment,
+        scan_time=scan_time,
+    )
+
+
+def _first_echoes(fields: MessageFields) -> NDArray[np.float32]:
+    n = fields.count(4)
+    rest = (len(fields.data) - fields.pos) // 4
+    if rest >= MOST_ECHOES:
+        raise BadMessageError
+    readings = np.frombuffer(fields.data, fields.order + "f4", rest, fields.pos)
+    lengths = np.frombuffer(fields.data, fields.order + "u4", rest, fields.pos).tolist()
+    firsts = np.zeros(n, dtype=np.int64)  #: index of each beam's first echo, after the number of its echoes
+    at = 0
+    for beam in range(n):
+        if at >= rest:
+            raise BadMessageError
+        firsts[beam] = at + 1 if lengths[at] else -1
+        at += 1 + lengths[at]
+    if at > rest:
+        raise BadMessageError
+    ranges = np.full(n, np.inf, dtype=np.float32)
+    ranges[firsts >= 0] = readings[firsts[firsts >= 0]]
+    return ranges
+
+
+def range_reading(data: bytes, *, cdr: bool) -> Beams:
+    """Decode a sensor_msgs/Range: one beam straight ahead, as wide as its field of view."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    fields.unpack("B", 1)  # ultrasound or infrared
+    width, range_min, range_max, reading = fields.unpack("4f", 4)
+    fields.end(at_most=4)  # newer ones state a variance
+    return Beams(stamp, frame, 0.0, 0.0, range_min, range_max, np.array([reading], dtype=np.float32), width)
+
+
+def odometry(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a nav_msgs/Odometry."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    child = fields.frame()
+    pose = fields.pose()
+    fields.unpack("78d", 8)  # its covariance; the twist and its covariance
+    fields.end()
+    return [StampedPose(stamp, frame, child, pose)]
+
+
+def pose_with_covariance(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/PoseWithCovarianceStamped."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    pose = fields.pose()
+    fields.unpack("36d", 8)
+    fields.end()
+    return [StampedPose(stamp, frame, "", pose)]
+
+
+def pose_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/PoseStamped."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    pose = fields.pose()
+    fields.end()
+    return [StampedPose(stamp, frame, "", pose)]
+
+
+def transform_stamped(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a geometry_msgs/TransformStamped."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    child = fields.frame()
+    pose = fields.pose()
+    fields.end()
+    return [StampedPose(stamp, frame, child, pose)]
+
+
+def path(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a nav_msgs/Path: its poses, in the frame of the whole."""
+    fields = MessageFields(data, cdr=cdr)
+    _, frame = fields.header()
+    found = []
+    for _ in range(fields.count(68)):
+        stamp, _ = fields.header()
+        found.append(StampedPose(stamp, frame, "", fields.pose()))
+    fields.end()
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class ImuReading:
+    """One sensor_msgs/Imu: rad/s, m/s², and the quaternion x y z w, NaN where no orientation is stated."""
+
+    stamp_ns: int
+    frame: str
+    orientation: tuple[float, ...]
+    angular_velocity: tuple[float, ...]
+    linear_acceleration: tuple[float, ...]
+
+
+def imu(data: bytes, *, cdr: bool) -> ImuReading:
+    """Decode a sensor_msgs/Imu."""
+    fields = MessageFields(data, cdr=cdr)
+    stamp, frame = fields.header()
+    orientation = fields.unpack("4d", 8)
+    covariance = fields.unpack("9d", 8)
+    rates = fields.unpack("3d", 8)
+    fields.unpack("9d", 8)
+    accelerations = fields.unpack("3d", 8)
+    fields.unpack("9d", 8)
+    fields.end()
+    # A covariance that begins with −1 says that there is no orientation.
+    return ImuReading(stamp, frame, (math.nan,) * 4 if covariance[0] == -1.0 else orientation, rates, accelerations)
+
+
+def transforms(data: bytes, *, cdr: bool) -> list[StampedPose]:
+    """Decode a tf2_msgs/TFMessage, or its twin of ROS 1, tf/tfMessage."""
+    fields = MessageFields(data, cdr=cdr)
+    found = []
+    n = fields.count(72)
+    if n > MOST_TRANSFORMS:
+        raise BadMessageError
+    for _ in range(n):
+        stamp, frame = fields.header()
+        child = fields.frame()
+        found.append(StampedPose(stamp, frame, child, fields.pose()))
+    fields.end()
+    return found
+
+
+PATH = "nav_msgs/Path"
+#: Type, without the ``msg`` that ROS 2 puts in the middle → its decoder.
+SENSORS = {
+    "sensor_msgs/LaserScan": laser_scan,
+    "sensor_msgs/MultiEchoLaserScan": multi_echo_scan,
+    "sensor_msgs/Range": range_reading,
+}
+POSES = {
+    "nav_msgs/Odometry": odometry,
+    "geometry_msgs/PoseWithCovarianceStamped": pose_with_covariance,
+    "geometry_msgs/PoseStamped": pose_stamped,
+    "geometry_msgs/TransformStamped": transform_stamped,
+    PATH: path,
+}
+TRANSFORMS = {"tf2_msgs/TFMessage": transforms, "tf/tfMessage": transforms}
+
+
+def plain_type(name: str) -> str:
+    """Return ``sensor_msgs/LaserScan`` for ``sensor_msgs/msg/LaserScan`` and ``sensor_msgs::msg::dds_::LaserScan_``."""
+    if "::" in name:
+        name = name.replace("::", "/").removesuffix("_")
+    package, _, rest = name.partition("/")
+    return f"{package}/{rest.rsplit('/', 1)[-1]}" if rest else name

@@ -1,0 +1,446 @@
+"""CARMEN logs: FLASER, RLASER, ROBOTLASER1, ROBOTLASER2, ODOM, TRUEPOS and PARAM lines.
+
+Source: the header that CARMEN's logger writes, and its log reader (readlog.c). One message per line, times in
+seconds, metres, radians::
+
+    FLASER n r1 … rn  x y theta  odom_x odom_y odom_theta  stamp host logger_stamp      (x y theta: the laser's pose)
+    ROBOTLASER1 type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
+                n r1 … rn  m q1 … qm  laser_x laser_y laser_theta  x y theta
+                tv rv forward_safety side_safety turn_axis  stamp host logger_stamp
+    RAWLASER1 type start_angle … m q1 … qm  stamp host logger_stamp                 (as ROBOTLASER1, without poses)
+    ODOM x y theta tv rv acceleration  stamp host logger_stamp
+    TRUEPOS x y theta odom_x odom_y odom_theta  stamp host logger_stamp
+    PARAM name value …
+
+A FLASER line states neither angles nor range (:func:`mapper.io.logs.text.carmen_beams.front_laser_beams`). The poses of
+RAWLASER1 to RAWLASER4 are those of the ODOM or TRUEPOS lines at their times. Readings of 80 m or more are the SICK's
+"no return" (81.83 m: its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and
+counted in the notes.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from array import array
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.core.se2 import compose, inverse, wrap_angle
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.selection import Selection
+from mapper.io.logs.text import fields
+from mapper.io.logs.text.carmen_beams import Beams, front_laser_beams, robot_laser_beams
+from mapper.io.logs.text.interpolation import poses_at_scans, restarts, without_restarts
+from mapper.io.logs.text.lines import TextLines, take_lines
+from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading
+from mapper.sensors.robot_log import RobotLog
+from mapper.sensors.scan import ScanLog, Topic, Trajectory
+from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
+
+NO_RETURN = 80.0  #: metres: a SICK LMS reading from here on is no return, where no maximum range is stated
+RAW = ("RAWLASER1", "RAWLASER2", "RAWLASER3", "RAWLASER4")  #: scans without poses
+#: The sensor that is taken, where there are several.
+PREFERENCE = ("ROBOTLASER1", "FLASER", "RLASER", "ROBOTLASER2", *RAW)
+FRONT = ("ROBOTLASER1", "FLASER", "RAWLASER1")
+REAR = ("RLASER", "ROBOTLASER2", "RAWLASER2")
+PLAIN = ("FLASER", "RLASER")  #: lines that state no angles
+WORDS = frozenset({*PREFERENCE, "ODOM", "TRUEPOS", "PARAM", "SYNC", "NEFF", "VERTEX2", "EDGE2"})
+_MESSAGE_WORD = re.compile(r"[A-Z][A-Z0-9_]*\Z")
+_SAME_M, _SAME_RAD = 1e-3, 1e-3  #: poses closer than this are one pose, written down with few digits
+_NEAR_M = 0.2  #: what interpolation may add between the odometry and a scan's own pose
+
+
+class _Messages:
+    """Poses that come in lines of their own: ODOM or TRUEPOS."""
+
+    def __init__(self) -> None:
+        self._poses = array("d")
+        self._stamps = array("d")
+
+    def add(self, pose: list[float], stamp: float) -> None:
+        self._poses.extend(pose)
+        self._stamps.append(stamp)
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        return np.frombuffer(self._poses).reshape(-1, 3)
+
+    @property
+    def stamps(self) -> NDArray[np.float64]:
+        return np.frombuffer(self._stamps)
+
+
+class CarmenReader:
+    """Takes a log line by line; :meth:`log` packs what it took."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.sensors: dict[str, ScanStack] = {}
+        self.beams: dict[str, Beams] = {}
+        self.odometry = _Messages()
+        self.truth = _Messages()
+        self.parameters: dict[str, float] = {}
+        self.ignored: Counter[str] = Counter()
+        self._take: dict[str, Callable[[list[str], int], None]] = {
+            "FLASER": self._take_laser,
+            "RLASER": self._take_laser,
+            "ROBOTLASER1": self._take_robot_laser,
+            "ROBOTLASER2": self._take_robot_laser,
+            **dict.fromkeys(RAW, self._take_robot_laser),
+            "ODOM": self._take_odometry,
+            "TRUEPOS": self._take_truth,
+            "PARAM": self._take_parameter,
+        }
+
+    @property
+    def n_scans(self) -> int:
+        """Scans taken so far, of all sensors."""
+        return sum(sensor.n_scans for sensor in self.sensors.values())
+
+    def take(self, line: int, text: bytes) -> None:
+        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        if text.startswith((b"FLASER ", b"RLASER ")) and self._take_plain_laser(text, line):
+            return
+        tokens = text.decode("latin-1").split()
+        if not tokens or tokens[0].startswith("#"):
+            return
+        take = self._take.get(tokens[0])
+        if take is not None:
+            take(tokens, line)
+        elif _MESSAGE_WORD.match(tokens[0]) and len(tokens[0]) <= 40:
+            self.ignored[tokens[0] if tokens[0] in self.ignored or len(self.ignored) < 20 else "other words"] += 1
+        else:
+            raise ReadError(
+                "log.garbage", f"Line {line} is no CARMEN message: it starts with {text[:30].decode('latin-1')!r}."
+            )
+
+    def _stack(self, word: str) -> ScanStack:
+        if word not in self.sensors:
+            self.sensors[word] = ScanStack(word, self.limits)
+        return self.sensors[word]
+
+    @property
+    def _messages_before(self) -> tuple[int, int]:
+        return (len(self.odometry), len(self.truth))
+
+    def _take_plain_laser(self, text: bytes, line: int) -> bool:
+        """Take a whole line of a laser as CARMEN writes it, faster; False, and nothing taken, for any other."""
+        head, *tail = text.rsplit(b" ", 9)
+        word, stated, readings = [*head.split(b" ", 2), b"", b""][:3]
+        rest = b" ".join(tail).decode("latin-1").split()
+        values = (
+            fields.listed(readings) if len(rest) == len(tail) == 9 and len(stated) < 9 and stated.isdigit() else None
+        )
+        if not values or len(values) != int(stated) or len(values) > self.limits.max_beams:
+            return False
+        self._add_laser(word.decode(), values, rest, line)
+        return True
+
+    def _add_laser(self, word: str, readings: list[float], rest: list[str], line: int) -> None:
+        """Add a scan; ``rest`` is what follows its readings: the poses, the stamp."""
+        laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
+        robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        stamp = fields.stamp(rest[6], line, word)
+        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
+
+    def _take_laser(self, tokens: list[str], line: int) -> None:
+        word = tokens[0]
+        if len(tokens) < 2:
+            raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends after its first word.")
+        n = fields.count(tokens[1], line, word, "beams", self.limits.max_beams)
+        fields.require_fields(tokens, (n + 9, n + 11), line, word, f"{n} beams")
+        readings = fields.numbers(tokens[2 : n + 2], line, word)
+        self._add_laser(word, readings, tokens[n + 2 : n + 9], line)
+
+    def _take_robot_laser(self, tokens: list[str], line: int) -> None:
+        word = tokens[0]
+        if len(tokens) < 9:
+            raise ReadError("log.truncated_line", f"Line {line}: this {word} line ends before its number of beams.")
+        n = fields.count(tokens[8], line, word, "beams", self.limits.max_beams)
+        # Behind the remissions there are the laser's and the robot's pose and five numbers, in all but raw lines.
+        more = 0 if word in RAW else 11
+        if len(tokens) < n + 10:
+            fields.require_fields(tokens, (n + more + 11, n + more + 13), line, word, f"{n} beams")
+        m = fields.count(tokens[n + 9], line, word, "remissions", self.limits.max_beams, least=0)
+        shortest = n + m + more + 11
+        fields.require_fields(tokens, (shortest, shortest + 2), line, word, f"{n} beams and {m} remissions")
+        readings = fields.numbers(tokens[9 : n + 9], line, word)
+        rest = tokens[n + m + 10 :]
+        laser = robot = [0.0, 0.0, 0.0]
+        if more:
+            laser = fields.pose(rest[0:3], line, word, "the laser's", self.limits)
+            robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
+        stamp = fields.stamp(rest[more], line, word)
+        beams = robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
+        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
+        if self.beams.setdefault(word, beams) != beams:
+            raise ReadError(
+                "log.beams_vary",
+                f"Line {line}: this {word} line states other angles or another maximum range than line "
+                f"{self.sensors[word].first_line}; a log's scans must have the same beams.",
+            )
+
+    def _take_odometry(self, tokens: list[str], line: int) -> None:
+        if len(tokens) < 8:
+            raise ReadError(
+                "log.truncated_line", f"Line {line}: this ODOM line ends early: {len(tokens)} fields of 10."
+            )
+        pose = fields.pose(tokens[1:4], line, "ODOM", "the robot's", self.limits)
+        (stamp,) = fields.numbers(tokens[7:8], line, "ODOM")
+        # Corrected logs carry stamps that were never set; they only weigh neighbours, so none is worth an error.
+        self.odometry.add(pose, stamp if abs(stamp) < fields.MAX_STAMP else 0.0)
+
+    def _take_truth(self, tokens: list[str], line: int) -> None:
+        if len(tokens) < 8:
+            raise ReadError(
+                "log.truncated_line", f"Line {line}: this TRUEPOS line ends early: {len(tokens)} fields of 10."
+            )
+        pose = fields.pose(tokens[1:4], line, "TRUEPOS", "the true", self.limits)
+        self.truth.add(pose, fields.stamp(tokens[7], line, "TRUEPOS"))
+
+    def _take_parameter(self, tokens: list[str], line: int) -> None:
+        """Keep the few parameters that concern the lasers; the others may hold any text."""
+        if len(tokens) < 3 or tokens[1] not in _PARAMETERS:
+            return
+        (value,) = fields.numbers(tokens[2:3], line, "PARAM")
+        name, unit = _PARAMETERS[tokens[1]]
+        if not abs(value) <= 1000.0 or (name.endswith(("_max", "_fov", "_resolution")) and value <= 0.0):
+            raise ReadError("log.parameter", f"Line {line}: PARAM {tokens[1]} cannot be {tokens[2]!r:.40} {unit}.")
+        self.parameters[name] = value
+
+    def log(self, name: str, notes: list[str], topic: str | None = None) -> ScanLog:
+        """Return the scans of one sensor, the preferred one where ``topic`` names none.
+
+        Raises :class:`ReadError` if there is none.
+        """
+        word = self._chosen(topic)
+        sensor = self.sensors[word]
+        for other, stack in self.sensors.items():
+            if other != word:
+                notes.append(f"Took the {sensor.n_scans} {word} scans and left out {stack.n_scans} {other} scans.")
+        beams = self._beams(word)
+        stated = beams.range_max
+        range_max = stated if stated is not None else self._parameter(word, "max")
+        ranges, notes_on_ranges = sensor.clean_ranges(NO_RETURN if range_max is None else range_max)
+        notes += notes_on_ranges
+        if range_max is None:
+            notes += note_on_largest_reading(ranges)
+        notes += beams.notes
+        notes += sensor.notes_on_time()
+        mount = self._mount(sensor, notes)
+        if self.ignored:
+            notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
+        trajectories = self._trajectories(sensor, mount)
+        return ScanLog(
+            ranges=ranges,
+            angle_min=beams.angle_min,
+            angle_increment=beams.angle_increment,
+            range_min=0.0,
+            range_max=NO_RETURN if range_max is None else range_max,
+            stamps_ns=sensor.stamps_ns,
+            trajectories=trajectories,
+            mount=mount,
+            name=name,
+            format=f"CARMEN {word}",
+            topic=word,
+            topics=self._topics(word, mount),
+            notes=tuple(notes),
+            odometry=self._odometry(sensor, trajectories),
+            limits=self.limits,
+        )
+
+    def _odometry(self, sensor: ScanStack, trajectories: Mapping[str, Trajectory]) -> OdometryRecords | None:
+        """Return the ODOM messages around the scans of a sensor, in the order of the log; None where there is none.
+
+        They are without those that only restart the odometry (:func:`mapper.io.logs.text.interpolation.restarts`).
+        """
+        if not len(self.odometry):
+            return None
+        poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
+        restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
+        if restart.any():
+            poses = without_restarts(poses, restart)
+        kept_before = np.concatenate([[0], np.cumsum(~restart)])
+        messages = TimedPoses(np.round(stamps[~restart] * 1e9).astype(np.int64), poses[~restart])
+        # What the scan lines themselves state, where that is odometry: it needs no stamps, which may run backwards.
+        stated = (trajectories[name] for name in ("odom", "scan", "wheel") if name in trajectories)
+        at_scans = next((one.poses for one in stated if one.frame_id == "odom"), None)
+        return OdometryRecords(messages, kept_before[before] - 1, at_scans)
+
+    def _chosen(self, topic: str | None) -> str:
+        """Return the word of the sensor whose scans are taken. Raises :class:`ReadError` where there is none."""
+        if not self.sensors:
+            raise ReadError(
+                "log.no_scans", "The log holds no scans: it has no FLASER, RLASER, ROBOTLASER or RAWLASER line."
+            )
+        if topic is not None and topic not in self.sensors:
+            raise ReadError("log.topic", f"The log has no {topic!r:.80} scans; it has {', '.join(self.sensors)}.")
+        return topic or next(word for word in PREFERENCE if word in self.sensors)
+
+    def _topics(self, chosen: str, mount: tuple[float, float, float]) -> tuple[Topic, ...]:
+        """Return the sensors, and the other messages that were taken."""
+        found = []
+        for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
+            step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
+            view = math.degrees(abs(self._beams(word).angle_increment)) * (stack.n_beams - 1)
+            found.append(
+                Topic(
+                    word,
+                    "laser scan",
+                    stack.n_scans,
+                    beams=stack.n_beams,
+                    field_of_view_deg=view,
+                    rate_hz=1.0 / step if step > 0.0 else None,
+                    mount=mount if word == chosen else None,
+                    chosen=word == chosen,
+                )
+            )
+        poses = {"ODOM": ("odometry", len(self.odometry)), "TRUEPOS": ("true pose", len(self.truth))}
+        return (*found, *(Topic(word, kind, count) for word, (kind, count) in poses.items() if count))
+
+    def _parameter(self, word: str, which: str) -> float | None:
+        side = "front" if word in FRONT else "rear" if word in REAR else "other"
+        return self.parameters.get(f"{side}_{which}")
+
+    def _beams(self, word: str) -> Beams:
+        """Return the beams of a sensor: as its lines state them, or else by their number and the parameters."""
+        if word not in PLAIN:
+            return self.beams[word]
+        fov, resolution = self._parameter(word, "fov"), self._parameter(word, "resolution")
+        # Programs write the field of view in degrees or radians; of both it is less than one turn.
+        in_radians = None if fov is None else fov if fov <= 2.0 * math.pi + 0.01 else math.radians(fov)
+        step = None if resolution is None else math.radians(resolution)
+        first, increment, notes = front_laser_beams(self.sensors[word].n_beams, word, in_radians, step)
+        return Beams(first, increment, notes=tuple(notes))
+
+    def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
+        """Return ``T_base_laser``: what PARAM states, else the difference of a line's two poses, if always the same."""
+        yaw = math.pi if sensor.word in REAR else 0.0
+        ahead, aside, turned = (
+            self._parameter(sensor.word, which) for which in ("offset", "side_offset", "angular_offset")
+        )
+        if ahead is not None:
+            return (ahead, aside or 0.0, yaw if turned is None else turned)
+        if sensor.word in RAW:
+            return (0.0, 0.0, yaw)
+        relative = compose(inverse(sensor.robot_poses), sensor.laser_poses)
+        away = np.abs(relative - relative[0])
+        away[:, 2] = np.abs(wrap_angle(relative[:, 2] - relative[0, 2]))
+        if (away[:, :2] > 5 * _SAME_M).any() or (away[:, 2] > 5 * _SAME_RAD).any():
+            return (0.0, 0.0, yaw)
+        first = relative[0]
+        if _same_pose(first, np.zeros(3)):
+            # A log that was simplified to one pose per scan says nothing of a mount.
+            return (0.0, 0.0, yaw)
+        notes.append(
+            f"The laser's mount is taken from the scan lines' two poses: {first[0]:.3f} m, {first[1]:.3f} m, "
+            f"{math.degrees(first[2]):.1f}°."
+        )
+        return (float(first[0]), float(first[1]), float(first[2]))
+
+    def _trajectories(self, sensor: ScanStack, mount: tuple[float, float, float]) -> dict[str, Trajectory]:
+        if sensor.word in RAW:
+            return self._trajectories_of_raw(sensor)
+        scan = compose(sensor.laser_poses, inverse(np.array(mount)))
+        found = {"scan": Trajectory(scan, f"the pose in each {sensor.word} line")}
+        if not _same_pose(scan, sensor.robot_poses):
+            found["odom"] = Trajectory(sensor.robot_poses, f"the odometry pose in each {sensor.word} line", "odom")
+        if len(self.odometry):
+            poses, stamps, before = self.odometry.poses, self.odometry.stamps, sensor.odometry_before
+            restart = restarts(poses, stamps, before, sensor.laser_poses, sensor.stamps)
+            text = "the ODOM messages at the time of each scan"
+            if restart.any():
+                poses = without_restarts(poses, restart)
+                text += ", chained where the log starts them again from a corrected pose"
+            found["wheel"] = Trajectory(poses_at_scans(poses, stamps, before, sensor.stamps), text, "odom")
+            if _is_near(scan, found["wheel"].poses):
+                # Nothing has corrected the scans' poses: they are the odometry.
+                found["scan"] = replace(found["scan"], frame_id="odom")
+        return found | self._true_trajectory(sensor)
+
+    def _true_trajectory(self, sensor: ScanStack) -> dict[str, Trajectory]:
+        if not len(self.truth):
+            return {}
+        poses = poses_at_scans(self.truth.poses, self.truth.stamps, sensor.truth_before, sensor.stamps)
+        return {"truepos": Trajectory(poses, "the simulator's true pose at the time of each scan", "map")}
+
+    def _trajectories_of_raw(self, sensor: ScanStack) -> dict[str, Trajectory]:
+        """Return the poses at scans whose lines state none: those of other lines, or zeros."""
+        found = {}
+        if len(self.odometry):
+            poses = poses_at_scans(self.odometry.poses, self.odometry.stamps, sensor.odometry_before, sensor.stamps)
+            found["wheel"] = Trajectory(poses, "the ODOM messages at the time of each scan", "odom")
+        found |= self._true_trajectory(sensor)
+        if found:
+            return found
+        text = f"the {sensor.word} lines state no poses, and the log has no ODOM or TRUEPOS lines"
+        return {"standing still": Trajectory(np.zeros((sensor.n_scans, 3)), text, is_placeholder=True)}
+
+
+#: Name in a log → its name here, and its unit.
+_PARAMETERS = {
+    **{
+        f"robot_{side}laser_{which}": (f"{side}_{which}", "m")
+        for side in ("front", "rear")
+        for which in ("offset", "side_offset", "angular_offset", "max")
+    },
+    **{f"robot_{side}_laser_max": (f"{side}_max", "m") for side in ("front", "rear")},
+    **{
+        f"laser_{side}_laser_{which}": (f"{side}_{which}", "degrees")
+        for side in ("front", "rear")
+        for which in ("fov", "resolution")
+    },
+}
+
+
+def _same_pose(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    position = np.abs(a[..., :2] - b[..., :2]).max()
+    return bool(position < _SAME_M and np.abs(wrap_angle(a[..., 2] - b[..., 2])).max() < _SAME_RAD)
+
+
+def _is_near(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    """Return whether nine tenths of the poses (n, 3) are within :data:`_NEAR_M` of one another."""
+    return bool(len(a)) and float(np.quantile(np.hypot(*(a - b)[:, :2].T), 0.9)) < _NEAR_M
+
+
+def read_carmen(
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
+    """Return the CARMEN log at ``path``, plain or packed; ``topic`` is the word of the sensor's lines.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
+    reader, notes = _read(path, limits, progress)
+    return reader.log(path.name, notes, topic)
+
+
+def read_carmen_sensors(path: Source, limits: Limits, progress: Progress | None, selection: Selection) -> RobotLog:
+    """Return the sensors of the CARMEN log at ``path`` that are selected, the preferred one first.
+
+    Raises as :func:`read_carmen`.
+    """
+    reader, notes = _read(path, limits, progress)
+    words: Sequence[str | None] = selection.topics or [None]
+    if selection.topics is None:
+        words = [None, *[word for word in PREFERENCE if word in reader.sensors][1:]]
+    logs = [reader.log(path.name, list(notes), word) for word in dict.fromkeys(words)]
+    odometry = logs[0].odometry
+    return RobotLog({log.topic: log for log in logs}, {} if odometry is None else {"wheel": odometry.messages})
+
+
+def _read(path: Source, limits: Limits, progress: Progress | None) -> tuple[CarmenReader, list[str]]:
+    reader = CarmenReader(limits)
+    notes: list[str] = []
+    take_lines(TextLines(path, limits, progress), reader.take, lambda: reader.n_scans, notes)
+    return reader, notes

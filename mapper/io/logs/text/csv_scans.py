@@ -1,0 +1,152 @@
+"""Scans as comma-separated values: a format for other programs to write.
+
+::
+
+    angle_min,-1.5708
+    angle_increment,0.0174533
+    range_min,0.05
+    range_max,30
+    stamp,x,y,theta,ranges
+    12.50,0.0,0.0,0.0,2.31,2.30,inf,2.28
+    12.60,0.1,0.0,0.0,2.21,,nan,2.18
+
+First the sensor, a name and a value to a line: ``angle_min`` is the bearing of the first beam and ``angle_increment``
+that from one beam to the next (radians, counter-clockwise from straight ahead); ``range_min`` and ``range_max`` are the
+least and the largest distance that it measures (metres; 0 and no limit where they are left out). ``mount_x``,
+``mount_y`` and ``mount_yaw`` may say where it sits on the robot, and ``time_increment`` the seconds from one beam to
+the next of a scan that is stamped at its first. Then the line ``stamp,x,y,theta,ranges``, and a line
+for each scan: its time in seconds, the robot's pose in metres and radians, and as many ranges in metres as there are
+beams. ``inf`` is no return; ``nan``, nothing, zero or less is no measurement. Lines that begin with ``#`` are remarks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.text import fields
+from mapper.io.logs.text.lines import TextLines
+from mapper.io.logs.text.one_sensor import take_one_sensor
+from mapper.io.logs.text.packing import ScanStack
+from mapper.sensors.georeference import FARTHEST_M
+from mapper.sensors.scan import ScanLog, georeferenced, is_angle_step
+
+COLUMNS = ("stamp", "x", "y", "theta")
+NEEDED = ("angle_min", "angle_increment")
+INITIAL = {
+    "range_min": 0.0,
+    "range_max": math.inf,
+    "mount_x": 0.0,
+    "mount_y": 0.0,
+    "mount_yaw": 0.0,
+    "time_increment": 0.0,
+}
+
+
+def is_csv_scans(head: bytes) -> bool:
+    """Return whether the first line that is no remark names one of the sensor's values."""
+    lines = (line.strip() for line in head.split(b"\n"))
+    first = next((line for line in lines if line and not line.startswith(b"#")), b"")
+    return first.split(b",")[0].strip().decode("latin-1") in {*NEEDED, *INITIAL}
+
+
+class _Reader:
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.values = dict(INITIAL)
+        self.stack = ScanStack("CSV", limits)
+        self._in_rows = False
+        self._first: list[float] | None = None  #: the first scan's pose
+
+    def take(self, line: int, text: bytes) -> None:
+        """Take one line. Raises :class:`ReadError` or :class:`LimitError` naming it."""
+        tokens = [token.strip() for token in text.decode("latin-1").split(",")]
+        if tokens == [""] or tokens[0].startswith("#"):
+            return
+        if self._in_rows:
+            self._take_scan(tokens, line)
+        elif tuple(tokens[:4]) == COLUMNS:
+            self._begin_rows(line)
+        elif tokens[0] in NEEDED or tokens[0] in INITIAL:
+            if len(tokens) < 2 or any(tokens[2:]):
+                raise ReadError("log.header", f"Line {line}: {tokens[0]} needs one value, as in {tokens[0]},0.5.")
+            (self.values[tokens[0]],) = fields.numbers(tokens[1:2], line, tokens[0])
+        else:
+            raise ReadError(
+                "log.header",
+                f"Line {line}: {tokens[0]!r:.40} is neither a value of the sensor nor the line "
+                "'stamp,x,y,theta,ranges' that the scans follow.",
+            )
+
+    def _begin_rows(self, line: int) -> None:
+        missing = [name for name in NEEDED if name not in self.values]
+        if missing:
+            raise ReadError("log.header", f"Line {line}: the lines before this one do not state {missing[0]}.")
+        v = self.values
+        for name, value in v.items():
+            if not abs(value) <= 1e4 and not (name == "range_max" and value == math.inf):
+                raise ReadError("log.header", f"Before line {line}: {name} cannot be {value:g}.")
+        if not 0.0 <= v["range_min"] < v["range_max"]:
+            raise ReadError(
+                "log.header", f"Before line {line}: range_min, {v['range_min']:g}, must be ≥ 0 and below range_max."
+            )
+        self._in_rows = True
+
+    def _take_scan(self, tokens: list[str], line: int) -> None:
+        n = len(tokens) - len(COLUMNS)
+        if n < 1:
+            raise ReadError("log.truncated_line", f"Line {line} ends early: it has {len(tokens)} fields and no ranges.")
+        if n > self.limits.max_beams:
+            raise LimitError("log.too_many_beams", f"Line {line} has {n} ranges; the limit is {self.limits.max_beams}.")
+        if not is_angle_step(self.values["angle_increment"], n):
+            raise ReadError(
+                "log.header",
+                f"Line {line} has {n} ranges, which an angle_increment of {self.values['angle_increment']:g} rad "
+                "cannot lie between.",
+            )
+        stamp = fields.stamp(tokens[0], line, "CSV")
+        pose = fields.pose(tokens[1:4], line, "CSV", "the robot's", self.limits, FARTHEST_M)
+        self._first = first = self._first or pose
+        if max(abs(pose[0] - first[0]), abs(pose[1] - first[1])) > self.limits.max_pose:
+            raise ReadError(
+                "log.pose",
+                f"Line {line}: the robot's pose in this CSV line, {pose[0]:g}, {pose[1]:g}, {pose[2]:g}, is no place: "
+                f"it is more than {self.limits.max_pose:g} m from the first.",
+            )
+        readings = fields.numbers([token or "nan" for token in tokens[4:]], line, "CSV")
+        self.stack.add(line, readings, (pose, pose), stamp)
+
+
+def read_csv_scans(
+    path: Source, limits: Limits = DEFAULT_LIMITS, progress: Progress | None = None, topic: str | None = None
+) -> ScanLog:
+    """Return the CSV log at ``path``, plain or packed.
+
+    Raises :class:`ReadError`, naming the line, and :class:`LimitError`.
+    """
+    reader = _Reader(limits)
+    missing = "no line follows 'stamp,x,y,theta,ranges'"
+    notes = take_one_sensor(reader, TextLines(path, limits, progress), topic, "A CSV log", missing)
+    stack, v = reader.stack, reader.values
+    ranges, notes_on_ranges = stack.clean_ranges(float(np.nextafter(np.float32(v["range_max"]), np.float32(np.inf))))
+    way, notes_on_poses = georeferenced(stack.robot_poses, "The poses", "the pose in each scan's line", limits)
+    return ScanLog(
+        ranges=ranges,
+        angle_min=v["angle_min"],
+        angle_increment=v["angle_increment"],
+        range_min=v["range_min"],
+        range_max=v["range_max"],
+        stamps_ns=stack.stamps_ns,
+        trajectories={"scan": way},
+        mount=(v["mount_x"], v["mount_y"], v["mount_yaw"]),
+        time_increment=v["time_increment"],
+        name=path.name,
+        format="CSV",
+        notes=(*notes, *notes_on_ranges, *notes_on_poses, *stack.notes_on_time()),
+        limits=limits,
+    )

@@ -1,0 +1,128 @@
+"""The lines of a text log, plain or packed, read in pieces, so that no decompression bomb fills the memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+
+from mapper.core.errors import LimitError, ReadError
+from mapper.core.limits import Limits
+from mapper.io.logs.archives.archive import Source
+from mapper.io.logs.archives.unpacking import Progress, Unpacked, opened
+
+BOM = b"\xef\xbb\xbf"  #: what spreadsheets write before the first line of UTF-8 text
+
+
+class TextLines:
+    """The lines of one file; iterate once, over ``(line number from 1, line without its end)``.
+
+    While the last line is yielded, ``unfinished`` says that it has no line end: it may be cut.
+    The part of a line in which broken packed data ends is never yielded.
+
+    Raises :class:`LimitError` for more lines than ``limits`` allow, for more bytes in one line, or for packed data that
+    expands to more, and :class:`ReadError` for a file that cannot be opened, is empty or holds packed data of which
+    nothing can be read.
+    """
+
+    def __init__(self, path: Source, limits: Limits, progress: Progress | None = None) -> None:
+        self.path = path
+        self.limits = limits
+        self.progress = progress
+        self.unfinished = False
+        self.number = 0  #: of the line yielded last
+        self._unpacked: Unpacked | None = None
+        self._pieces: Iterator[bytes] = iter(())
+
+    def __iter__(self) -> Iterator[tuple[int, bytes]]:
+        with opened(self.path) as file:
+            self._unpacked = Unpacked(file, lambda: f"after line {self.number}", self.limits, self.progress)
+            self._pieces = iter(self._unpacked)
+            rest = yield from self._whole_lines()
+            if rest and not self._unpacked.broken:
+                self.number += 1
+                self.unfinished = True
+                yield self.number, rest
+
+    @property
+    def broken(self) -> str | None:
+        """Damage found in packed data, as "The gzip data ends early"; None if there is none."""
+        if self._unpacked is None or self._unpacked.broken is None:
+            return None
+        return f"The {self._unpacked.packing} data {self._unpacked.broken}"
+
+    def is_damaged(self) -> bool:
+        """Return whether the packed data is damaged, which the lines tell earlier than its checksum; reads it all.
+
+        To be asked while the lines are read; then no more of them come.
+        """
+        try:
+            for _ in self._pieces:
+                pass
+        except LimitError:
+            return False
+        return self._unpacked is not None and self._unpacked.broken == "is damaged"
+
+    def _whole_lines(self) -> Generator[tuple[int, bytes], None, bytes]:
+        """Yield the lines that end; return what follows the last of them."""
+        rest: bytes | None = None
+        for piece in self._pieces:
+            begun = piece.removeprefix(BOM) if rest is None else rest + piece
+            lines = begun.split(b"\n")
+            rest = lines.pop()
+            if self.number + len(lines) > self.limits.max_lines:
+                raise LimitError(
+                    "log.too_many_lines", f"The log has more lines than the limit of {self.limits.max_lines}."
+                )
+            for line in lines:
+                self.number += 1
+                if len(line) > self.limits.max_line_bytes:
+                    if self.is_damaged():
+                        return b""
+                    raise self._line_too_long(self.number)
+                yield self.number, line
+            if len(rest) > self.limits.max_line_bytes:
+                if self.is_damaged():
+                    return b""
+                raise self._line_too_long(self.number + 1)
+        return rest or b""
+
+    def _line_too_long(self, number: int) -> LimitError:
+        return LimitError(
+            "log.line_too_long",
+            f"Line {number} is longer than the limit of {self.limits.max_line_bytes} bytes; this is not a text log.",
+        )
+
+
+def take_lines(
+    lines: TextLines, take: Callable[[int, bytes], None], n_scans: Callable[[], int], notes: list[str]
+) -> None:
+    """Give every line to ``take`` and put into ``notes`` what is missing at the end of a cut file.
+
+    A file that was cut, by a full disk or a broken download, still has good scans: its last, broken line is left out
+    if whole scans came before it. Otherwise :class:`ReadError`.
+    """
+    for number, text in lines:
+        try:
+            take(number, text)
+        except ReadError:
+            if n_scans() and lines.unfinished:
+                notes.append(f"The file ends in the middle of line {number}, which is left out.")
+            elif n_scans() and lines.is_damaged():
+                break
+            else:
+                raise
+        else:
+            if lines.unfinished:
+                notes.append(
+                    f"Line {number}, the last, has no line end: if the file was cut there, so is its last number."
+                )
+    if lines.broken is None:
+        return
+    if not n_scans():
+        raise ReadError("log.truncated", f"{lines.broken}, after line {lines.number}, before any whole scan.")
+    if lines.is_damaged():
+        notes.append(
+            f"{lines.broken}: what precedes line {lines.number} is read, some of it perhaps wrong, and the rest "
+            "is missing."
+        )
+    else:
+        notes.append(f"{lines.broken}, after line {lines.number}: the rest of the log is missing.")

@@ -1,0 +1,102 @@
+"""The triangles of one chunk of a surface: whole numbers, as few bytes as a browser can take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.array_types import Float32Array, Float64Array, Int8Array, Int64Array, UInt8Array, UInt16Array
+from mapper.core.errors import ConfigError
+from mapper.core.parallel import cores, in_parallel, shares
+from mapper.volume.kernels.mesh_chunks import number_vertices, shade, write_places
+from mapper.volume.mesh.mesh import Mesh
+from mapper.volume.mesh.textbook_chunks import linear_of
+
+STEPS = 1024  #: of a vertex's place in one voxel
+_LINEAR = (255.0 * linear_of(np.arange(256, dtype=np.uint8))).astype(np.float32)
+_SHARE = 20_000  # vertices from which a second thread is worth its start
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChunkMesh:
+    """Triangles of one chunk: ``places`` (n, 3) uint16 in 1 / 1024 voxels from the centre of its first voxel.
+
+    ``normals`` (n, 3) int8 have a length of about 127. ``triangles`` (m, 3) are numbers of vertices, uint16 where these
+    are enough, anticlockwise seen from outside. Vertices that two chunks share have the same place in both, so that
+    there are no gaps between them.
+    """
+
+    places: UInt16Array
+    normals: Int8Array
+    triangles: NDArray[np.unsignedinteger[Any]]
+
+    def equals(self, other: ChunkMesh) -> bool:
+        """Return whether all arrays are the same."""
+        return all(
+            np.array_equal(a, b)
+            for a, b in (
+                (self.triangles, other.triangles), (self.places, other.places), (self.normals, other.normals),
+            )
+        )  # fmt: skip
+
+
+def chunk_meshes(mesh: Mesh, ends: Int64Array, firsts: Float64Array, resolution: float) -> list[ChunkMesh]:
+    """Return parts of a mesh: the triangles up to each of ``ends`` (g,) from the one before.
+
+    ``firsts`` (g, 3) are the places, voxels from 0 of the map, that those of each part's vertices are counted from.
+    """
+    n, m = len(mesh.vertices), len(mesh.triangles)
+    numbered, used = np.empty((m, 3), dtype=np.int32), np.empty(3 * m, dtype=np.int32)
+    starts = np.empty(len(ends) + 1, dtype=np.int64)
+    part_of = np.full(n, -1, dtype=np.int32)
+    number_vertices(mesh.triangles, ends, part_of, np.empty(n, dtype=np.int32), numbered, used, starts)
+    places = np.empty((starts[-1], 3), dtype=np.uint16)
+    normals = np.empty((starts[-1], 3), dtype=np.int8)
+    in_parallel(
+        [
+            partial(
+                write_places, mesh.vertices, mesh.normals, used, starts[a : b + 1], firsts[a:b], resolution, STEPS,
+                places[starts[a] :], normals[starts[a] :],
+            )
+            for a, b in shares(len(ends), min(cores(), 1 + int(starts[-1]) // _SHARE))
+        ]
+    )  # fmt: skip
+    parts, first = [], 0
+    # Copies, since a part is kept when the others have been replaced.
+    for end, a, b in zip(ends.tolist(), starts[:-1].tolist(), starts[1:].tolist(), strict=True):
+        kind = np.uint16 if b - a <= 1 << 16 else np.uint32
+        parts.append(ChunkMesh(places[a:b].copy(), normals[a:b].copy(), numbered[first:end].astype(kind)))
+        first = end
+    return parts
+
+
+def cut_between(mesh: ChunkMesh, low: float, high: float) -> ChunkMesh | None:
+    """Return the triangles all of whose corners have a third place ``low`` … ``high``; the same object for all of them.
+
+    None where there are none.
+    """
+    z = mesh.places[:, 2]
+    is_kept = (z >= low) & (z <= high)
+    if is_kept.all():
+        return mesh
+    triangles = mesh.triangles[is_kept[mesh.triangles].all(axis=1)]
+    return ChunkMesh(mesh.places, mesh.normals, triangles) if len(triangles) else None
+
+
+def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
+    """Return colours (n, 3) with the light on a surface, as :func:`mapper.volume.mesh.textbook_chunks.shaded` does.
+
+    Raises :class:`ConfigError` for arrays of other shapes.
+    """
+    if colors.shape != normals.shape or colors.shape[1:] != (3,) or light.shape != (6,):
+        raise ConfigError(
+            "mesh.shape",
+            f"Colours and normals are (n, 3), light is (6,), not {colors.shape}, {normals.shape} and {light.shape}.",
+        )
+    out = np.empty((len(colors), 4), dtype=np.uint8)
+    shade(colors, normals, _LINEAR, light, out)
+    return out

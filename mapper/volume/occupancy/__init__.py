@@ -1,0 +1,1 @@
+"""Log-odds of occupancy in blocks of voxels, and what is asked of such a map."""

@@ -1,0 +1,1 @@
+"""Truncated signed distances: surfaces fused from depth images and clouds."""

@@ -1,0 +1,75 @@
+"""The table of parameters of truncated signed distances.
+
+Source: Curless & Levoy, A volumetric method for building complex models from range images, SIGGRAPH 1996; Newcombe et
+al., KinectFusion: real-time dense surface mapping and tracking, ISMAR 2011, section 3.3; Oleynikova et al., Voxblox:
+incremental 3D Euclidean signed distance fields for on-board MAV planning, IROS 2017, section IV-A, for the weights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.errors import ConfigError
+from mapper.core.parameter import Parameter, check_fields, check_table
+
+TRUNCATION_VOXELS = 4.0  #: the truncation, in voxels, where none is given
+
+TSDF_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("resolution", "Resolution", "tsdf", "number", 0.02, "Side of a voxel.", "m", 0.001, 10.0, 0.005),
+    Parameter("truncation", "Truncation", "tsdf", "number", 0.0,
+              "Distance from the surface, before and behind it, within which voxels are updated; 0 is four voxels.",
+              "m", 0.0, 50.0, 0.01),
+    Parameter("max_weight", "Maximum weight", "tsdf", "number", 64.0,
+              "Weight at which a voxel's mean goes on as a moving one, so that the surface can still change.", "",
+              1.0, 10000.0, 1.0),
+    Parameter("weighting", "Weight", "tsdf", "choice", "constant",
+              "Weight of one measurement: 1, or 1 / depth², as the noise of depth cameras grows with the depth.",
+              choices=("constant", "inverse_square")),
+    Parameter("drop_off", "Drop off", "tsdf", "flag", False,
+              "Whether the weight falls to 0 from one voxel behind the surface to the truncation."),
+    Parameter("carve", "Carve", "tsdf", "flag", True,
+              "Whether voxels of the map's blocks farther before the surface than the truncation are updated too, as "
+              "free, so that what is seen through goes away."),
+    Parameter("range_max", "Longest range", "tsdf", "number", 0.0,
+              "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class TsdfConfig:
+    """Parameters of :class:`mapper.volume.surface.tsdf.TsdfVolume`, see the table :data:`TSDF_PARAMETERS`.
+
+    Raises :class:`ConfigError` for a value outside its row and for a truncation of less than two voxels.
+    """
+
+    resolution: float = 0.02
+    truncation: float = 0.0
+    max_weight: float = 64.0
+    weighting: str = "constant"
+    drop_off: bool = False
+    carve: bool = True
+    range_max: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, TSDF_PARAMETERS)
+        if 0.0 < self.truncation < 2.0 * self.resolution:
+            raise ConfigError(
+                "parameter.truncation",
+                f"A truncation of {self.truncation:g} m is less than two voxels of {self.resolution:g} m: the surface "
+                "would have holes.",
+            )
+
+    @property
+    def band(self) -> np.float32:
+        """The truncation that is used, metres."""
+        return np.float32(self.truncation or TRUNCATION_VOXELS * self.resolution)
+
+    @property
+    def far(self) -> np.float32:
+        """The longest depth or range that is used, metres; without a limit the greatest number, as infinity is none."""
+        return np.float32(self.range_max or np.finfo(np.float32).max)
+
+
+check_table(TsdfConfig, TSDF_PARAMETERS)

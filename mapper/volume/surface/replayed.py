@@ -1,0 +1,141 @@
+"""The surface of the first scans of a sequence: it goes forward scan by scan, and back to the nearest snapshot."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mapper.core.array_types import Float32Array, Int32Array, Int64Array
+from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.volume.blocks import BLOCK
+from mapper.volume.surface.measured_scans import MeasuredScans
+from mapper.volume.surface.parameters import TsdfConfig
+from mapper.volume.surface.tsdf import Fused, TsdfVolume
+
+SNAPSHOT_BYTES = 128 << 20  #: of all snapshots of one surface
+EVERY = 8  #: scans from one snapshot to the next at first; twice as many each time that the snapshots are too large
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The blocks of a surface: their ``codes`` (n,), ``distances`` and ``weights`` (n, 8, 8, 8)."""
+
+    codes: Int64Array
+    distances: Float32Array
+    weights: Float32Array
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the arrays."""
+        return self.codes.nbytes + self.distances.nbytes + self.weights.nbytes
+
+
+class ReplayedSurface:
+    """A surface of the first ``index`` scans of ``source``, which must say where its sensor was.
+
+    Depth images are fused as such, other scans as points. ``counts`` has the number of blocks after each of these
+    scans. Raises :class:`ConfigError` for a source that does not say where its sensor was.
+    """
+
+    def __init__(
+        self, source: MeasuredScans, config: TsdfConfig, limits: Callable[[], Limits] | None = None,
+        *, snapshot_bytes: int = SNAPSHOT_BYTES,
+    ) -> None:  # fmt: skip
+        if not source.has_origins:
+            raise ConfigError(
+                "tsdf.no_origin", "The file does not say where the sensor was, from which distances are measured."
+            )
+        self.source, self.config = source, config
+        self._limits = limits or (lambda: DEFAULT_LIMITS)
+        self._most_bytes, self._every = snapshot_bytes, EVERY
+        self._snapshots: dict[int, Snapshot] = {}
+        self.counts: list[int] = []
+        self._begin(0)
+
+    def _begin(self, index: int) -> None:
+        self.index = index
+        self.volume = TsdfVolume(self.config, self._limits())
+        del self.counts[index:]
+        if index:
+            kept = self._snapshots[index]
+            self.volume.set_blocks(kept.codes, kept.distances, kept.weights)
+        self._touched: list[Int32Array] = []
+        self._changed_all = True
+
+    @property
+    def count(self) -> int:
+        """Number of scans."""
+        return len(self.source)
+
+    @property
+    def snapshots(self) -> tuple[int, ...]:
+        """After how many scans a snapshot is kept, ascending."""
+        return tuple(sorted(self._snapshots))
+
+    @property
+    def n_cells(self) -> int:
+        """Voxels for which the map and its snapshots have memory; a voxel has a distance and a weight."""
+        snapshots = sum(one.nbytes for one in self._snapshots.values())
+        return 2 * self.volume.blocks.count * BLOCK**3 + snapshots // 4
+
+    def take_touched(self) -> Int32Array | None:
+        """Return the slots (n,) of the blocks that changed since the last call; None where any may have."""
+        touched, changed_all = self._touched, self._changed_all
+        self._touched, self._changed_all = [], False
+        return None if changed_all else np.unique(np.concatenate([np.empty(0, np.int32), *touched]))
+
+    def go_to(
+        self, index: int, is_over: Callable[[], bool] = lambda: False, may_continue: Callable[[], bool] = lambda: True
+    ) -> bool:
+        """Make the surface of the first ``index`` scans, or a part of the way; return whether it is there.
+
+        At least one scan is fused; further ones until ``is_over``. Raises :class:`WorkCancelledError` between two scans
+        unless ``may_continue``, and as :meth:`TsdfVolume.fuse_depth` and :meth:`TsdfVolume.fuse_points`; the surface is
+        then that of the scans before.
+        """
+        if index < self.index:
+            kept = self.snapshots
+            place = bisect_right(kept, index)
+            self._begin(kept[place - 1] if place else 0)
+        while self.index < index:
+            if not may_continue():
+                raise WorkCancelledError("tsdf.cancelled", f"The surface was cancelled after {self.index} scans.")
+            self.volume.blocks.limits = self._limits()
+            self._touched.append(fuse(self.volume, self.source, self.index).slots)
+            self.index += 1
+            self.counts.append(self.volume.blocks.count)
+            self._keep()
+            if is_over():
+                break
+        return self.index == index
+
+    def _keep(self) -> None:
+        """Keep a snapshot where one is due; where they are too large, every second one."""
+        is_due = self._most_bytes > 0 and self.index % self._every == 0
+        if not is_due or self.index in self._snapshots or self.index == self.count:
+            return
+        volume = self.volume
+        kept = Snapshot(volume.blocks.codes.copy(), volume.distances.copy(), volume.weights.copy())
+        self._snapshots[self.index] = kept
+        while self._snapshots and sum(one.nbytes for one in self._snapshots.values()) > self._most_bytes:
+            self._every *= 2
+            self._snapshots = {at: one for at, one in self._snapshots.items() if at % self._every == 0}
+
+
+def fuse(volume: TsdfVolume, source: MeasuredScans, index: int) -> Fused:
+    """Update a surface by one scan of a sequence: by its depth image, or else by its points.
+
+    Raises :class:`LimitError` as the methods of the volume do.
+    """
+    image = source.depth_image(index)
+    try:
+        if image is not None:
+            return volume.fuse_depth(image.depth, image.camera, image.pose)
+        scan = source.scan(index)
+        return volume.fuse_points(scan.points, np.asarray(scan.origin))
+    except LimitError as error:
+        raise LimitError(error.code, f"Scan {index + 1}: {error.message}") from error

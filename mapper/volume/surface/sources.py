@@ -1,0 +1,87 @@
+"""Surfaces from files: depth folders image by image, other files with clouds point by point."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mapper.core.array_types import Float64Array
+from mapper.core.errors import ConfigError, WorkCancelledError
+from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.io.clouds import read_depth_folder
+from mapper.io.clouds.depth_folder import is_depth_folder
+from mapper.io.clouds.given_poses import GivenPoses
+from mapper.volume.scans.map_offset import MapOffset
+from mapper.volume.scans.sources import open_source
+from mapper.volume.surface.tsdf import Fused, TsdfVolume
+
+
+@dataclass(slots=True)
+class Fusions:
+    """Result of a fusion: numbers of ``scans`` (depth images or clouds) and of pixels or points that were ``used``.
+
+    ``given_poses`` is how many of the poses that were given, one for each cloud's file, they took. ``notes`` are
+    sentences on what was found.
+    """
+
+    scans: int = 0
+    used: int = 0
+    given_poses: int = 0
+    notes: list[str] = field(default_factory=list)
+
+    def count(self, fused: Fused) -> None:
+        """Add what one scan did."""
+        self.scans += 1
+        self.used += fused.used
+
+
+def fuse_all(
+    volume: TsdfVolume,
+    path: str | os.PathLike[str],
+    into: Fusions,
+    *,
+    topic: str | None = None,
+    sensor: Float64Array | None = None,
+    poses: GivenPoses | None = None,
+    offset: MapOffset | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    progress: Callable[[float], None] | None = None,
+    is_cancelled: Callable[[], bool] = lambda: False,
+) -> None:
+    """Update a map by all that a depth folder, a cloud, a scan graph or a recording with clouds holds.
+
+    ``topic``, ``sensor``, ``poses`` and ``offset`` are as in :func:`mapper.volume.scans.sources.open_source`;
+    ``progress`` is called with the share of the scans, 0 … 1, where their number is known. Raises as the readers do,
+    :class:`WorkCancelledError` between two scans once ``is_cancelled``, and :class:`ConfigError` where the place of a
+    sensor is not known and where nothing was used.
+    """
+    before, scans = into.used, into.scans
+
+    def step(count: int | None) -> None:
+        if progress is not None and count:
+            progress(min((into.scans - scans) / count, 1.0))
+        if is_cancelled():
+            raise WorkCancelledError("tsdf.cancelled", f"The surface was cancelled after {into.scans} scans.")
+
+    if is_depth_folder(Path(path)) and poses is None:
+        folder = read_depth_folder(path, limits=limits)
+        into.notes += folder.notes
+        for frame in folder.frames:
+            into.count(volume.fuse_depth(frame.read(), folder.camera, frame.pose))
+            step(len(folder))
+    else:
+        number = into.given_poses
+        source = open_source(path, topic=topic, sensor=sensor, poses=poses, number=number, offset=offset, limits=limits)
+        into.given_poses += source.given_poses
+        for scan in source.scans:
+            if scan.origin is None:
+                raise ConfigError(
+                    "tsdf.no_origin", "The file does not say where the sensor was, from which distances are measured."
+                )
+            into.count(volume.fuse_points(scan.points, scan.origin))
+            step(source.count)
+        into.notes += source.notes
+    if into.used == before:
+        raise ConfigError("tsdf.nothing", "No depth or point of it is finite, in range and within the map's lattice.")

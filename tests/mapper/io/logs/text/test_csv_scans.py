@@ -1,0 +1,81 @@
+"""Comma-separated scans: the documented format is read, and errors are stated with their line."""
+
+from __future__ import annotations
+
+import gzip
+import re
+
+import numpy as np
+import pytest
+
+from mapper.core.errors import MapperError
+from mapper.io.logs import is_log, open_log
+from mapper.io.logs.text import csv_scans
+
+HEAD = "angle_min,-1\nangle_increment,0.5\nrange_min,0.05\nrange_max,30\n"
+COLUMNS = "stamp,x,y,theta,ranges\n"
+
+
+def test_the_example_in_the_documentation(tmp_path):
+    example = re.search(r"::\n\n((?:    .*\n)+)", csv_scans.__doc__ or "")
+    assert example is not None
+    path = tmp_path / "a.csv"
+    path.write_text(example[1].replace("    ", ""))
+    assert is_log(path)
+    log = open_log(path)
+    expected = np.array([[2.31, 2.30, np.inf, 2.28], [2.21, np.nan, np.nan, 2.18]], dtype=np.float32)
+    np.testing.assert_array_equal(log.ranges, expected)
+    assert (log.angle_min, log.angle_increment, log.range_min, log.range_max) == (-1.5708, 0.0174533, 0.05, 30.0)
+    assert log.stamps_ns.tolist() == [12_500_000_000, 12_600_000_000]
+    np.testing.assert_array_equal(log.trajectory("scan").poses, [[0, 0, 0], [0.1, 0, 0]])
+
+
+def test_remarks_spaces_mounts_and_the_range_limits(tmp_path):
+    path = tmp_path / "a.csv.gz"
+    text = "# made by hand\n" + HEAD + "mount_x, 0.2\nmount_yaw,0.1\n\n" + COLUMNS + "0, 0,0,0, 30 , 30.01,-1,0\n"
+    path.write_bytes(gzip.compress(text.replace("\n", "\r\n").encode()))
+    log = open_log(path)
+    np.testing.assert_array_equal(log.ranges, np.array([[30, np.inf, np.nan, np.nan]], dtype=np.float32))
+    assert log.mount == (0.2, 0.0, 0.1)
+    assert log.time_increment == 0.0
+
+
+def test_the_time_from_beam_to_beam(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(HEAD + "time_increment,0.0005\n" + COLUMNS + "0,0,0,0,1,2\n")
+    assert open_log(path).time_increment == 0.0005
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "words"),
+    [
+        (HEAD + COLUMNS, "log.no_scans", "no line follows"),
+        ("angle_min,0\n" + COLUMNS + "0,0,0,0,1\n", "log.header", "Line 2: .* do not state angle_increment"),
+        (HEAD + "0,0,0,0,1\n", "log.header", "Line 5: '0' is neither"),
+        (HEAD + "speed,3\n", "log.header", "Line 5: 'speed' is neither"),
+        (HEAD + "range_min\n", "log.header", "Line 5: range_min needs one value"),
+        (HEAD + "range_min,1,2\n", "log.header", "Line 5: range_min needs one value"),
+        (HEAD + "range_min,x\n", "log.not_a_number", "Line 5: 'x'"),
+        (HEAD + "range_min,40\n" + COLUMNS, "log.header", "range_min, 40, must be"),
+        (HEAD + "angle_min,nan\n" + COLUMNS, "log.header", "angle_min cannot be nan"),
+        (HEAD + "mount_x,1e9\n" + COLUMNS, "log.header", "mount_x cannot be"),
+        (HEAD + COLUMNS + "0,0,0,0\n0,0,0,0,1\n", "log.truncated_line", "Line 6 ends early"),
+        (HEAD + COLUMNS + "0,0,0,0,1,2\n0,0,0,0,1\n", "log.beams_vary", "Line 7: .* has 1 beams, but line 6 has 2"),
+        (HEAD + COLUMNS + "0,0,0,0,1\n0,nan,0,0,1\n0,0,0,0,1", "log.pose", "Line 7"),
+        (HEAD + COLUMNS + "0,0,0,0,1\n1e99,0,0,0,1\n0,0,0,0,1", "log.stamp", "Line 7"),
+        (HEAD + COLUMNS + "0,0,0,0,one\n", "log.not_a_number", "Line 6: 'one'"),
+        (HEAD + COLUMNS + "0,0,0,0" + ",1" * 20_001 + "\n", "log.too_many_beams", "Line 6 has 20001 ranges"),
+    ],
+)
+def test_errors_name_the_line_and_the_reason(tmp_path, text, code, words):
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    with pytest.raises(MapperError, match=words) as caught:
+        open_log(path)
+    assert caught.value.code == code
+
+
+def test_other_tables_are_no_logs(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time,x,y\n1,2,3\n")
+    assert not is_log(path)
