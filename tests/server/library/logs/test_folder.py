@@ -20,9 +20,9 @@ from mapper.volume import OccupancyVolume, Octree, VolumeConfig, octree_file, wr
 from mapper.volume.scans.scan_sequence import ScanSequence
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError, LogReadOnlyError
+from server.library.logs.folder import MAX_FILES
 from server.library.logs.records import Record
 from server.library.logs.sample import SAMPLE_ID
-from server.library.logs.folder import MAX_FILES
 from server.settings import Settings
 from tests.mapper.io.logs.containers.test_split import split
 from tests.server.library.kept import files, settled
