@@ -13,8 +13,10 @@ import multiprocessing.connection
 import os
 import resource
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from multiprocessing.sharedctypes import Synchronized
 from typing import Any, Protocol, TypeVar
 
@@ -23,7 +25,17 @@ from mapper.core.errors import LimitError
 T = TypeVar("T")
 R_co = TypeVar("R_co", covariant=True)
 
+NICENESS = 10  #: added to that of the service by jobs in the background, so that sessions are computed first
 READING = "Reading this log"  #: what most jobs do, in their errors
+
+
+@dataclass(frozen=True, slots=True)
+class JobLimits:
+    """Limits of one job: seconds of elapsed and of processor time, bytes of address space."""
+
+    timeout_s: float = 3600.0
+    cpu_s: float = 7200.0
+    memory_bytes: int = 6 << 30
 
 
 class WorkerJob(Protocol[R_co]):
@@ -144,3 +156,11 @@ def bounded(timeout_s: float, cpu_s: float, work: Callable[[], T], doing: str = 
 def time_error(timeout_s: float, doing: str = READING, code: str = "log") -> LimitError:
     """Return the error for a job that took too long; as :func:`bounded`."""
     return LimitError(f"{code}.time", f"{doing} takes longer than the {timeout_s:.3g} s that the server allows.")
+
+
+def lower_priority() -> None:
+    """Let the sessions be computed first; a process of a pool does it once."""
+    if sys.platform == "linux":
+        wanted = os.getpriority(os.PRIO_PROCESS, os.getppid()) + NICENESS
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, 0, max(wanted, os.getpriority(os.PRIO_PROCESS, 0)))

@@ -16,6 +16,7 @@ from mapper.io.contents.model import Contents
 from mapper.sensors.planar.options import PlanarCut
 from mapper.sensors.scan import ScanLog
 from server.jobs.leases import Leases
+from server.jobs.record import Failure
 from server.jobs.workers import Worker, worker_at
 from server.library.annotations.added import Added
 from server.library.annotations.links import Links
@@ -28,7 +29,7 @@ from server.library.loading import Loading
 from server.library.logs.cache import LogCache
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.errors import LogReadOnlyError
-from server.library.logs.records import Failure, Record
+from server.library.logs.records import Record
 from server.library.logs.rows import LogRows
 from server.library.logs.sample import SAMPLE_ID, Sample
 from server.library.packs.given_map import GivenMap
@@ -36,15 +37,15 @@ from server.library.processing.fleet.cluster import Cluster
 from server.library.processing.fleet.fleet_jobs import FleetJobs
 from server.library.processing.given_maps import GivenMaps
 from server.library.processing.inspections import Inspections
-from server.library.processing.localize_jobs import LocalizationKind
-from server.library.processing.merge_jobs import MergeJobs
+from server.library.processing.job_rows import JobRowsOfLogs
+from server.library.processing.localization import LocalizationKind
+from server.library.processing.log_jobs import LogJobs
+from server.library.processing.merging import MergeKind
 from server.library.processing.moment_pictures import MomentPicture, MomentPictures
-from server.library.processing.old_pictures import OldPictures
-from server.library.processing.pose_jobs import PoseJobs
 from server.library.processing.reader import Reader
 from server.library.processing.reading_jobs import Jobs
 from server.library.processing.relation_scores import RelationScores
-from server.library.processing.slam_jobs import SlamKind
+from server.library.processing.slam import SlamKind
 from server.library.scans import Scans
 from server.library.shared_folder import SharedFolder
 from server.library.store.availability import Standing
@@ -116,14 +117,15 @@ class Library:
         self._jobs = Jobs(self._catalogue, self._reader, self._room, leases)
         places = Places(self._limits, settings.max_upload_bytes, self._slots, self._room)
         self._uploads = Uploads(self._catalogue, self._intake, self._jobs, places)
-        self.slam = PoseJobs(self._database, leases, self, new_worker, root / "slam", SlamKind())
+        rows = JobRowsOfLogs(self._database, self.get)
+        self.slam = LogJobs(rows, leases, self, new_worker, root / "slam", SlamKind())
         self.maps = GivenMaps(self, new_worker, root / "maps", self._room, common)
         kind = LocalizationKind(self.maps)
-        self.localization = PoseJobs(self._database, leases, self, new_worker, root / "localization", kind)
-        self.merges = MergeJobs(self._database, leases, self, new_worker, root / "merges")
+        self.localization = LogJobs(rows, leases, self, new_worker, root / "localization", kind)
+        self.merges = LogJobs(rows, leases, self, new_worker, root / "merges", MergeKind())
         cluster = None if settings.fleet_executor is None else Cluster(settings.fleet_executor)
         at_once = settings.fleet_workers
-        self.fleet = FleetJobs(self._database, leases, self._catalogue, self.get, new_worker, at_once, cluster)
+        self.fleet = FleetJobs(rows, leases, self._catalogue, new_worker, at_once, cluster)
         self._job_queues = (self.slam, self.merges, self.localization, self.fleet)
         self._changes = Changes(
             self._database,
@@ -132,10 +134,7 @@ class Library:
             puzzles=self.puzzles.follow,
             log_tags=self.tags.follow,
             trajectories=self.trajectories.follow,
-            slam_jobs=self.slam.follow,
-            localization_jobs=self.localization.follow,
-            merge_jobs=self.merges.follow,
-            fleet_jobs=self.fleet.follow,
+            jobs=self._follow_jobs,
             ended_sign_ins=self.sign_in_ends.follow,
         )
         self._folder = SharedFolder(settings.logs_dir, self._catalogue, self._jobs)
@@ -145,7 +144,6 @@ class Library:
         self._inspections = Inspections(self._catalogue, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self.scores = RelationScores(self._catalogue, scratch, timeout_s=timeout_s, cpu_s=cpu_s, memory_bytes=memory)
         self._pictures = MomentPictures(self._catalogue)
-        self._old_pictures = OldPictures(self._catalogue, self._reader)
         scans = Scans(self._catalogue, self._reader, self._cache, scratch)
         self._loading = Loading(self.get, self._catalogue, self._jobs, self._reader, self._sample, scans, self._cache)
 
@@ -167,14 +165,12 @@ class Library:
         for queue in self._job_queues:
             await queue.start()
         self._folder.begin_survey()
-        self._old_pictures.begin()
         self._changes.begin()
 
     async def close(self) -> None:
         """End the jobs and the reading process, and close the stores."""
         await self._changes.close()
         await self._folder.close()
-        await self._old_pictures.close()
         for queue in self._job_queues:
             await queue.close()
         await self.maps.close()
@@ -200,6 +196,11 @@ class Library:
         await self.trajectories.forget_log(log_id)
         self.tags.drop(log_id)
         self.puzzles.drop(log_id)
+
+    async def _follow_jobs(self, log_ids: set[str] | None) -> None:
+        """Take over what other services have changed of the jobs on some logs, None: of any."""
+        for queue in self._job_queues:
+            await queue.follow(log_ids)
 
     def _room(self) -> int:
         """Bytes that uploads may still take on the disk."""

@@ -146,10 +146,6 @@ class Catalogue:
         """Return where the picture of a log's map is, or will be."""
         return self._pictures / f"{log_id}.png"
 
-    def no_picture(self, log_id: str) -> Path:
-        """Return the empty file that marks a log of which no picture can be drawn."""
-        return self._pictures / f"{log_id}.none.png"
-
     def source(self, record: Record) -> AbstractAsyncContextManager[Path]:
         """Yield the path at which a log's file can be read."""
         return self._folder_file(record) if record.source == "folder" else self._blobs.file(record.sha256)
@@ -257,7 +253,7 @@ class Catalogue:
 
     def _remove_derived(self, log_id: str) -> None:
         """Remove the files of a log that are made of its bytes."""
-        for path in (self.pack(log_id), self.contents(log_id), self.picture(log_id), self.no_picture(log_id)):
+        for path in (self.pack(log_id), self.contents(log_id), self.picture(log_id)):
             path.unlink(missing_ok=True)
 
     async def expire(self, oldest_s: float, busy: Sequence[str]) -> None:

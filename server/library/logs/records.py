@@ -7,18 +7,11 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, Protocol
 
 from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts, TimeSummary, TrajectorySummary
+from server.jobs.record import Failure
 from server.library.packs.log import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """Error of a log that could not be read: a stable code and one sentence."""
-
-    code: str
-    message: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,8 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, delete, insert, select, update
 
-from server.library.logs.records import Failure, Record, summary_from_json
+from server.jobs.record import Failure
+from server.library.logs.records import Record, summary_from_json
 from server.library.store.database import Database
 from server.library.store.tables import logs
 
@@ -98,13 +99,13 @@ def _values(record: Record) -> dict[str, Any]:
         "created_s": record.created_s,
         "used_s": record.used_s,
         "error_code": None if record.error is None else record.error.code,
-        "error_message": None if record.error is None else _plain(record.error.message),
+        "error_message": None if record.error is None else plain(record.error.message),
         "attempts": record.attempts,
         "summary": None if record.summary is None else json.dumps(asdict(record.summary)),
     }
 
 
-def _plain(message: str) -> str:
+def plain(message: str) -> str:
     """Return a message that may quote a hostile file as every database takes it."""
     return message.encode("utf-8", "replace").decode().replace("\0", "")
 

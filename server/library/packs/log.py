@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import MapperError, ReadError
 from mapper.sensors.georeference import NO_OFFSET
 from mapper.sensors.joint_log import JointLog, sensors_of
 from mapper.sensors.robot_log import RobotLog, TransformEdge
@@ -218,3 +218,11 @@ def nbytes(log: ScanLog) -> int:
         arrays += [log.odometry.before_scan, log.odometry.at_scans]
     arrays += [array for one in timed for array in (one.stamps_ns, one.poses)]
     return sum({id(array): array.nbytes for array in arrays if array is not None}.values())
+
+
+def log_in(pack: str) -> ScanLog:
+    """Return the log of a job, all sensors that it is to use as one. Raises :class:`ReadError` where it is gone."""
+    try:
+        return read_whole_pack(Path(pack))
+    except StalePackError:
+        raise ReadError("log.gone", "What was read of this log is no longer there.") from None

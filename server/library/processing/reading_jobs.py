@@ -12,8 +12,9 @@ import structlog
 
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.jobs.leases import Lease, Leases, Once
+from server.jobs.record import Failure
 from server.library.logs.catalogue import INTERRUPTED, UNSTORED, Catalogue
-from server.library.logs.records import Failure, Record
+from server.library.logs.records import Record
 from server.library.processing.reader import Reader
 from server.storage import StorageError
 

@@ -15,10 +15,7 @@ ANNOUNCED = {
     "puzzles": "token",
     "trajectories": "log_id",
     "log_tags": "log_id",
-    "slam_jobs": "log_id",
-    "localization_jobs": "log_id",
-    "merge_jobs": "log_id",
-    "fleet_jobs": "log_id",
+    "jobs": "log_id",
     "ended_sign_ins": "name",
 }
 _TRIGGER = "gridbloom_announce"

@@ -18,7 +18,7 @@ MIGRATIONS = Path(__file__).parent / "migrations"
 def bring_up_to_date(connection: Connection) -> None:
     """Give the database the tables of :mod:`server.library.store.tables`, in the transaction of ``connection``.
 
-    Raises :class:`StorageError` for a database that a newer program has written.
+    Raises :class:`StorageError` for a database that another version of the program has written.
     """
     if connection.dialect.name == "postgresql":
         connection.execute(text("SELECT pg_advisory_xact_lock(1196574018)"))  # two services that start at once
@@ -29,7 +29,7 @@ def bring_up_to_date(connection: Connection) -> None:
         is_versioned = alembic_version.name in known
         version = connection.execute(alembic_version.select()).scalar() if is_versioned else None
         if version != HEAD:
-            upgrade(connection, version)
+            _upgrade(connection, version)
     if connection.dialect.name == "postgresql":
         announce_changes(connection)
 
@@ -41,8 +41,8 @@ def _create(connection: Connection) -> None:
     connection.execute(alembic_version.insert().values(version_num=HEAD))
 
 
-def upgrade(connection: Connection, version: str | None) -> None:
-    """Run the revisions after ``version``, None for all of them. Raises :class:`StorageError` for an unknown one."""
+def _upgrade(connection: Connection, version: str | None) -> None:
+    """Run the revisions after ``version``. Raises :class:`StorageError` for an unknown one, and for none."""
     logging.getLogger("alembic").setLevel(logging.WARNING)  # do not log each step
     from alembic import command  # noqa: PLC0415 - start-up: mostly there is nothing to do
     from alembic.config import Config  # noqa: PLC0415
@@ -50,12 +50,11 @@ def upgrade(connection: Connection, version: str | None) -> None:
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
-    revisions = {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}
-    if version is not None and version not in revisions:
+    if version not in {one.revision for one in ScriptDirectory.from_config(config).walk_revisions()}:
         raise StorageError(
             "library.newer",
-            f"The records were written by a newer Gridbloom (their revision is {version}, this one knows {HEAD}): "
-            "install the newer one, or choose another database.",
+            f"The records were written by a newer Gridbloom, or by one from before version 0.2 (their revision is "
+            f"{version or 'unknown'}, this one knows {HEAD}): install that one, or choose another database.",
         )
     config.attributes["connection"] = connection
     command.upgrade(config, "head")

@@ -1,4 +1,4 @@
-"""The tables of the records, as the newest revision leaves them; a test compares the two."""
+"""The tables of the records, as the newest revision leaves them."""
 
 from __future__ import annotations
 
@@ -97,62 +97,20 @@ notes = Table(
 )
 
 
-def _job_table(name: str) -> Table:
-    """Return a table of jobs: a row for the newest one of each visitor on a log, which goes with its log."""
-    return Table(
-        name,
-        metadata,
-        Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
-        Column("owner", String(64), primary_key=True),
-        Column("topic", Text),
-        Column("trajectory", Text),
-        Column("state", String(16), nullable=False),
-        Column("created_s", Double, nullable=False),
-        Column("attempts", Integer, nullable=False),
-        Column("error_code", String(64)),
-        Column("error_message", Text),
-        Column("result", Text),  # JSON
-        Column("parameters", Text),  # JSON, what the job was begun with
-        Column("cut", Text),  # JSON, how its scans are cut out of clouds; empty: as by default
-        Column("mapping", Text),  # JSON, parameters of the map that the poses are for; empty: as by default
-    )
-
-
-slam_jobs = _job_table("slam_jobs")
-localization_jobs = _job_table("localization_jobs")
-
-#: One row for the newest merge of each visitor of a log with another one, and its result. It goes with its log.
-merge_jobs = Table(
-    "merge_jobs",
+#: One row for the newest job of each kind of each visitor on a log, and its result. It goes with its log. Of a job that
+#: maps a log with many others the owner is that of the log, empty for those of the folder.
+jobs = Table(
+    "jobs",
     metadata,
+    Column("kind", String(32), primary_key=True),
     Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
     Column("owner", String(64), primary_key=True),
-    Column("topic", Text),
-    Column("other", String(64), nullable=False),
-    Column("other_topic", Text),
     Column("state", String(16), nullable=False),
     Column("created_s", Double, nullable=False),
     Column("attempts", Integer, nullable=False),
     Column("error_code", String(64)),
     Column("error_message", Text),
-    Column("result", Text),  # JSON
-    Column("cut", Text),  # JSON
-    Column("other_cut", Text),  # JSON
-)
-
-#: One row for each log that is to be mapped with many others, and its result. It goes with its log; ``owner`` is
-#: that of the log, empty for those of the folder.
-fleet_jobs = Table(
-    "fleet_jobs",
-    metadata,
-    Column("log_id", String(64), ForeignKey("logs.id", ondelete="CASCADE"), primary_key=True),
-    Column("owner", String(64), primary_key=True),
-    Column("topic", Text),
-    Column("state", String(16), nullable=False),
-    Column("created_s", Double, nullable=False),
-    Column("attempts", Integer, nullable=False),
-    Column("error_code", String(64)),
-    Column("error_message", Text),
+    Column("request", Text, nullable=False),  # JSON
     Column("result", Text),  # JSON
 )
 

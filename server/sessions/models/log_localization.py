@@ -19,7 +19,7 @@ from server.stream.layers import GridLayer, Layer
 from server.stream.whole_layers import TableLayer
 
 if TYPE_CHECKING:
-    from server.library.processing.localize_job import LocalizeProgress
+    from server.library.processing.localization import LocalizeProgress
 
 MOST_POINTS = 1000  #: of the series that pages plot
 

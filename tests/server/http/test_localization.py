@@ -20,7 +20,7 @@ from mapper.io.trajectories import read_tum
 from mapper.localization import LocalizationConfig, amcl_yaml
 from mapper.sensors.scan import ScanLog
 from server.library.packs.course import read_course
-from server.library.processing import given_map_job, localize_job
+from server.library.processing import given_maps, localization
 from server.sessions.parts import Recording
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
@@ -47,9 +47,9 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
             return made[-1]
 
         patch.setattr("server.library.library.worker_at", first_a_real_one)
-        patch.setattr("server.library.processing.localize_job.do_localize_job", localize_job._localize)
-        patch.setattr("server.library.processing.localize_job.EVERY_S", 0.0)
-        patch.setattr("server.library.processing.given_map_job.do_given_map_job", given_map_job._made)
+        patch.setattr("server.library.processing.localization.do_localize_job", localization._localize)
+        patch.setattr("server.library.processing.localization.EVERY_S", 0.0)
+        patch.setattr("server.library.processing.given_maps.do_given_map_job", given_maps._made)
         with running(settings_for(tmp_path_factory.mktemp("service"))) as service:
             yield service
 

@@ -12,6 +12,7 @@ from typing import Any
 from mapper.core.errors import LimitError, MapperError, ReadError
 from server.jobs import process
 from server.jobs.following import followed
+from server.jobs.process import JobLimits
 from server.jobs.workers import Worker
 
 DOING = "Reading, examining and mapping this log"
@@ -29,13 +30,7 @@ class WorkerLostError(MapperError):
     """The worker of a cluster that did the job is gone."""
 
 
-@dataclass(frozen=True, slots=True)
-class FleetLimits:
-    """Limits of one log: seconds of elapsed and of processor time, bytes of address space."""
-
-    timeout_s: float = 1800.0
-    cpu_s: float = 1800.0
-    memory_bytes: int = 6 << 30
+LIMITS = JobLimits(timeout_s=1800.0, cpu_s=1800.0)  #: of one log
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +43,7 @@ class FleetJob:
     source: str
     map: str | None
     picture: str
-    limits: FleetLimits
+    limits: JobLimits
     background: bool = False
 
     @property
@@ -113,10 +108,9 @@ def _done(job: FleetJob) -> dict[str, Any]:
     from mapper.mapping.integrate import grid_for, integrate_log  # noqa: PLC0415
     from mapper.mapping.parameters import MappingConfig  # noqa: PLC0415
     from server.library.packs.picture import write_picture  # noqa: PLC0415
-    from server.library.processing.slam_job import lower_priority  # noqa: PLC0415
 
     if job.background:
-        lower_priority()
+        process.lower_priority()
     began = time.process_time()
     log = open_log(Path(job.source), progress=lambda done: process.note_progress(READ * done))
     process.note_progress(READ)

@@ -11,25 +11,33 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from mapper.core.errors import LimitError
 from server.jobs.leases import Leases
+from server.jobs.process import JobLimits
+from server.jobs.queue import JobQueue, Key, Running
+from server.jobs.record import JobKind, JobRecord, JobRows
 from server.jobs.workers import Worker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.errors import LogNotFoundError
 from server.library.logs.records import Record
 from server.library.processing.fleet.cluster import Cluster
 from server.library.processing.fleet.cluster_worker import ClusterWorker
-from server.library.processing.fleet.fleet_job import ClusterLostError, FleetJob, FleetLimits, fleet_facts
-from server.library.processing.job_queue import JobQueue, Key, QueueKind, Running
-from server.library.processing.job_record import JobRecord
-from server.library.store.database import Database
-from server.library.store.tables import fleet_jobs
+from server.library.processing.fleet.fleet_job import LIMITS, ClusterLostError, FleetJob, fleet_facts
 
 MOST = 20_000  #: logs that wait at once, of all visitors
 LOOK_S = 0.5  #: how often the size of the cluster is looked at
+
+
+@dataclass(frozen=True, slots=True)
+class FleetRequest:
+    """All logs are mapped alike."""
+
+
+Job = JobRecord[FleetRequest, dict[str, Any]]
+Queue = JobQueue[FleetRequest, float, dict[str, Any]]
 
 
 class FleetJobs:
@@ -40,26 +48,25 @@ class FleetJobs:
 
     def __init__(
         self,
-        database: Database,
+        rows: JobRows,
         leases: Leases,
         catalogue: Catalogue,
-        log: Callable[[str, str], Record],
         worker: Callable[[], Worker],
         places: int,
         cluster: Cluster | None = None,
-        limits: FleetLimits | None = None,
+        limits: JobLimits = LIMITS,
     ) -> None:
         self.places = places if cluster is None else 0
         self._cluster = cluster
         self._following: asyncio.Task[None] | None = None
         self._catalogue, self._make_worker = catalogue, worker
-        self._limits = limits or FleetLimits()
+        self._limits = limits
         self._idle: list[Worker] = []
         self._revision = 0
         self._whole = 0  #: the last revision at which a log was forgotten
         self._changed_at: dict[Key, int] = {}
-        kind = QueueKind("fleet", "Mapping", fleet_jobs, JobRecord, self.places)
-        self._queue: JobQueue[JobRecord, float] = JobQueue(database, leases, log, kind, self._mapped, self._changed)
+        kind = JobKind("fleet", "Mapping", "log", FleetRequest, dict[str, Any], self.places)
+        self._queue: Queue = JobQueue(rows, leases, kind, self._mapped, self._changed)
         self.follow = self._queue.follow
         self.forget_log = self._queue.forget_log
 
@@ -103,11 +110,15 @@ class FleetJobs:
         Returns how many there are. Raises :class:`LimitError` for too many, and :class:`StorageError`.
         """
         known = self._queue.records
-        wanted = []
+        wanted: list[Job] = []
         for log in logs:
             record = known.get((log.owner, log.id))
             if record is None or record.state == "cancelled" or (again and record.state == "failed"):
-                wanted.append(JobRecord(log_id=log.id, owner=log.owner, state="queued", created_s=time.time()))
+                wanted.append(
+                    JobRecord(
+                        log_id=log.id, owner=log.owner, request=FleetRequest(), state="queued", created_s=time.time()
+                    )
+                )
         if len(self._queue.running) + len(wanted) > MOST:
             raise LimitError("fleet.too_many", f"At most {MOST:,} logs wait to be mapped at once.")
         await self._queue.begin(wanted)
@@ -143,7 +154,7 @@ class FleetJobs:
             "logs": shown,
         }
 
-    def _public(self, log: Record, record: JobRecord | None, state: str) -> dict[str, Any]:
+    def _public(self, log: Record, record: Job | None, state: str) -> dict[str, Any]:
         key = (log.owner, log.id)
         error = None if record is None or record.error is None else asdict(record.error)
         return {
@@ -157,7 +168,7 @@ class FleetJobs:
 
     # -- the job --------------------------------------------------------------------------------------------------
 
-    async def _mapped(self, record: JobRecord, running: Running[float]) -> dict[str, Any]:
+    async def _mapped(self, record: Job, running: Running[float]) -> dict[str, Any]:
         """Have a worker do the job; return the facts."""
         log = self._catalogue.get(record.log_id) or Record(record.log_id, record.owner, "", "folder", "queued", 0)
         worker = self._idle.pop() if self._idle else self._new_worker()
@@ -180,9 +191,6 @@ class FleetJobs:
                 for one in self._idle:
                     one.end()
         await self._catalogue.publish(log.id)
-        with contextlib.suppress(OSError):  # a later start need not draw it either
-            if not facts["picture"]:
-                self._catalogue.no_picture(log.id).touch()
         return facts | {"seconds": round(time.monotonic() - began, 3), "runs": runs}
 
     def _new_worker(self) -> Worker:

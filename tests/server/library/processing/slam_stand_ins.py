@@ -15,9 +15,9 @@ from mapper.diagnosis.figures import MapFigures
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam import LoopCandidates
 from server.library.packs.graph import graph_bytes
-from server.library.processing.merge_job import BOTH, ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
-from server.library.processing.merge_job import GRAPH as MERGED_GRAPH
-from server.library.processing.slam_job import GRAPH, TUM, SlamJob, SlamOutcome
+from server.library.processing.merging import BOTH, ENDINGS, LOG, STAGE, MergeJob, MergeOutcome
+from server.library.processing.merging import GRAPH as MERGED_GRAPH
+from server.library.processing.slam import GRAPH, TUM, SlamJob, SlamOutcome
 from tests.server.library.small_logs import carmen, tum
 
 PATIENCE_S = 60.0

@@ -128,7 +128,7 @@ async def test_it_can_be_stopped_and_has_a_limit(
 async def test_the_facts_and_the_picture_are_those_of_the_log(
     library: Library, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.slam_job.lower_priority", lambda: None)
+    monkeypatch.setattr("server.jobs.process.lower_priority", lambda: None)
     monkeypatch.setattr("server.library.processing.fleet.fleet_job.do_fleet_job", fleet_jobs._done)
     (log,) = await uploads(library, 30)
     library._catalogue.picture(log.id).unlink()

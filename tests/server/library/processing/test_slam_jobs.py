@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,13 @@ import pytest
 
 from mapper.core.errors import ConfigError, LimitError
 from mapper.sensors.planar.options import PlanarCut
+from server.jobs.record import Failure
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
 from server.library.packs.graph import read_graph
 from server.library.packs.log import read_pack
-from server.library.processing.slam_job import PartialPoses, SlamJob, SlamOutcome
+from server.library.processing.merging import MergeRequest
+from server.library.processing.slam import PartialPoses, SlamJob, SlamOutcome, SlamRequest, SlamStatus
 from server.settings import Settings
 from tests.mapper.io.logs import recorded
 from tests.server.library.kept import files, settled
@@ -37,7 +40,7 @@ def worker(monkeypatch: pytest.MonkeyPatch) -> stand_ins.ThreadWorker:
 
 
 def do(monkeypatch: pytest.MonkeyPatch, work: Callable[..., Any]) -> None:
-    monkeypatch.setattr("server.library.processing.slam_job.do_slam_job", work)
+    monkeypatch.setattr("server.library.processing.slam.do_slam_job", work)
 
 
 async def uploaded(library: Library, owner: str = "ann", start: int = 0) -> str:
@@ -46,8 +49,8 @@ async def uploaded(library: Library, owner: str = "ann", start: int = 0) -> str:
     return record.id
 
 
-async def ended(library: Library, log_id: str, owner: str = "ann") -> dict[str, Any]:
-    await eventually(lambda: library.slam.state(owner, log_id)["state"] not in ("queued", "running"))
+async def ended(library: Library, log_id: str, owner: str = "ann") -> SlamStatus:
+    await eventually(lambda: library.slam.state(owner, log_id).state not in ("queued", "running"))
     return library.slam.state(owner, log_id)
 
 
@@ -56,19 +59,20 @@ async def test_what_it_finds_is_one_more_trajectory(library: Library, settings: 
     seen: list[PartialPoses | None] = []
     state = await library.slam.begin("ann", log_id)
     library.slam.listen("ann", log_id, seen.append)
-    assert state["state"] in ("queued", "running")
+    assert state.state in ("queued", "running")
     state = await ended(library, log_id)
-    assert (state["state"], state["error"]) == ("done", None)
-    assert state["result"] == {
+    assert (state.state, state.error) == ("done", None)
+    assert state.result is not None
+    assert asdict(state.result) == {
         "trajectory": "SLAM",
         "odometry": "scan",
         "loops": 1,
         "nodes": 6,
         "cpu_s": 0.25,
-        "drift_m": [0.3, None],
-        "contradicted": [0.12, None],
-        "sharpness": [0.25, 0.75],
-        "notes": ["A note."],
+        "drift_m": (0.3, None),
+        "contradicted": (0.12, None),
+        "sharpness": (0.25, 0.75),
+        "notes": ("A note.",),
     }
     assert seen[-1] is None
     assert [(one.fraction, len(one.poses)) for one in seen if one is not None] == [(0.5, 3)]
@@ -87,17 +91,18 @@ async def test_it_is_cancelled_and_begun_again(
     do(monkeypatch, stand_ins.endless)
     log_id = await uploaded(library)
     await library.slam.begin("ann", log_id)
-    await eventually(lambda: library.slam.state("ann", log_id)["fraction"] == 0.5)
+    await eventually(lambda: library.slam.state("ann", log_id).fraction == 0.5)
     state = library.slam.state("ann", log_id)
-    assert (state["state"], state["stage"], state["scans"], state["loops"]) == ("running", "front end", 3, 1)
-    assert state["elapsed_s"] >= 0.0
-    assert (await library.slam.cancel("ann", log_id))["state"] == "cancelled"
+    assert (state.state, state.stage, state.scans, state.loops) == ("running", "front end", 3, 1)
+    assert state.elapsed_s is not None
+    assert state.elapsed_s >= 0.0
+    assert (await library.slam.cancel("ann", log_id)).state == "cancelled"
     assert worker.ended == 1, "its process was ended"
     assert "SLAM" not in (await library.load("ann", log_id)).trajectories
     assert [name for name in files(settings) if name.startswith("library/slam/")] == []
     do(monkeypatch, stand_ins.quick)
     await library.slam.begin("ann", log_id)
-    assert (await ended(library, log_id))["state"] == "done"
+    assert (await ended(library, log_id)).state == "done"
 
 
 @pytest.mark.parametrize(
@@ -114,14 +119,15 @@ async def test_a_log_that_it_cannot_use_is_said(
     log_id = await uploaded(library)
     await library.slam.begin("ann", log_id)
     state = await ended(library, log_id)
-    assert (state["state"], state["error"]) == ("failed", {"code": code, "message": message})
+    assert (state.state, state.error) == ("failed", Failure(code, message))
 
 
 async def test_a_trajectory_that_the_log_lacks_is_refused(library: Library) -> None:
     log_id = await uploaded(library)
-    await library.slam.begin("ann", log_id, trajectory="gps")
+    await library.slam.begin("ann", log_id, SlamRequest(trajectory="gps"))
     state = await ended(library, log_id)
-    assert state["error"]["code"] == "log.trajectory"
+    assert state.error is not None
+    assert state.error.code == "log.trajectory"
 
 
 async def test_one_visitor_has_few_and_others_have_their_turn(
@@ -134,21 +140,21 @@ async def test_one_visitor_has_few_and_others_have_their_turn(
     with pytest.raises(LimitError) as caught:
         await library.slam.begin("ann", logs[3])
     assert caught.value.code == "slam.too_many"
-    assert (await library.slam.begin("ann", logs[0]))["state"] in ("queued", "running"), "no second job on a log"
+    assert (await library.slam.begin("ann", logs[0])).state in ("queued", "running"), "no second job on a log"
     other = await uploaded(library, "ben")
     await library.slam.begin("ben", other)
-    await eventually(lambda: library.slam.state("ann", logs[0])["state"] == "running")
-    assert library.slam.state("ann", logs[2])["ahead"] == 1
+    await eventually(lambda: library.slam.state("ann", logs[0]).state == "running")
+    assert library.slam.state("ann", logs[2]).ahead == 1
     await library.slam.cancel("ann", logs[0])
     await eventually(
-        lambda: "running" in [library.slam.state("ann", logs[1])["state"], library.slam.state("ben", other)["state"]]
+        lambda: "running" in [library.slam.state("ann", logs[1]).state, library.slam.state("ben", other).state]
     )
     await library.slam.cancel("ann", logs[1])
-    await eventually(lambda: library.slam.state("ben", other)["state"] == "running")
-    assert library.slam.state("ann", logs[2])["state"] == "queued", "ben has his turn before ann's third job"
+    await eventually(lambda: library.slam.state("ben", other).state == "running")
+    assert library.slam.state("ann", logs[2]).state == "queued", "ben has his turn before ann's third job"
     with pytest.raises(LogNotFoundError):
         await library.slam.begin("ben", logs[0])
-    assert library.slam.state("ann", logs[3])["state"] == "none"
+    assert library.slam.state("ann", logs[3]).state == "none"
 
 
 async def test_it_survives_a_restart(make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,24 +163,27 @@ async def test_it_survives_a_restart(make_library: Callable[..., Library], monke
     await first.start()
     log_id, done = await uploaded(first, start=9), await uploaded(first)
     await first.slam.begin("ann", log_id)
-    await eventually(lambda: first.slam.state("ann", log_id)["fraction"] == 0.5)
+    await eventually(lambda: first.slam.state("ann", log_id).fraction == 0.5)
     await first.close()
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
     second = make_library()
     await second.start()
-    await eventually(lambda: second.slam.state("ann", log_id)["fraction"] == 0.5)
+    await eventually(lambda: second.slam.state("ann", log_id).fraction == 0.5)
     await second.close()
     third = make_library()
     await third.start()
     state = third.slam.state("ann", log_id)
-    assert (state["state"], state["error"]["code"]) == ("failed", "slam.interrupted")
+    assert state.error is not None
+    assert (state.state, state.error.code) == ("failed", "slam.interrupted")
     do(monkeypatch, stand_ins.quick)
     await third.slam.begin("ann", done)
     await ended(third, done)
     await third.close()
     fourth = make_library()
     await fourth.start()
-    assert fourth.slam.state("ann", done)["result"]["loops"] == 1
+    result = fourth.slam.state("ann", done).result
+    assert result is not None
+    assert result.loops == 1
     assert "SLAM" in (await fourth.load("ann", done)).trajectories
 
 
@@ -196,8 +205,8 @@ async def test_scans_of_clouds_are_those_of_the_session_s_cut(
     await library.start()
     record = await library.put("ann", "run.mcap", in_pieces(recorded.mcap_bytes(said)))
     await settled(library, "ann", record.id)
-    await library.slam.begin("ann", record.id, cut={"angle_increment": 0.05})
-    await eventually(lambda: library.slam.state("ann", record.id)["fraction"] == 0.5)
+    await library.slam.begin("ann", record.id, SlamRequest(cut={"angle_increment": 0.05}))
+    await eventually(lambda: library.slam.state("ann", record.id).fraction == 0.5)
     await library.close()
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
     again = make_library()
@@ -205,33 +214,34 @@ async def test_scans_of_clouds_are_those_of_the_session_s_cut(
     await ended(again, record.id)
     assert beams == [PlanarCut(angle_increment=0.05).n_beams] * 2
     with pytest.raises(ConfigError, match="angle_increment"):
-        await again.slam.begin("ann", record.id, cut={"angle_increment": 0.0})
+        await again.slam.begin("ann", record.id, SlamRequest(cut={"angle_increment": 0.0}))
 
 
 async def test_a_merge_survives_a_restart(
     make_library: Callable[..., Library], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("server.library.processing.merge_job.do_merge_job", stand_ins.endless_merge)
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", stand_ins.endless_merge)
     first = make_library()
     await first.start()
     one, other = await uploaded(first), await uploaded(first, start=stand_ins.SECOND_START)
-    await first.merges.begin("ann", (one, None), (other, None))
-    await eventually(lambda: first.merges.state("ann", one)["stage"] == "loops")
+    await first.merges.begin("ann", one, MergeRequest(other))
+    await eventually(lambda: first.merges.state("ann", one).stage == "loops")
     await first.close()
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
-    monkeypatch.setattr("server.library.processing.merge_job.do_merge_job", stand_ins.quick_merge)
+    monkeypatch.setattr("server.library.processing.merging.do_merge_job", stand_ins.quick_merge)
     second = make_library()
     await second.start()
-    await eventually(lambda: second.merges.state("ann", one)["state"] == "done")
+    await eventually(lambda: second.merges.state("ann", one).state == "done")
     await second.close()
     third = make_library()
     await third.start()
     state = third.merges.state("ann", one)
-    assert (state["other"], state["result"]["loops"], state["result"]["topic"]) == (other, 7, None)
-    assert third.get("ann", state["result"]["log"]).name == "run and run, merged.mcap"
+    assert state.result is not None
+    assert (state.other, state.result.loops, state.result.topic) == (other, 7, None)
+    assert third.get("ann", state.result.log).name == "run and run, merged.mcap"
     assert "merged" in (await third.load("ann", other)).trajectories
     await third.delete("ann", one)
-    assert third.merges.state("ann", other)["state"] == "none"
+    assert third.merges.state("ann", other).state == "none"
     await third.close()
 
 
@@ -239,6 +249,6 @@ async def test_it_ends_with_its_log(library: Library, monkeypatch: pytest.Monkey
     do(monkeypatch, stand_ins.endless)
     log_id = await uploaded(library)
     await library.slam.begin("ann", log_id)
-    await eventually(lambda: library.slam.state("ann", log_id)["fraction"] == 0.5)
+    await eventually(lambda: library.slam.state("ann", log_id).fraction == 0.5)
     await library.delete("ann", log_id)
     assert "slam" not in [task.get_name() for task in asyncio.all_tasks()]

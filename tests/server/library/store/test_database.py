@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import shutil
 import sqlite3
 from collections.abc import AsyncIterator
 from dataclasses import replace
@@ -16,15 +17,16 @@ import pytest_asyncio
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, event, inspect, text
+from sqlalchemy import Engine, event, inspect, text
 
 from mapper.io.logs.summary import summarise
 from mapper.simulation import sample_log
-from server.library.logs.records import Failure, Record
+from server.jobs.record import Failure
+from server.library.logs.records import Record
 from server.library.logs.rows import LogRows
 from server.library.store.database import Database, _engine
 from server.library.store.migrations import HEAD
-from server.library.store.schema import MIGRATIONS, bring_up_to_date, upgrade
+from server.library.store.schema import MIGRATIONS, bring_up_to_date
 from server.library.store.tables import metadata
 from server.storage import StorageError
 
@@ -45,37 +47,40 @@ def _empty_database(kind: str, request: pytest.FixtureRequest, folder: Path) -> 
     return _engine(url, folder)
 
 
-def _schema(connection: Connection) -> dict[str, Any]:
-    """Return what the database itself states of its tables."""
-    found = inspect(connection)
-    return {
-        table: (
-            [{**column, "type": str(column["type"])} for column in found.get_columns(table)],
-            found.get_pk_constraint(table),
-            found.get_foreign_keys(table),
-            found.get_indexes(table),
-            found.get_unique_constraints(table),
-        )
-        for table in sorted(found.get_table_names())
-    }
+@pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
+def test_an_empty_database_gets_the_newest_tables(kind: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    engine = _empty_database(kind, request, tmp_path / "empty")
+    with engine.begin() as connection:
+        bring_up_to_date(connection)
+        assert compare_metadata(MigrationContext.configure(connection), metadata) == []
+        assert connection.execute(text("SELECT version_num FROM alembic_version")).scalars().all() == [HEAD]
+        assert sorted(inspect(connection).get_table_names()) == sorted(["alembic_version", *metadata.tables])
+    engine.dispose()
+    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD]
 
 
 @pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
-def test_an_empty_database_gets_the_tables_that_the_revisions_make(
-    kind: str, request: pytest.FixtureRequest, tmp_path: Path
+async def test_a_database_of_an_earlier_revision_is_brought_up_to_date(
+    kind: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = []
-    for name, make in (("created", bring_up_to_date), ("upgraded", lambda connection: upgrade(connection, None))):
-        engine = _empty_database(kind, request, tmp_path / name)
-        with engine.begin() as connection:
-            make(connection)
-            versions = connection.execute(text("SELECT version_num FROM alembic_version")).scalars().all()
-            found.append((_schema(connection), versions))
-            assert compare_metadata(MigrationContext.configure(connection), metadata) == []
-        engine.dispose()
-    assert list(found[0][0]) == sorted(["alembic_version", *metadata.tables])
-    assert found[0] == found[1]
-    assert ScriptDirectory(str(MIGRATIONS)).get_heads() == [HEAD] == found[0][1]
+    """By a revision that is made here, after the newest one."""
+    url = None if kind == "sqlite" else request.getfixturevalue("postgresql").new_database()
+    opened = Database.open(url, tmp_path)
+    await LogRows(opened).put(RECORD)
+    opened.close()
+    later = tmp_path / "migrations"
+    shutil.copytree(MIGRATIONS, later)
+    (later / "versions" / "later.py").write_text(
+        f"import sqlalchemy as sa\nfrom alembic import op\nrevision, down_revision = 'later', '{HEAD}'\n"
+        "def upgrade() -> None:\n    op.add_column('logs', sa.Column('colour', sa.Text))\n"
+    )
+    monkeypatch.setattr("server.library.store.schema.MIGRATIONS", later)
+    monkeypatch.setattr("server.library.store.schema.HEAD", "later")
+    opened = Database.open(url, tmp_path)
+    found = "SELECT id, colour, version_num FROM logs, alembic_version"
+    rows = await opened.run(lambda connection: [tuple(row) for row in connection.execute(text(found))])
+    opened.close()
+    assert rows == [("a", None, "later")]
 
 
 async def test_records_are_read_back_unchanged(database: Database) -> None:
@@ -186,31 +191,3 @@ async def test_on_a_full_disk_a_record_is_written_completely_or_not_at_all(tmp_p
 async def test_an_unreachable_database_gives_one_sentence(tmp_path: Path) -> None:
     assert refusal(tmp_path, "sqlite:////no/such/folder/library.db").code == "library.unreachable"
     assert refusal(tmp_path, "postgresql://127.0.0.1:1/none?connect_timeout=2").code == "library.unreachable"
-
-
-async def test_a_database_from_before_attempts_were_counted_is_brought_up_to_date(tmp_path: Path) -> None:
-    opened = Database.open(None, tmp_path)
-    await LogRows(opened).put(RECORD)
-    opened.close()
-    with contextlib.closing(sqlite3.connect(tmp_path / "library.db")) as older, older:
-        for table in (
-            "leases",
-            "ended_sign_ins",
-            "puzzles",
-            "log_tags",
-            "localization_jobs",
-            "merge_jobs",
-            "fleet_jobs",
-            "slam_jobs",
-            "notes",
-            "trajectories",
-        ):
-            older.execute(f"DROP TABLE {table}")
-        older.execute("ALTER TABLE logs DROP COLUMN attempts")
-        older.execute("UPDATE alembic_version SET version_num = '0003'")
-    opened = Database.open(None, tmp_path)
-    rows = LogRows(opened)
-    assert await rows.load() == [RECORD]
-    await rows.put(replace(RECORD, attempts=2))
-    assert await rows.load() == [replace(RECORD, attempts=2)]
-    opened.close()

@@ -13,7 +13,12 @@ from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
 from server.library.library import Library
 from server.library.packs.given_map import GivenMap, read_given_map
-from server.library.processing.localize_job import LocalizeJob, LocalizeOutcome
+from server.library.processing.localization import (
+    LocalizationParameters,
+    LocalizationRequest,
+    LocalizeJob,
+    LocalizeOutcome,
+)
 from server.settings import Settings
 from tests.server.library.kept import files, settled
 from tests.server.library.processing import slam_stand_ins as stand_ins
@@ -40,7 +45,7 @@ async def test_a_job_survives_a_restart_with_its_map(
     make_library: Callable[..., Library], settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("server.library.library.worker_at", lambda *_: stand_ins.ThreadWorker())
-    monkeypatch.setattr("server.library.processing.localize_job.do_localize_job", endless)
+    monkeypatch.setattr("server.library.processing.localization.do_localize_job", endless)
     begun.clear()
     first = make_library()
     await first.start()
@@ -49,8 +54,8 @@ async def test_a_job_survives_a_restart_with_its_map(
     with pytest.raises(ConfigError):
         await first.maps.get("ann", record.id)
     GivenMap("A map", GridGeometry(0.1, 2, 3, (1.0, 2.0, 0.5)), VALUES).write(first.maps.path("ann", record.id))
-    wanted = {"values": {"alpha1": 0.3, "alpha2": 0.2}, "initial_pose": (1.0, 2.0, 0.0)}
-    await first.localization.begin("ann", record.id, parameters=wanted)
+    wanted = LocalizationParameters({"alpha1": 0.3, "alpha2": 0.2}, (1.0, 2.0, 0.0))
+    await first.localization.begin("ann", record.id, LocalizationRequest(parameters=wanted))
     await eventually(lambda: len(begun) == 1)
     await first.close()
 
@@ -61,7 +66,7 @@ async def test_a_job_survives_a_restart_with_its_map(
     assert (
         (one.initial_pose, one.parameters) == (two.initial_pose, two.parameters) == ((1.0, 2.0, 0.0), {"alpha1": 0.3})
     )
-    assert second.localization.state("ann", record.id)["state"] == "running"
+    assert second.localization.state("ann", record.id).state == "running"
     await second.delete("ann", record.id)
     assert [name for name in files(settings) if name.startswith(("library/maps/", "library/localization/"))] == []
     assert second.maps.total_bytes == 0

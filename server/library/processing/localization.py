@@ -1,15 +1,17 @@
-"""The job of a worker process that localizes a log in a map.
+"""Localization as a kind of jobs on logs: what it makes is one more trajectory of the log, in the frame of a map.
 
-It writes files: how far it is with the poses and the particles so far while it runs, the trajectory and the course in
-the end.
+The worker process writes files: how far it is with the poses and the particles so far while it runs, the trajectory and
+the course in the end.
 """
 
 from __future__ import annotations
 
+import asyncio
+import shutil
 import time
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.atomic_file import atomic_write
-from mapper.core.errors import LimitError
+from mapper.core.errors import ConfigError, LimitError
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
 from server.jobs import process
+from server.jobs.record import JobKind, JobRecord, JobStatus, shared
+from server.library.annotations.trajectories import NewTrajectory
 from server.library.packs.course import Course, course_bytes, thinned
 from server.library.packs.given_map import read_given_map
-from server.library.processing.slam_job import log_in, lower_priority
+from server.library.packs.log import log_in
+from server.library.processing.given_maps import GivenMaps
+from server.library.processing.log_jobs import Parameters, PoseRequest, Run
 
 if TYPE_CHECKING:
     from mapper.localization import MonteCarloLocalizer
@@ -53,8 +59,8 @@ class LocalizeJob:
     out: str
     trajectory: str | None
     initial_pose: tuple[float, float, float] | None
-    parameters: dict[str, Any]
-    mapping: dict[str, Any]
+    parameters: Parameters
+    mapping: Parameters
     timeout_s: float
     cpu_s: float
     memory_bytes: int
@@ -102,10 +108,15 @@ class LocalizeProgress:
     poses: NDArray[np.float64]
     particles: NDArray[np.float32]
 
+    @property
+    def stage(self) -> str:
+        """What is done now: there is one stage."""
+        return "localization"
+
 
 def do_localize_job(job: LocalizeJob) -> LocalizeOutcome:
     """Do the job. Raises :class:`mapper.core.errors.MapperError` for a log or a map that cannot be used, and limits."""
-    lower_priority()
+    process.lower_priority()
     return process.bounded(job.timeout_s, job.cpu_s, lambda: _localize(job), DOING, "localization")
 
 
@@ -196,3 +207,132 @@ def read_progress(out: Path) -> LocalizeProgress | None:
             )
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
+
+
+# -- the kind of jobs -------------------------------------------------------------------------------------------------
+
+NAME = "localized"  #: of the trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizationParameters:
+    """``values`` that differ from the first ones; ``initial_pose`` is in the map, x, y (m) and yaw, None: anywhere."""
+
+    values: Parameters = field(default_factory=dict)
+    initial_pose: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizationRequest(PoseRequest):
+    """Localization of a log in the map that its visitor chose."""
+
+    parameters: LocalizationParameters = field(default_factory=LocalizationParameters)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalizationResult(LocalizeOutcome):
+    """What localization has made of a log: ``trajectory`` is its name."""
+
+    trajectory: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalizationStatus(JobStatus):
+    """State of the localization of a log: how many scans have poses, and whether the filter has converged."""
+
+    log: str
+    topic: str | None
+    odometry: str | None
+    parameters: LocalizationParameters
+    result: LocalizationResult | None
+    scans: int
+    is_converged: bool
+    n_particles: int
+
+
+class LocalizationKind:
+    """Localization of logs in the maps that their visitors chose: a :class:`LogJobKind`."""
+
+    jobs = JobKind("localization", "Localization", "localization job", LocalizationRequest, LocalizationResult)
+
+    def __init__(self, maps: GivenMaps) -> None:
+        self._maps = maps
+
+    def checked(self, log_id: str, request: LocalizationRequest) -> LocalizationRequest:  # noqa: ARG002 - what another kind needs
+        """Return a request with the values that differ from the first ones."""
+        request.check()
+        wanted = request.parameters
+        return replace(request, parameters=replace(wanted, values=changed_values(wanted.values)))
+
+    def others(self, request: LocalizationRequest) -> tuple[str, ...]:  # noqa: ARG002 - what another kind needs
+        """Return no log: the map is a file of its own."""
+        return ()
+
+    def status(
+        self,
+        record: JobRecord[LocalizationRequest, LocalizationResult],
+        status: JobStatus,
+        newest: LocalizeProgress | None,
+    ) -> LocalizationStatus:
+        """Return the state of a job."""
+        return LocalizationStatus(
+            **shared(status),
+            log=record.log_id,
+            topic=record.request.topic,
+            odometry=record.request.trajectory,
+            parameters=record.request.parameters,
+            result=record.result,
+            scans=0 if newest is None else len(newest.poses),
+            is_converged=newest is not None and newest.is_converged,
+            n_particles=0 if newest is None else newest.n_particles,
+        )
+
+    async def run(self, run: Run[LocalizationRequest, LocalizeProgress]) -> LocalizationResult:
+        """Localize a log, and add the poses in the map to it with their course.
+
+        Raises :class:`ConfigError` where no map was chosen.
+        """
+        wanted, limits = run.request, run.limits
+        log = await run.load(run.log_id, wanted.topic, wanted.cut, wanted.trajectory)
+        pack, given = await run.packed(log, "log.npz"), run.folder / "map.npz"
+        try:
+            await asyncio.to_thread(shutil.copyfile, await self._maps.newest(run.owner, run.log_id), given)
+        except FileNotFoundError:
+            raise ConfigError("localization.no_map", "Choose a map to localize the log in first.") from None
+        pose = wanted.parameters.initial_pose
+        job = LocalizeJob(
+            pack, str(given), str(run.out), wanted.trajectory, pose, wanted.parameters.values, wanted.mapping or {},
+            limits.timeout_s, limits.cpu_s, limits.memory_bytes,
+        )  # fmt: skip
+        found = await run.follow(job, read_progress)
+        name = run.own_name(log, NAME, f"{NAME} in a map")
+        first = found.first_converged
+        when = "which never converged" if first is None else f"converged from scan {first + 1} on"
+        start = "anywhere" if pose is None else "a given pose"
+        said = f"localized in {found.map_title} by the poses of {found.odometry}, from {start}, {when}"
+        text, course = await run.made(TUM), await run.made(COURSE)
+        await run.add(run.log_id, log, NewTrajectory(name, text, "localized", said, course=course))
+        rounded = replace(found, cpu_s=round(found.cpu_s, 2), median_fit=round(found.median_fit, 4))
+        return LocalizationResult(**asdict(rounded), trajectory=name)
+
+
+def changed_values(values: Parameters) -> Parameters:
+    """Return the localization parameters that differ from the first values (worker thread: it imports the filter).
+
+    Raises :class:`mapper.core.errors.ConfigError` for a name or a value that is refused.
+    """
+    from mapper.localization import LocalizationConfig  # noqa: PLC0415 - few visitors localize a log
+
+    first = LocalizationConfig().as_dict()
+    return {
+        name: value
+        for name, value in LocalizationConfig().with_values(values).as_dict().items()
+        if value != first[name]
+    }
+
+
+def parameter_table() -> list[dict[str, Any]]:
+    """Return the table of localization's parameters (worker thread: it imports the filter)."""
+    from mapper.localization import PARAMETERS  # noqa: PLC0415 - few visitors localize a log
+
+    return [asdict(row) for row in PARAMETERS]

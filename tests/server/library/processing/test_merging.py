@@ -15,7 +15,7 @@ from mapper.sensors.robot_log import RobotLog
 from mapper.slam import merge_logs, merged_graph, merged_log
 from server.library.packs.graph import read_graph
 from server.library.packs.log import write_pack
-from server.library.processing.merge_job import BOTH, ENDINGS, GRAPH, LOG, STAGE, MergeJob, _merge
+from server.library.processing.merging import BOTH, ENDINGS, GRAPH, LOG, STAGE, MergeJob, _merge
 from tests.mapper.slam.test_merge import FIRST, SECOND, WIDE, in_frame
 from tests.mapper.slam.worlds import along, drive
 

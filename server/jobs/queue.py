@@ -11,16 +11,13 @@ import contextlib
 import time
 from collections.abc import Awaitable, Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import structlog
-from sqlalchemy import Table
 
-from mapper.core.errors import MapperError
+from mapper.core.errors import LimitError, MapperError
 from server.jobs.leases import Lease, Leases, Once
-from server.library.logs.records import Failure, Record
-from server.library.processing.job_record import JobRecord, load_job_records, put_job_record
-from server.library.store.database import Database
+from server.jobs.record import Failure, JobKind, JobRecord, JobRows, JobStatus
 from server.storage import StorageError
 from server.work.fair_lock import FairLock
 
@@ -29,24 +26,11 @@ WRITTEN_AT_ONCE = 100  #: records in one transaction, so that others need not wa
 
 _log = structlog.get_logger(__name__)
 
-R = TypeVar("R", bound=JobRecord)
+Q = TypeVar("Q")
 P = TypeVar("P")
+R = TypeVar("R")
 Key = tuple[str, str]
 """Owner and log."""
-
-
-@dataclass(frozen=True, slots=True)
-class QueueKind(Generic[R]):
-    """Kind of the jobs of a queue: ``name`` is in the codes of errors, ``title`` in their sentences.
-
-    ``table`` has the records, which are of the type ``record``; ``places`` is how many are done at once.
-    """
-
-    name: str
-    title: str
-    table: Table
-    record: type[R]
-    places: int = 1
 
 
 @dataclass(slots=True, eq=False)
@@ -70,27 +54,25 @@ class Running(Generic[P]):
             listener(newest)
 
 
-class JobQueue(Generic[R, P]):
-    """The jobs of one kind. ``log`` returns the record of an owner's log, and raises where there is none.
+class JobQueue(Generic[Q, P, R]):
+    """The jobs of one kind. ``work`` does a job and returns its result.
 
-    ``work`` does a job and returns what is kept of it, for JSON; ``changed`` is told of every new state of a job, and
-    of those that are forgotten.
+    ``changed`` is told of every new state of a job, and of those that are forgotten.
     """
 
     def __init__(
         self,
-        database: Database,
+        rows: JobRows,
         leases: Leases,
-        log: Callable[[str, str], Record],
-        kind: QueueKind[R],
-        work: Callable[[R, Running[P]], Awaitable[dict[str, Any]]],
+        kind: JobKind[Q, R],
+        work: Callable[[JobRecord[Q, R], Running[P]], Awaitable[R]],
         changed: Callable[[Key], None] = lambda _: None,
     ) -> None:
-        self._database, self._leases = database, leases
-        self._log_of, self._kind, self._work, self._changed = log, kind, work, changed
+        self._rows, self._leases = rows, leases
+        self._kind, self._work, self._changed = kind, work, changed
         self._turns = FairLock(kind.places)
         self._closing = False
-        self.records: dict[Key, R] = {}
+        self.records: dict[Key, JobRecord[Q, R]] = {}
         self.running: dict[Key, Running[P]] = {}
 
     async def start(self) -> None:
@@ -98,7 +80,7 @@ class JobQueue(Generic[R, P]):
 
         Raises :class:`StorageError`.
         """
-        for record in await self._load():
+        for record in await self._rows.load(self._kind):
             self._take(record)
             if record.is_unfinished and self._leases.is_shared:
                 self._queue(record, adopted=True)  # another service may be at it
@@ -109,7 +91,7 @@ class JobQueue(Generic[R, P]):
 
     async def follow(self, log_ids: Collection[str] | None = None) -> None:
         """Take over what other services have changed of some logs, None: of any. Raises :class:`StorageError`."""
-        found = {(one.owner, one.log_id): one for one in await self._load(log_ids)}
+        found = {(one.owner, one.log_id): one for one in await self._rows.load(self._kind, log_ids)}
         known = [key for key in self.records if log_ids is None or key[1] in log_ids]
         for key in [key for key in known if key not in found]:
             await self.forget(key)
@@ -128,14 +110,36 @@ class JobQueue(Generic[R, P]):
             running.task.cancel()
         await asyncio.gather(*(one.task for one in self.running.values()), return_exceptions=True)
 
-    async def begin(self, records: Sequence[R]) -> None:
+    async def ask(self, owner: str, log_id: str, request: Q) -> None:
+        """Queue a job on a log; where the kind ``joins``, one that is queued or running goes on instead.
+
+        Raises :class:`LimitError` for one job too many, and :class:`StorageError`.
+        """
+        kind = self._kind
+        if kind.joins and (owner, log_id) in self.running:
+            return
+        if sum(one == owner for one, _ in self.running) >= kind.most_of_owner:
+            most = kind.most_of_owner
+            message = (
+                f"You have a {kind.noun} under way: wait, or cancel it."
+                if most == 1
+                else f"You have {most} {kind.noun}s under way, the most there can be: wait, or cancel one."
+            )
+            raise LimitError(f"{kind.name}.too_many", message)
+        if len(self.running) >= kind.most:
+            raise LimitError(f"{kind.name}.busy", f"Too many {kind.noun}s are under way; try again later.")
+        await self.begin(
+            [JobRecord(log_id=log_id, owner=owner, request=request, state="queued", created_s=time.time())]
+        )
+
+    async def begin(self, records: Sequence[JobRecord[Q, R]]) -> None:
         """Queue jobs, and return once they are stored. Raises :class:`StorageError`; then some are not queued."""
         for first in range(0, len(records), WRITTEN_AT_ONCE):
             some = records[first : first + WRITTEN_AT_ONCE]
             for record in some:
                 self._queue(record)
             try:
-                await self._write(some)
+                await self._rows.put(self._kind, some)
             except StorageError:
                 for record in some:
                     await self.stop((record.owner, record.log_id))
@@ -185,18 +189,24 @@ class JobQueue(Generic[R, P]):
             listener(running.newest)
         return lambda: running.listeners.remove(listener) if listener in running.listeners else None
 
-    def under_way(self, key: Key) -> dict[str, Any]:
-        """Return how far a job is: the fraction done, seconds since it began, and jobs that are before it."""
-        running = self.running.get(key)
+    def record(self, key: Key) -> JobRecord[Q, R]:
+        """Return the newest job of an owner on a log; its state is "none" where there was none."""
+        return self.records.get(key) or JobRecord(log_id=key[1], owner=key[0], request=self._kind.request())
+
+    def status(self, key: Key) -> JobStatus:
+        """Return the state of the newest job of an owner on a log, and how far it is."""
+        record, running = self.record(key), self.running.get(key)
         began = None if running is None else running.began
         elsewhere = self._leases.elsewhere.get(self._name(key), 0.0)
         waiting = [one for one in self.running.values() if one.began is None]
-        here = running is not None and began is not None
-        return {
-            "fraction": round(running.fraction if running is not None and here else elsewhere, 4),
-            "elapsed_s": None if began is None else round(time.monotonic() - began, 1),
-            "ahead": sum(one.queued_at < running.queued_at for one in waiting) if running and began is None else 0,
-        }
+        return JobStatus(
+            state=record.state,
+            created_s=record.created_s,
+            error=record.error,
+            fraction=round(elsewhere if running is None or began is None else running.fraction, 4),
+            elapsed_s=None if began is None else round(time.monotonic() - began, 1),
+            ahead=sum(one.queued_at < running.queued_at for one in waiting) if running and began is None else 0,
+        )
 
     def fraction(self, key: Key) -> float:
         """Return how much of a job is done, here or by another service."""
@@ -208,25 +218,21 @@ class JobQueue(Generic[R, P]):
     def _name(self, key: Key) -> str:
         return f"{self._kind.name} {key[1]} {key[0]}"
 
-    def _load(self, log_ids: Collection[str] | None = None) -> asyncio.Future[Sequence[R]]:
-        table, kind = self._kind.table, self._kind.record
-        return self._database.run(lambda connection: load_job_records(connection, table, kind, log_ids))
-
-    def _take(self, record: R) -> None:
+    def _take(self, record: JobRecord[Q, R]) -> None:
         key = (record.owner, record.log_id)
         self.records[key] = record
         self._changed(key)
 
-    def _interrupted(self, record: R) -> R:
+    def _interrupted(self, record: JobRecord[Q, R]) -> JobRecord[Q, R]:
         message = f"The service ended {record.attempts} times during this job; it is not begun again by itself."
         return replace(record, state="failed", error=Failure(f"{self._kind.name}.interrupted", message))
 
-    def _queue(self, record: R, *, adopted: bool = False) -> None:
+    def _queue(self, record: JobRecord[Q, R], *, adopted: bool = False) -> None:
         self._take(record)
         task = asyncio.create_task(self._run(record, adopted=adopted), name=self._kind.name)
         self.running[record.owner, record.log_id] = Running(task, time.monotonic())
 
-    async def _run(self, record: R, *, adopted: bool) -> None:
+    async def _run(self, record: JobRecord[Q, R], *, adopted: bool) -> None:
         key, kind = (record.owner, record.log_id), self._kind
 
         def is_open() -> bool:
@@ -234,7 +240,7 @@ class JobQueue(Generic[R, P]):
             return known is not None and known.is_unfinished
 
         async def is_due() -> bool:
-            for one in await self._load([key[1]]):
+            for one in await self._rows.load(kind, [key[1]]):
                 self._take(one)
             return is_open()
 
@@ -253,7 +259,7 @@ class JobQueue(Generic[R, P]):
             for listener in [*self.running.pop(key).listeners]:
                 listener(None)
 
-    async def _run_here(self, record: R, lease: Lease) -> None:
+    async def _run_here(self, record: JobRecord[Q, R], lease: Lease) -> None:
         key, kind = (record.owner, record.log_id), self._kind
         if self._leases.is_shared and record.attempts >= MOST_ATTEMPTS:
             await self._finish(self._interrupted(record), lease)
@@ -276,28 +282,20 @@ class JobQueue(Generic[R, P]):
         if key in self.records:  # not deleted meanwhile
             await self._finish(done, lease)
 
-    async def _finish(self, record: R, lease: Lease) -> None:
+    async def _finish(self, record: JobRecord[Q, R], lease: Lease) -> None:
         """Store what came of a job, and end its lease; as :meth:`_save`. Raises :class:`LeaseLostError`."""
         if not self._leases.is_shared:
             self._save(record)
             return
-        log = self._log_of(record.owner, record.log_id)
+        writing = self._rows.writing(self._kind, record)
         with contextlib.suppress(StorageError):
-            await lease.finish(lambda connection: put_job_record(connection, self._kind.table, log, record))
+            await lease.finish(writing)
         self._take(record)
 
-    def _save(self, record: R) -> None:
+    def _save(self, record: JobRecord[Q, R]) -> None:
         """Store a changed record; if it cannot be written, it is valid until the next start."""
         self._take(record)
         with contextlib.suppress(MapperError):  # the log is gone
-            self._write([record]).add_done_callback(lambda one: None if one.cancelled() else one.exception() and None)
-
-    def _write(self, records: Sequence[R]) -> asyncio.Future[None]:
-        """Write the rows of jobs in one transaction. Raises as the library for a log that is gone."""
-        logs = [self._log_of(one.owner, one.log_id) for one in records]
-
-        def work(connection: Any) -> None:  # noqa: ANN401 - a connection of SQLAlchemy
-            for log, record in zip(logs, records, strict=True):
-                put_job_record(connection, self._kind.table, log, record)
-
-        return self._database.run(work)
+            self._rows.put(self._kind, [record]).add_done_callback(
+                lambda one: None if one.cancelled() else one.exception() and None
+            )

@@ -19,8 +19,8 @@ from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
 from mapper.simulation.lidar import SensorConfig
 from server.library.packs.graph import read_graph
-from server.library.processing.pose_jobs import packed
-from server.library.processing.slam_job import SlamJob, SlamOutcome, _slam, read_progress
+from server.library.processing.log_jobs import packed
+from server.library.processing.slam import SlamJob, SlamOutcome, _slam, read_progress
 from server.sessions.models.loop_hill import hill_of
 from server.sessions.models.solved_graph import SolvedGraph
 from server.sessions.view import GraphChange
