@@ -14,6 +14,7 @@ from server.http.guests import GuestRight, guests_may
 from server.http.routes.trajectories import update_sessions
 from server.http.services import Logs, Sessions, Visitor
 from server.library.library import Library
+from server.library.logs.records import TrajectoryAnswer
 from server.library.processing.slam import SlamRequest, SlamStatus, parameter_table
 from server.sessions import SessionRegistry
 from server.sessions.parts import Graphed, GraphSource, Recording
@@ -226,7 +227,7 @@ async def candidate(library: Logs, sessions: Sessions, session_id: str, candidat
 
 
 @router.post("/sessions/{session_id}/graph/keep")
-async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> dict[str, Any]:
+async def keep(library: Logs, sessions: Sessions, visitor: Visitor, session_id: str) -> TrajectoryAnswer:
     """Keep the changed graph and its poses in the place of those that SLAM made."""
     session, found, source = _graph(library, sessions, session_id)
     recording = session.model.recording

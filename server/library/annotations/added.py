@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from sqlalchemy import Connection, delete, insert, select
 
 from mapper.core.errors import MapperError
-from server.library.logs.records import Record
+from server.library.logs.records import Record, TrajectoryAnswer
 from server.library.logs.rows import ensure_log
 from server.library.store.tables import trajectories
 
@@ -40,16 +40,11 @@ class Added:
     length_m: float
     has_graph: bool = False  #: whether the pose graph that it was computed with is kept too
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> TrajectoryAnswer:
         """Return what the HTTP interface shows."""
-        return {
-            "name": self.name,
-            "description": self.description,
-            "length_m": self.length_m,
-            "source": self.source,
-            "created_s": self.created_s,
-            "has_graph": self.has_graph,
-        }
+        return TrajectoryAnswer(
+            self.name, self.description, self.length_m, self.source, self.created_s, self.has_graph
+        )  # fmt: skip
 
 
 def load_added(connection: Connection) -> Sequence[Added]:

@@ -47,6 +47,21 @@ class Pin:
 
 
 @dataclass(frozen=True, slots=True)
+class NoteAnswer:
+    """A note as the HTTP interface shows it, with the fields of its :class:`Pin`; ``mine`` is the asking visitor's."""
+
+    id: str
+    text: str
+    at_s: float | None
+    scan: int | None
+    x: float | None
+    y: float | None
+    created_s: float
+    changed_s: float
+    mine: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Note:
     """A note of ``author`` on a log."""
 
@@ -58,16 +73,12 @@ class Note:
     text: str
     pin: Pin
 
-    def public(self, visitor: str) -> dict[str, Any]:
+    def public(self, visitor: str) -> NoteAnswer:
         """Return what the HTTP interface shows to a visitor."""
-        return {
-            "id": self.id,
-            "text": self.text,
-            **asdict(self.pin),
-            "created_s": self.created_s,
-            "changed_s": self.changed_s,
-            "mine": self.author == visitor,
-        }
+        pin = self.pin
+        return NoteAnswer(
+            self.id, self.text, pin.at_s, pin.scan, pin.x, pin.y, self.created_s, self.changed_s, self.author == visitor
+        )
 
 
 class Notes:

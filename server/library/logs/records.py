@@ -3,15 +3,67 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Collection, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 from mapper.io.logs.summary import LogSummary, MapSummary, ReadingCounts, TimeSummary, TrajectorySummary
+from mapper.sensors.scan import Topic
 from server.jobs.record import Failure
 from server.library.packs.log import topic_from_json
 
 Source = Literal["upload", "folder", "sample"]
 State = Literal["queued", "reading", "ready", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectoryAnswer:
+    """A trajectory of a log: its own (``source`` is "log"), or one that the visitor has added.
+
+    ``created_s`` is when it was added, seconds since 1970; ``has_graph`` says whether its pose graph is kept.
+    """
+
+    name: str
+    description: str
+    length_m: float
+    source: Literal["log", "tum", "slam", "localized"] = "log"
+    created_s: float | None = None
+    has_graph: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LogAnswer:
+    """A log as the HTTP interface shows it. Facts are null until the log was read.
+
+    ``reading_s`` are seconds since its reading began, null while it is not being read; ``tags`` are the visitor's own.
+    ``costmaps`` is how many there are in a recording without scans, ``clouds`` the number of scans in 3D of a file
+    without planar ones (an octree counts as one) and ``points`` those in them, or leaves of the octree. ``topics`` are
+    the streams of messages in the file, its sensors first.
+    """
+
+    id: str
+    name: str
+    source: Source
+    state: State
+    bytes: int
+    progress: float
+    reading_s: float | None
+    error: Failure | None
+    has_picture: bool
+    tags: tuple[str, ...]
+    scans: int | None
+    costmaps: int
+    clouds: int
+    points: int
+    map: MapSummary | None
+    beams: int | None
+    duration_s: float | None
+    format: str | None
+    time: TimeSummary | None
+    mount: tuple[float, float, float] | None
+    upside_down: bool
+    trajectories: tuple[TrajectoryAnswer, ...]
+    topics: tuple[Topic, ...]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +92,7 @@ class Record:
     summary: LogSummary | None = field(default=None, repr=False)
     has_picture: bool = False
     tags: tuple[str, ...] = ()  #: that the asking visitor has given to it
-    added: tuple[dict[str, Any], ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
+    added: tuple[TrajectoryAnswer, ...] = field(default=(), repr=False)  #: trajectories that the asking visitor added
 
     @property
     def packed_bytes(self) -> int:
@@ -51,38 +103,39 @@ class Record:
         scans = 4 * self.summary.scans * self.summary.beams
         return scans + 16 * self.summary.points + (0 if map_ is None else map_.rows * map_.cols)
 
-    def public(self) -> dict[str, Any]:
+    def public(self) -> LogAnswer:
         """Return what the HTTP interface shows: no owner, no digest, no path."""
         summary = self.summary
-        return {
-            "id": self.id,
-            "name": self.name,
-            "source": self.source,
-            "state": self.state,
-            "bytes": self.bytes,
-            "progress": round(self.progress, 3),
-            "reading_s": None if self.reading_s is None else round(self.reading_s, 1),
-            "error": None if self.error is None else asdict(self.error),
-            "has_picture": self.has_picture,
-            "tags": list(self.tags),
-            "scans": summary.scans if summary else None,
-            "costmaps": summary.costmaps if summary else 0,
-            "clouds": summary.clouds if summary else 0,
-            "points": summary.points if summary else 0,
-            "map": asdict(summary.map) if summary and summary.map else None,
-            "beams": summary.beams if summary else None,
-            "duration_s": summary.duration_s if summary else None,
-            "format": summary.format if summary else None,
-            "time": asdict(summary.time) if summary and summary.time else None,
-            "mount": list(summary.mount) if summary else None,
-            "upside_down": summary.upside_down if summary else False,
-            "trajectories": [
-                *(asdict(one) | {"source": "log"} for one in (summary.trajectories if summary else ())),
+        own = summary.trajectories if summary else ()
+        return LogAnswer(
+            id=self.id,
+            name=self.name,
+            source=self.source,
+            state=self.state,
+            bytes=self.bytes,
+            progress=round(self.progress, 3),
+            reading_s=None if self.reading_s is None else round(self.reading_s, 1),
+            error=self.error,
+            has_picture=self.has_picture,
+            tags=self.tags,
+            scans=summary.scans if summary else None,
+            costmaps=summary.costmaps if summary else 0,
+            clouds=summary.clouds if summary else 0,
+            points=summary.points if summary else 0,
+            map=summary.map if summary else None,
+            beams=summary.beams if summary else None,
+            duration_s=summary.duration_s if summary else None,
+            format=summary.format if summary else None,
+            time=summary.time if summary else None,
+            mount=summary.mount if summary else None,
+            upside_down=summary.upside_down if summary else False,
+            trajectories=(
+                *(TrajectoryAnswer(one.name, one.description, one.length_m) for one in own),
                 *self.added,
-            ],
-            "topics": [asdict(topic) for topic in summary.topics] if summary else [],
-            "notes": list(summary.notes) if summary else [],
-        }
+            ),
+            topics=summary.topics if summary else (),
+            notes=summary.notes if summary else (),
+        )
 
 
 class Records(Protocol):

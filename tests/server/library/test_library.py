@@ -40,10 +40,10 @@ async def test_an_upload_is_read_and_loaded(library: Library) -> None:
     np.testing.assert_array_equal(log.ranges[0], np.array([1, 2, 3], dtype=np.float32))
     np.testing.assert_array_equal(log.trajectory().poses[:, 0], np.arange(5.0))
     public = library.get("ann", record.id).public()
-    assert public["state"] == "ready"
-    assert (public["scans"], public["beams"], public["duration_s"]) == (5, 3, 4.0)
-    assert public["trajectories"][0]["name"] == log.default_trajectory
-    assert public["error"] is None
+    assert public.state == "ready"
+    assert (public.scans, public.beams, public.duration_s) == (5, 3, 4.0)
+    assert public.trajectories[0].name == log.default_trajectory
+    assert public.error is None
 
 
 async def test_a_log_is_read_once_and_unpacked_after_a_restart(make_library: Callable[..., Library]) -> None:
@@ -176,7 +176,7 @@ async def test_a_truncated_log_is_read_up_to_its_end(library: Library) -> None:
     record = await library.put("ann", "cut.log.gz", in_pieces(gzip.compress(carmen(500))[:1500]))
     log = await library.load("ann", record.id)
     assert 0 < log.n_scans < 500
-    assert library.get("ann", record.id).public()["notes"]
+    assert library.get("ann", record.id).public().notes
 
 
 async def test_a_gzip_bomb_is_stopped(library: Library) -> None:

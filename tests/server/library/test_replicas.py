@@ -135,7 +135,7 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
     def quickly(job: Any) -> Any:
         done.append(type(job).__name__)
         if isinstance(job, FleetJob):
-            return {"picture": False}
+            return stand_ins.FACTS
         return stand_ins.quick(job) if isinstance(job, SlamJob) else stand_ins.quick_merge(job)
 
     monkeypatch.setattr("server.library.processing.slam.do_slam_job", quickly)
@@ -169,7 +169,7 @@ async def test_the_jobs_of_a_service_that_vanishes_are_taken_over(two: Two, monk
     states = (two.second.slam.state, two.second.merges.state)
     await eventually(lambda: all(state("ann", ids[0]).state == "done" for state in states))
     mapped = [two.second.get("ann", ids[0])]
-    await eventually(lambda: two.second.fleet.state(mapped)["counts"]["done"] == 1)
+    await eventually(lambda: two.second.fleet.state(mapped).counts["done"] == 1)
     assert sorted(done) == ["FleetJob", "MergeJob", "SlamJob"], "each once"
     await eventually(lambda: two.first.slam.state("ann", ids[0]).state == "done")
     stored = two.now(

@@ -11,19 +11,21 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import msgspec
 
 from mapper.core.errors import LimitError
 from server.jobs.leases import Leases
 from server.jobs.process import JobLimits
 from server.jobs.queue import JobQueue, Key, Running
-from server.jobs.record import JobKind, JobRecord, JobRows
+from server.jobs.record import Failure, JobKind, JobRecord, JobRows
 from server.jobs.workers import Worker
 from server.library.logs.catalogue import Catalogue
 from server.library.logs.errors import LogNotFoundError
 from server.library.logs.records import Record
-from server.library.processing.fleet.cluster import Cluster
+from server.library.processing.fleet.cluster import Cluster, ClusterState
 from server.library.processing.fleet.cluster_worker import ClusterWorker
 from server.library.processing.fleet.fleet_job import LIMITS, ClusterLostError, FleetJob, fleet_facts
 
@@ -32,12 +34,73 @@ LOOK_S = 0.5  #: how often the size of the cluster is looked at
 
 
 @dataclass(frozen=True, slots=True)
+class FleetFinding:
+    """What the log doctor found: its ``check``, in a ``sentence``; ``possible`` where it may be something else."""
+
+    check: str
+    sentence: str
+    possible: bool
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFacts:
+    """What is known of a log that was mapped; the map has cells of ``resolution`` metres, ``contrast`` of its walls.
+
+    ``cpu_s`` and ``seconds`` are processor and elapsed time, ``runs`` how many it took.
+    """
+
+    scans: int
+    beams: int
+    trajectory: str
+    rows: int
+    cols: int
+    resolution: float
+    contrast: float | None
+    findings: tuple[FleetFinding, ...]
+    picture: bool
+    cpu_s: float
+    seconds: float
+    runs: int
+
+
+@dataclass(frozen=True, slots=True)
 class FleetRequest:
     """All logs are mapped alike."""
 
 
-Job = JobRecord[FleetRequest, dict[str, Any]]
-Queue = JobQueue[FleetRequest, float, dict[str, Any]]
+Job = JobRecord[FleetRequest, FleetFacts]
+Queue = JobQueue[FleetRequest, float, FleetFacts]
+
+
+FleetLogState = Literal["none", "queued", "running", "done", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class FleetLog:
+    """A log of the fleet; ``fraction`` is the share of its job that is done, ``facts`` what was found out."""
+
+    id: str
+    name: str
+    state: FleetLogState
+    fraction: float
+    error: Failure | None
+    facts: FleetFacts | None
+
+
+@dataclass(frozen=True, slots=True)
+class FleetState:
+    """How many logs are in which state, and those that have changed since a revision.
+
+    ``whole`` says that all are returned: of revision 0, and where a log was forgotten since. ``cluster`` is None where
+    processes of this machine do it; its address is not told.
+    """
+
+    revision: int
+    whole: bool
+    workers: int
+    cluster: ClusterState | None
+    counts: dict[FleetLogState, int]
+    logs: list[FleetLog]
 
 
 class FleetJobs:
@@ -65,7 +128,7 @@ class FleetJobs:
         self._revision = 0
         self._whole = 0  #: the last revision at which a log was forgotten
         self._changed_at: dict[Key, int] = {}
-        kind = JobKind("fleet", "Mapping", "log", FleetRequest, dict[str, Any], self.places)
+        kind = JobKind("fleet", "Mapping", "log", FleetRequest, FleetFacts, self.places)
         self._queue: Queue = JobQueue(rows, leases, kind, self._mapped, self._changed)
         self.follow = self._queue.follow
         self.forget_log = self._queue.forget_log
@@ -128,47 +191,26 @@ class FleetJobs:
         """End the jobs of these logs that are queued or running; what is done stays."""
         await self._queue.stop_all([(log.owner, log.id) for log in logs])
 
-    def state(self, logs: Sequence[Record], since: int = 0) -> dict[str, Any]:
-        """Return how many of these logs are in which state, and those that have changed since a revision.
-
-        ``whole`` says that all are returned: of revision 0, and where a log was forgotten since. ``cluster`` is None
-        where processes of this machine do it; its address is not told.
-        """
+    def state(self, logs: Sequence[Record], since: int = 0) -> FleetState:
+        """Return how many of these logs are in which state, and those that have changed since a revision."""
         whole = since <= self._whole or since > self._revision
-        counts = dict.fromkeys(("none", "queued", "running", "done", "failed"), 0)
+        counts = dict.fromkeys(get_args(FleetLogState), 0)
         shown = []
         for log in logs:
             key = (log.owner, log.id)
             record = self._queue.records.get(key)
-            state = "none" if record is None or record.state == "cancelled" else record.state
+            state: FleetLogState = "none" if record is None or record.state == "cancelled" else record.state
             counts[state] += 1
             if whole or state == "running" or self._changed_at.get(key, 0) > since:
-                shown.append(self._public(log, record, state))
-        cluster = None if self._cluster is None else asdict(self._cluster.state)
-        return {
-            "revision": self._revision,
-            "whole": whole,
-            "workers": self.places,
-            "cluster": cluster,
-            "counts": counts,
-            "logs": shown,
-        }
-
-    def _public(self, log: Record, record: Job | None, state: str) -> dict[str, Any]:
-        key = (log.owner, log.id)
-        error = None if record is None or record.error is None else asdict(record.error)
-        return {
-            "id": log.id,
-            "name": log.name,
-            "state": state,
-            "fraction": round(self._queue.fraction(key), 3) if state == "running" else 0.0,
-            "error": error,
-            "facts": None if record is None else record.result,
-        }
+                fraction = round(self._queue.fraction(key), 3) if state == "running" else 0.0
+                error, facts = (None, None) if record is None else (record.error, record.result)
+                shown.append(FleetLog(log.id, log.name, state, fraction, error, facts))
+        cluster = None if self._cluster is None else self._cluster.state
+        return FleetState(self._revision, whole, self.places, cluster, counts, shown)
 
     # -- the job --------------------------------------------------------------------------------------------------
 
-    async def _mapped(self, record: Job, running: Running[float]) -> dict[str, Any]:
+    async def _mapped(self, record: Job, running: Running[float]) -> FleetFacts:
         """Have a worker do the job; return the facts."""
         log = self._catalogue.get(record.log_id) or Record(record.log_id, record.owner, "", "folder", "queued", 0)
         worker = self._idle.pop() if self._idle else self._new_worker()
@@ -191,7 +233,8 @@ class FleetJobs:
                 for one in self._idle:
                     one.end()
         await self._catalogue.publish(log.id)
-        return facts | {"seconds": round(time.monotonic() - began, 3), "runs": runs}
+        seconds = round(time.monotonic() - began, 3)
+        return msgspec.convert(facts | {"seconds": seconds, "runs": runs}, FleetFacts)
 
     def _new_worker(self) -> Worker:
         return self._make_worker() if self._cluster is None else ClusterWorker(self._cluster)

@@ -40,8 +40,8 @@ async def test_an_added_trajectory_is_shown_to_its_owner(library: Library) -> No
     assert [*log.trajectories] == [*plain.trajectories, "from LaMa"]
     np.testing.assert_allclose(log.trajectory("from LaMa").poses, [[i, 2.0, 0.0] for i in range(6)])
     assert log.ranges is plain.ranges, "the readings are shared"
-    (shown,) = [one for one in library.get("ann", log_id).public()["trajectories"] if one["source"] == "tum"]
-    assert (shown["name"], shown["length_m"], shown["has_graph"]) == ("from LaMa", 5.0, False)
+    (shown,) = [one for one in library.get("ann", log_id).public().trajectories if one.source == "tum"]
+    assert (shown.name, shown.length_m, shown.has_graph) == ("from LaMa", 5.0, False)
     assert await library.trajectories.text("ann", log_id, "from LaMa") == tum(6, y=2.0)
     await added(library, "ann", log_id, "from LaMa", tum(6, y=3.0))
     assert (await library.load("ann", log_id)).trajectory("from LaMa").poses[0].tolist() == [0.0, 3.0, 0.0]

@@ -143,20 +143,20 @@ async def test_logs_of_the_folder_are_read_without_a_request(
     at_once = await in_folder(library)
     assert all(one.state in ("queued", "reading") and one.summary is None for one in at_once.values())
     logs = await surveyed(library)
-    assert [(name, one.state, one.public()["scans"]) for name, one in logs.items()] == [
+    assert [(name, one.state, one.public().scans) for name, one in logs.items()] == [
         ("a.log", "ready", 6),
         ("b.log", "failed", None),
         ("c.log.gz", "ready", 9),
     ]
     assert logs["b.log"].error is not None
     assert "Line 3" in logs["b.log"].error.message
-    assert logs["a.log"].public()["duration_s"] == 5.0
+    assert logs["a.log"].public().duration_s == 5.0
     assert not [name for name in files(settings) if name.startswith("library/packs")], "nobody has opened any"
 
     # A log that is dropped into the folder is there at the next look.
     (folder / "d.log").write_bytes(carmen(4))
     assert (await in_folder(library))["d.log"].state != "ready"
-    assert (await surveyed(library))["d.log"].public()["scans"] == 4
+    assert (await surveyed(library))["d.log"].public().scans == 4
     await library.close()
 
     # What is known is known after a restart as well, while the files are the same.
@@ -169,7 +169,7 @@ async def test_logs_of_the_folder_are_read_without_a_request(
     assert list(known) == ["c.log.gz", "d.log"]
     assert known["c.log.gz"] == logs["c.log.gz"]
     assert known["d.log"].state != "ready"
-    assert (await surveyed(second))["d.log"].public()["scans"] == 5
+    assert (await surveyed(second))["d.log"].public().scans == 5
 
 
 async def test_a_log_of_the_folder_opens_for_everybody(library: Library, folder: Path) -> None:
@@ -227,7 +227,7 @@ async def test_a_record_of_an_older_summary_finds_it_out_again(
     second = make_library()
     await second.start()
     assert second.get("ann", record.id).summary is None
-    await eventually(lambda: second.get("ann", record.id).public()["scans"] == 7)
+    await eventually(lambda: second.get("ann", record.id).public().scans == 7)
 
 
 async def test_a_removed_folder_is_listed_as_empty(library: Library, settings: Settings) -> None:
@@ -249,4 +249,4 @@ async def test_the_sample_is_always_there(library: Library) -> None:
 async def test_listing_the_logs_starts_making_the_sample(library: Library) -> None:
     await library.list("ann")
     await eventually(lambda: library.get("ann", SAMPLE_ID).summary is not None)
-    assert library.get("ann", SAMPLE_ID).public()["scans"] == (await library.load("ann", SAMPLE_ID)).n_scans
+    assert library.get("ann", SAMPLE_ID).public().scans == (await library.load("ann", SAMPLE_ID)).n_scans

@@ -19,4 +19,4 @@ async def uploads(library: Library, *scans: int) -> list[Record]:
 
 def counts(library: Library, logs: list[Record]) -> dict[str, int]:
     """Return how many of the logs are in each state of the fleet, without states of none."""
-    return {name: count for name, count in library.fleet.state(logs)["counts"].items() if count}
+    return {name: count for name, count in library.fleet.state(logs).counts.items() if count}

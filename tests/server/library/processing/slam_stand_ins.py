@@ -23,6 +23,11 @@ from tests.server.library.small_logs import carmen, tum
 PATIENCE_S = 60.0
 SECOND_START = 100  #: of the second log of a merge
 Y = 5.0  #: of the poses that a stand-in has found, metres
+#: What the mapping of one of many logs returns.
+FACTS = {
+    "scans": 1, "beams": 3, "trajectory": "scan", "rows": 2, "cols": 3, "resolution": 0.1, "contrast": None,
+    "findings": [], "picture": False, "cpu_s": 0.5,
+}  # fmt: skip
 
 
 def chain(scans: int) -> tuple[PoseGraph, LoopCandidates]:

@@ -7,6 +7,7 @@ import contextlib
 import socket
 import threading
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
 from typing import IO, Any
@@ -38,7 +39,9 @@ def settings(settings: Settings, cluster: DaskCluster) -> Settings:
 
 
 def state(library: Library) -> dict[str, Any]:
-    return dict(library.fleet.state([])["cluster"])
+    cluster = library.fleet.state([]).cluster
+    assert cluster is not None
+    return asdict(cluster)
 
 
 @pytest.mark.long  # tests/browser/test_fleet_cluster.py kills them, too
@@ -53,14 +56,14 @@ async def test_a_worker_that_is_killed_loses_no_log(library: Library, cluster: D
     await eventually(lambda: state(library)["error"] == "The Dask cluster has no workers.")
     first = cluster.begin_worker("first")
     await eventually(lambda: bool(cluster.jobs("first")))
-    assert library.fleet.state(logs)["workers"] == 1
+    assert library.fleet.state(logs).workers == 1
     kill(first)
     await eventually(lambda: state(library)["workers"] == 0)
     cluster.begin_worker("second")
     cluster.begin_worker("third")
     await eventually(lambda: counts(library, logs) == {"done": 4})
-    done = library.fleet.state(logs)["logs"]
-    assert sorted(one["facts"]["scans"] for one in done) == [20, 21, 22, 23]
+    done = library.fleet.state(logs).logs
+    assert sorted(one.facts.scans for one in done if one.facts) == [20, 21, 22, 23]
     for log in logs:
         assert (await library.map_picture("ann", log.id)).startswith(b"\x89PNG"), "the files have come back"
     await eventually(lambda: not cluster.jobs("second") + cluster.jobs("third"))
@@ -173,7 +176,9 @@ async def test_what_a_log_fails_with_is_told_and_no_fault_of_the_cluster(
     record = await library.put("ann", "bad.log", in_pieces(b"Dear all,\n"))
     await library.fleet.begin([record])
     await eventually(lambda: counts(library, [record]) == {"failed": 1})
-    assert library.fleet.state([record])["logs"][0]["error"]["code"] == "log.unknown_format"
+    error = library.fleet.state([record]).logs[0].error
+    assert error is not None
+    assert error.code == "log.unknown_format"
     assert state(library)["error"] == ""
 
 

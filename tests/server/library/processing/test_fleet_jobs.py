@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from mapper.core.errors import LimitError, ReadError
+from server.jobs.record import Failure
 from server.library.library import Library
 from server.library.processing.fleet import fleet_job as fleet_jobs
 from server.library.processing.fleet.fleet_job import FleetJob
@@ -21,7 +22,6 @@ from tests.server.library.processing.fleets import counts, uploads
 from tests.server.service import PATIENCE_S, eventually
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-FACTS = {"scans": 1, "findings": [], "picture": False}
 
 
 class Doing:
@@ -45,7 +45,7 @@ class Doing:
             self.done[job.picture] += 1
         if text.count(b"\n") == 4:
             raise ReadError("log.no_scans", "The log holds no scans.")
-        return FACTS
+        return stand_ins.FACTS
 
 
 @pytest.fixture(autouse=True)
@@ -64,7 +64,7 @@ def settings(settings: Settings) -> Settings:
 async def test_each_log_is_mapped_once_and_what_changes_is_told(library: Library, doing: Doing) -> None:
     logs = await uploads(library, 3, 4, 5, 6, 7)
     first = library.fleet.state(logs)
-    assert (first["whole"], first["workers"], counts(library, logs)) == (True, 2, {"none": 5})
+    assert (first.whole, first.workers, counts(library, logs)) == (True, 2, {"none": 5})
     doing.may_go_on.clear()
     assert await library.fleet.begin(logs) == 5
     assert await library.fleet.begin(logs) == 0, "they are under way"
@@ -73,12 +73,14 @@ async def test_each_log_is_mapped_once_and_what_changes_is_told(library: Library
     doing.may_go_on.set()
     await eventually(lambda: counts(library, logs) == {"done": 4, "failed": 1})
     assert (set(doing.done.values()), len(doing.done), doing.most) == ({1}, 5, 2)
-    told = library.fleet.state(logs, first["revision"] or 1)
-    assert (told["whole"], len(told["logs"])) == (False, 5)
-    assert library.fleet.state(logs, told["revision"])["logs"] == []
-    failed = next(one for one in told["logs"] if one["state"] == "failed")
-    assert (failed["name"], failed["error"]["message"]) == ("4.log", "The log holds no scans.")
-    assert next(one for one in told["logs"] if one["name"] == "3.log")["facts"]["scans"] == 1
+    told = library.fleet.state(logs, first.revision or 1)
+    assert (told.whole, len(told.logs)) == (False, 5)
+    assert library.fleet.state(logs, told.revision).logs == []
+    failed = next(one for one in told.logs if one.state == "failed")
+    assert (failed.name, failed.error) == ("4.log", Failure("log.no_scans", "The log holds no scans."))
+    facts = next(one for one in told.logs if one.name == "3.log").facts
+    assert facts is not None
+    assert facts.scans == 1
     # What failed is mapped again only when that is asked for.
     assert await library.fleet.begin(logs) == 0
     assert await library.fleet.begin(logs, again=True) == 1
@@ -86,7 +88,7 @@ async def test_each_log_is_mapped_once_and_what_changes_is_told(library: Library
     assert doing.done.total() == 6
     # A log that is deleted takes its result along, and who looked before is told all.
     await library.delete("ann", logs[0].id)
-    assert library.fleet.state(logs[1:], told["revision"])["whole"]
+    assert library.fleet.state(logs[1:], told.revision).whole
     assert counts(library, logs[1:]) == {"done": 3, "failed": 1}
 
 
@@ -134,7 +136,8 @@ async def test_the_facts_and_the_picture_are_those_of_the_log(
     library._catalogue.picture(log.id).unlink()
     await library.fleet.begin([log])
     await eventually(lambda: counts(library, [log]) == {"done": 1})
-    facts = library.fleet.state([log])["logs"][0]["facts"]
-    assert (facts["scans"], facts["beams"], facts["picture"], facts["runs"]) == (30, 3, True, 1)
-    assert facts["cols"] * facts["resolution"] > 29.0, "the robot drives 29 m"
+    facts = library.fleet.state([log]).logs[0].facts
+    assert facts is not None
+    assert (facts.scans, facts.beams, facts.picture, facts.runs) == (30, 3, True, 1)
+    assert facts.cols * facts.resolution > 29.0, "the robot drives 29 m"
     assert (await library.map_picture("ann", log.id)).startswith(b"\x89PNG")
