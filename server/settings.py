@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import ipaddress
 import os
 import re
 import secrets
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -21,10 +23,21 @@ def _default_data_dir() -> Path:
     return (Path(home) if home.startswith("/") else Path.home() / ".local" / "share") / "gridbloom"
 
 
+_PREFIX = "GRIDBLOOM_"
+#: Variables with the prefix that tests, benchmarks and the build of the pages read.
+_OF_TESTS = {
+    f"{_PREFIX}{name}"
+    for name in (
+        *("CHROMIUM", "DEV_SERVER", "EXAMPLES", "FAULTS", "FAULTS_SEED", "FUZZ", "LATE_MS", "OPEN3D", "PEERS", "SEEDS"),
+        "TEST_DATA",
+    )
+}
+
+
 class Settings(BaseSettings):
     """The settings. ``GRIDBLOOM_PORT=9000`` in the environment sets ``port``."""
 
-    model_config = SettingsConfigDict(env_prefix="GRIDBLOOM_", frozen=True, extra="forbid")
+    model_config = SettingsConfigDict(env_prefix=_PREFIX, frozen=True, extra="forbid")
 
     host: str = Field(
         default="127.0.0.1", description="Address to listen on. On any other than loopback a token is required."
@@ -210,3 +223,14 @@ class Settings(BaseSettings):
         if self.token is not None or self.no_token or not self.is_reached_from_beyond:
             return self
         return self.model_copy(update={"token": SecretStr(secrets.token_urlsafe(24))})
+
+
+def unknown_setting(variables: Iterable[str]) -> str | None:
+    """Return what is wrong with the first of the environment's variables that looks like a setting and is none."""
+    names = [_PREFIX + name.upper() for name in Settings.model_fields]
+    for variable in sorted(variables):
+        name = variable.upper()  # as pydantic compares names
+        if name.startswith(_PREFIX) and name not in names and name not in _OF_TESTS:
+            meant = difflib.get_close_matches(name, names, n=1)
+            return f"{variable} is no setting" + (f"; {meant[0]} is one." if meant else ".")
+    return None

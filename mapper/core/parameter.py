@@ -1,11 +1,16 @@
-"""One row of a table of parameters, and what every config that holds one value for each row does with its table."""
+"""Tables of parameters, which are the fields of dataclasses: each field's metadata is its row.
+
+A config is a frozen dataclass whose fields are made by :func:`number`, :func:`choice` and :func:`flag`;
+:func:`table_of` returns its rows, :func:`check_fields` checks its values.
+"""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any, Literal
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cache
+from typing import Any, Literal, TypeVar, cast
 
 from mapper.core.errors import ConfigError
 
@@ -52,9 +57,53 @@ class Parameter:
         return ConfigError(f"parameter.{self.name}", f"{self.label} ({self.name}) must be {wanted}, not {value!r:.80}.")
 
 
-def check_fields(config: object, table: Iterable[Parameter]) -> None:
-    """Replace each field of a frozen dataclass by its checked value; raise :class:`ConfigError` for an invalid one."""
-    for row in table:
+N = TypeVar("N", int, float)
+_ROW = "parameter"  # the key of a field's row in its metadata
+
+
+def number(
+    label: str,
+    group: str,
+    initial: N,
+    sentence: str,
+    unit: str,
+    low: float,
+    high: float,
+    step: float,
+    only_for: tuple[str, ...] = (),
+) -> N:
+    """Make the field of a config for a number; the arguments are those of :class:`Parameter`."""
+    row = Parameter("", label, group, "number", initial, sentence, unit, low, high, step, only_for=only_for)
+    return cast("N", _field(row))
+
+
+def choice(
+    label: str, group: str, initial: str, sentence: str, choices: tuple[str, ...], only_for: tuple[str, ...] = ()
+) -> str:
+    """Make the field of a config for one of ``choices``."""
+    row = Parameter("", label, group, "choice", initial, sentence, choices=choices, only_for=only_for)
+    return cast("str", _field(row))
+
+
+def flag(label: str, group: str, initial: bool, sentence: str) -> bool:
+    """Make the field of a config that is true or false."""
+    return cast("bool", _field(Parameter("", label, group, "flag", initial, sentence)))
+
+
+def _field(row: Parameter) -> object:
+    made: object = field(default=row.initial, metadata={_ROW: row})
+    return made
+
+
+@cache
+def table_of(config: type) -> tuple[Parameter, ...]:
+    """Return the rows of a config in the order of its fields; fields without a row are no parameters."""
+    return tuple(replace(entry.metadata[_ROW], name=entry.name) for entry in fields(config) if _ROW in entry.metadata)
+
+
+def check_fields(config: object) -> None:
+    """Replace each field of a frozen config by its checked value; raise :class:`ConfigError` for an invalid one."""
+    for row in table_of(cast("Hashable", type(config))):
         object.__setattr__(config, row.name, row.check(getattr(config, row.name)))
 
 
@@ -64,9 +113,3 @@ def check_names(values: Mapping[str, Any], table: Iterable[Parameter], what: str
     unknown = [name for name in values if name not in names]
     if unknown:
         raise ConfigError("parameter.unknown", f"There is no {what} {unknown[0]!r:.80}.")
-
-
-def check_table(config: type, table: Iterable[Parameter]) -> None:
-    """Raise :class:`AssertionError` unless a dataclass has the rows of ``table`` as fields, with the same defaults."""
-    if {field.name: field.default for field in fields(config)} != {row.name: row.initial for row in table}:
-        raise AssertionError(f"{config.__name__} and its table must have the same names and the same initial values.")

@@ -6,6 +6,7 @@ information). Source: the Nav2 documentation, Costmap 2D; nav2_costmap_2d.
 
 from mapper.costmap.costs import FREE, INSCRIBED, LETHAL, NO_INFORMATION, cost_of_distance
 from mapper.costmap.decay_layer import DecayLayer
+from mapper.costmap.denoise_layer import DenoiseLayer
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.given_layer import GivenLayer
 from mapper.costmap.keepout_layer import KeepoutLayer
@@ -15,6 +16,7 @@ from mapper.costmap.masks import Mask
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,
+    DenoiseConfig,
     GivenConfig,
     InflationConfig,
     ObstacleConfig,
@@ -33,6 +35,8 @@ __all__ = [
     "CostmapConfig",
     "DecayConfig",
     "DecayLayer",
+    "DenoiseConfig",
+    "DenoiseLayer",
     "Footprint",
     "GivenConfig",
     "GivenLayer",

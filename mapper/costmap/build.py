@@ -9,6 +9,7 @@ from pathlib import Path
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.decay_layer import DecayLayer
+from mapper.costmap.denoise_layer import DenoiseLayer
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.given_layer import GivenLayer
 from mapper.costmap.keepout_layer import KeepoutLayer
@@ -20,6 +21,7 @@ from mapper.costmap.nav2_filters import NamedFilter
 from mapper.costmap.parameters import (
     CostmapConfig,
     DecayConfig,
+    DenoiseConfig,
     GivenConfig,
     InflationConfig,
     ObstacleConfig,
@@ -121,6 +123,8 @@ def build_costmap(
             inflation = InflationLayer(geometry, config, outline.inscribed_radius)
         elif isinstance(config, StaticConfig):
             place.append(StaticLayer(geometry, values, config, general))
+        elif isinstance(config, DenoiseConfig):
+            place.append(DenoiseLayer(geometry, config, general, named.name))
         elif isinstance(config, GivenConfig):
             if config.enabled:
                 given[named.name] = GivenLayer(geometry, named.name)

@@ -10,6 +10,7 @@ import numpy as np
 from mapper.core.array_types import UInt8Array
 from mapper.core.errors import ConfigError
 from mapper.costmap.costs import FREE, NO_INFORMATION
+from mapper.costmap.denoise_layer import DenoiseLayer
 from mapper.costmap.footprint import Footprint
 from mapper.costmap.layers import InflationLayer, Layer, Robot
 from mapper.costmap.parameters import CostmapConfig
@@ -58,6 +59,8 @@ class LayeredCostmap:
         self._under: UInt8Array = np.full(geometry.shape, self._first, dtype=np.uint8)
         self.costs: UInt8Array = self._under.copy()
         self._is_new = True
+        denoising = [layer for layer in (*below, *above) if isinstance(layer, DenoiseLayer)]
+        self._reach = sum(layer.reach for layer in denoising)  #: cells around a change whose costs may change
 
     def update(self, now: float = 0.0, pose: tuple[float, float, float] | None = None) -> CellBox | None:
         """Bring the costs up to date; return the box of cells that may have changed, or None.
@@ -75,11 +78,12 @@ class LayeredCostmap:
         box = boxes[0]
         for other in boxes[1:]:
             box |= other
+        box = box.padded(self._reach, *self.geometry.shape)
         self._under[_part(box)] = self._first
         for layer in self.below:
             layer.lay(self._under, box)
         if self.inflation is not None:
-            box = self._padded(box, self.inflation.radius)
+            box = box.padded(self.inflation.radius, *self.geometry.shape)
             self.inflation.spread(self._under, box)
             self.costs[_part(box)] = self.inflation.costs[_part(box)]
         else:
@@ -111,10 +115,6 @@ class LayeredCostmap:
             layer.lay(master, box)
             add(layer)
         return reasons
-
-    def _padded(self, box: CellBox, by: int) -> CellBox:
-        rows, cols = self.geometry.shape
-        return CellBox(max(box.row0 - by, 0), min(box.row1 + by, rows), max(box.col0 - by, 0), min(box.col1 + by, cols))
 
 
 def _part(box: CellBox) -> tuple[slice, slice]:

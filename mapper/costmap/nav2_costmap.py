@@ -11,6 +11,7 @@ from mapper.costmap.footprint import Footprint
 from mapper.costmap.nav2_filters import NamedFilter
 from mapper.costmap.parameters import (
     DECAY_PARAMETERS,
+    DENOISE_PARAMETERS,
     GIVEN_PARAMETERS,
     INFLATION_PARAMETERS,
     OBSTACLE_PARAMETERS,
@@ -18,6 +19,7 @@ from mapper.costmap.parameters import (
     VOXEL_PARAMETERS,
     CostmapConfig,
     DecayConfig,
+    DenoiseConfig,
     GivenConfig,
     InflationConfig,
     ObstacleConfig,
@@ -25,12 +27,15 @@ from mapper.costmap.parameters import (
     VoxelConfig,
 )
 
-LayerConfig: TypeAlias = StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | GivenConfig | InflationConfig
+LayerConfig: TypeAlias = (
+    StaticConfig | ObstacleConfig | VoxelConfig | DecayConfig | DenoiseConfig | GivenConfig | InflationConfig
+)
 
 PLUGINS: Mapping[str, tuple[type[LayerConfig], tuple[Parameter, ...]]] = {
     "StaticLayer": (StaticConfig, STATIC_PARAMETERS),
     "ObstacleLayer": (ObstacleConfig, OBSTACLE_PARAMETERS),
     "VoxelLayer": (VoxelConfig, VOXEL_PARAMETERS),
+    "DenoiseLayer": (DenoiseConfig, DENOISE_PARAMETERS),
     "InflationLayer": (InflationConfig, INFLATION_PARAMETERS),
     "DecayLayer": (DecayConfig, DECAY_PARAMETERS),
     "TerrainLayer": (GivenConfig, GIVEN_PARAMETERS),

@@ -13,7 +13,12 @@ from mapper.costmap.nav2_filters import filter_nodes
 from mapper.costmap.parameters import COMBINATIONS, ObstacleConfig, StaticConfig
 
 _OWN = frozenset(("DecayLayer", "TerrainLayer"))  #: layers that Nav2 does not have
-_WHOLE = frozenset(("lethal_cost_threshold", "unknown_cost_value", "z_voxels", "mark_threshold", "unknown_threshold"))
+_WHOLE = frozenset(
+    (
+        "lethal_cost_threshold", "unknown_cost_value", "z_voxels", "mark_threshold", "unknown_threshold",
+        "minimal_group_size", "group_connectivity_type",
+    )
+)  # fmt: skip
 
 
 def nav2_yaml(costmap: Nav2Costmap, resolution: float) -> str:

@@ -1,7 +1,7 @@
 """Costmaps step by step in plain NumPy, as Nav2 describes them: what the compiled functions are compared with.
 
 Sources: nav2_costmap_2d: inflation_layer.cpp, obstacle_layer.cpp, static_layer.cpp, costmap_2d.hpp (raytraceLine),
-costmap_layer.cpp (updateWithMax and its kin), voxel_layer.cpp; nav2_voxel_grid: voxel_grid.hpp.
+costmap_layer.cpp (updateWithMax and its kin), voxel_layer.cpp; denoise_layer.cpp; nav2_voxel_grid: voxel_grid.hpp.
 """
 
 from __future__ import annotations
@@ -285,3 +285,36 @@ def clear_voxels(
             if np.sum(column == VOXEL_MARKED) <= thresholds[0]:
                 unknown = int(np.sum(column == VOXEL_UNKNOWN))
                 costs[row, col] = FREE if unknown <= thresholds[1] else NO_INFORMATION
+
+
+def denoise(costs: UInt8Array, minimal_group_size: int, connectivity: int, unknown_is_obstacle: bool) -> UInt8Array:
+    """Return the costs (rows, cols) without the groups of fewer than ``minimal_group_size`` obstacles (DenoiseLayer).
+
+    A group is what is reached from an obstacle over neighbours that are obstacles: those with an edge in common or,
+    with a ``connectivity`` of 8, with a corner. Lethal and inscribed cells are obstacles, unknown ones if
+    ``unknown_is_obstacle``.
+    """
+    rows, cols = costs.shape
+    obstacles = {LETHAL, INSCRIBED, *([NO_INFORMATION] if unknown_is_obstacle else [])}
+    steps = [(0, 1), (1, 0), (0, -1), (-1, 0)]
+    if connectivity == 8:
+        steps += [(1, 1), (1, -1), (-1, 1), (-1, -1)]
+    out, seen = costs.copy(), np.zeros(costs.shape, dtype=np.bool_)
+    for start in np.ndindex(costs.shape):
+        if seen[start] or int(costs[start]) not in obstacles:
+            continue
+        group, open_cells = [], [start]
+        seen[start] = True
+        while open_cells:
+            row, col = open_cells.pop()
+            group.append((row, col))
+            for d_row, d_col in steps:
+                near = (row + d_row, col + d_col)
+                inside = 0 <= near[0] < rows and 0 <= near[1] < cols
+                if inside and not seen[near] and int(costs[near]) in obstacles:
+                    seen[near] = True
+                    open_cells.append(near)
+        if len(group) < minimal_group_size:
+            for cell in group:
+                out[cell] = FREE
+    return out

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.diagnosis.finding import Finding
-from mapper.sensors.joint_log import SEPARATOR, JointLog
+from mapper.sensors.joint_log import SEPARATOR
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
@@ -37,21 +37,21 @@ Float64Array = NDArray[np.float64]
 
 
 def check_between(
-    log: JointLog,
+    sensors: Sequence[ScanLog],
     trajectory: str | None,
     found: Sequence[Sequence[Finding]],
     wanted: Callable[[], bool],
     time_offset: float = 0.0,
 ) -> list[Finding]:
-    """Return a finding for each lidar whose walls disagree with those of the log's first lidar.
+    """Return a finding for each lidar of a robot whose walls disagree with those of the first lidar.
 
-    ``found`` are the findings on each part; a sensor with one of :data:`SPOILED_BY` is left out. Raises
+    ``found`` are the findings on each of the ``sensors``; a sensor with one of :data:`SPOILED_BY` is left out. Raises
     :class:`WorkCancelledError` where ``wanted`` says False.
     """
     usable = [
-        part
-        for part, findings in zip(log.parts, found, strict=True)
-        if part.beam_width == 0.0 and part.bearings is None and not SPOILED_BY & {one.check for one in findings}
+        sensor
+        for sensor, findings in zip(sensors, found, strict=True)
+        if sensor.beam_width == 0.0 and sensor.bearings is None and not SPOILED_BY & {one.check for one in findings}
     ]
     if len(usable) < 2:
         return []
@@ -67,8 +67,9 @@ def check_between(
 
 def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted: Callable[[], bool]) -> Float64Array:
     """Return by how much scans of the second sensor have to be moved (n, 3), in the base's frame, to fit the first."""
-    from mapper.matching import MatchConfig, match_scan, prepare_scans  # noqa: PLC0415 - SciPy, for few logs
+    from mapper.matching import MatchConfig, match_scan  # noqa: PLC0415 - SciPy, for few logs
     from mapper.matching.target import Target  # noqa: PLC0415
+    from mapper.slam.scan_store import scans_of  # noqa: PLC0415
 
     config = MatchConfig(window_m=WINDOW_M, window_rad=WINDOW_RAD)
     bases, others = first.trajectory(trajectory).poses, second.trajectory(trajectory).poses
@@ -83,9 +84,9 @@ def _corrections(first: ScanLog, second: ScanLog, trajectory: str | None, wanted
             continue
         near = near[np.unique(np.linspace(0, len(near) - 1, NEIGHBOURS).astype(np.int64))]
         try:
-            scans = prepare_scans(first.take(near))
+            scans = scans_of(first, near.tolist())
             target = Target(scans, np.arange(len(near)), compose(inverse(others[k]), bases[near]))
-            match = match_scan(prepare_scans(second, k, k + 1), 0, target, np.zeros(3), config)
+            match = match_scan(scans_of(second, [k]), 0, target, np.zeros(3), config)
         except (ConfigError, LimitError):
             continue  # no point of it is near the other sensor's
         if match.score >= LEAST_SCORE and not match.is_degenerate:

@@ -19,6 +19,7 @@ from mapper.core.errors import WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import geometry_for, integrate_scans
 from mapper.mapping.parameters import MappingConfig
+from mapper.sensors.joint_log import with_trajectories
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog, Trajectory
 
@@ -64,11 +65,11 @@ class Examined:
         by = np.array([x, y, 0.0])
         timed = None if one.timed is None else replace(one.timed, poses=one.timed.poses + by)
         moved = replace(one, poses=one.poses + by, timed=timed)
-        return replace(self, log=replace(self.log, trajectories={self.trajectory: moved}))
+        return replace(self, log=with_trajectories(self.log, {self.trajectory: moved}))
 
     def with_poses(self, poses: NDArray[np.float64]) -> Examined:
         """Return the same scans at other poses of the base (n, 3)."""
-        return replace(self, log=replace(self.log, trajectories={self.trajectory: Trajectory(poses)}))
+        return replace(self, log=with_trajectories(self.log, {self.trajectory: Trajectory(poses)}))
 
 
 def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READINGS) -> Examined:
@@ -76,7 +77,7 @@ def examined(log: ScanLog, trajectory: str | None = None, most: int = MOST_READI
     name = trajectory or log.default_trajectory
     used = max(1, min(log.n_scans, most // max(1, log.n_beams)))
     scans = np.unique(np.linspace(0, log.n_scans - 1, used).astype(np.int64))
-    thinned = replace(log, trajectories={name: Trajectory(log.trajectory(name).poses)}, odometry=None).take(scans)
+    thinned = with_trajectories(log, {name: Trajectory(log.trajectory(name).poses)}).take(scans)
     span = float(np.ptp(thinned.trajectory().poses[:, :2], axis=0).max()) + 2.0 * min(log.range_max, 30.0)
     resolution = min(1.0, max(RESOLUTION, span / LARGEST_SIDE))
     config = MappingConfig(model="hit_counting", resolution=resolution, range_max=min(30.0, max(0.5, log.range_max)))
@@ -97,7 +98,7 @@ def examined_as_mapped(log: ScanLog, trajectory: str | None, config: MappingConf
 
 def unthinned(log: ScanLog, seen: Examined) -> Examined:
     """Return all scans of ``log`` with the trajectory and the configuration of ``seen``."""
-    whole = replace(log, trajectories={seen.trajectory: log.trajectory(seen.trajectory)})
+    whole = with_trajectories(log, {seen.trajectory: log.trajectory(seen.trajectory)})
     return replace(seen, log=whole, scans=np.arange(log.n_scans))
 
 

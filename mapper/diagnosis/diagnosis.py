@@ -10,7 +10,7 @@ from mapper.diagnosis.examination import examine
 from mapper.diagnosis.finding import Finding
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.scan import ScanLog
 
 EXAMINED = 0.6  #: share of the work that the findings are
@@ -57,14 +57,18 @@ def _remedied(log: ScanLog, findings: Sequence[Finding]) -> ScanLog:
 
     By a false mount the robot moves where it turns, and what is no return is a wall that moves with it.
     """
-    if isinstance(log, JointLog):
+    if len(by_sensor(log)) > 1:
         return log
     config = MappingConfig()
     for finding in findings:
         config = config.with_values(finding.parameters or {})
     limits = [one.parameters["range_max"] for one in findings if one.parameters and "range_max" in one.parameters]
-    increment = 0.0 if config.deskew == "off" else log.time_increment
-    return replace(as_mapped(log, config), range_max=min([log.range_max, *limits]), time_increment=increment)
+
+    def remedied(part: ScanLog) -> ScanLog:
+        increment = 0.0 if config.deskew == "off" else part.time_increment
+        return replace(part, range_max=min([part.range_max, *limits]), time_increment=increment)
+
+    return each_part(as_mapped(log, config), remedied)
 
 
 def _with_cause(finding: Finding, events: Sequence[Event]) -> Finding:

@@ -11,7 +11,7 @@ from mapper.diagnosis.readings import max_range_finding
 from mapper.diagnosis.walls import check_drift
 from mapper.mapping.corrections import as_mapped
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.scan import ScanLog
 
 
@@ -37,15 +37,16 @@ def first_cause(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     """
     if log.n_scans < LEAST_SCANS:
         return None
-    if not isinstance(log, JointLog):
+    is_alone = len(by_sensor(log)) == 1
+    if is_alone:
         for finding in max_range_finding(log):
             if (finding.parameters or {}).get("range_max", 0.0) < config.range_max:
                 return finding
     drift = drift_finding(log, trajectory, config)
-    if drift is None or isinstance(log, JointLog):
+    if drift is None or not is_alone:
         return drift
     corrected = as_mapped(log, config)
     if config.deskew == "off":
-        corrected = replace(corrected, time_increment=0.0)
+        corrected = each_part(corrected, lambda part: replace(part, time_increment=0.0))
     found = [one for one in causes_of_drift(corrected, trajectory) if not one.possible]
     return found[0] if found and all(one.check != drift.check for one in found) else drift

@@ -12,7 +12,7 @@ from mapper.diagnosis.consistency import MOST_READINGS, Examined, examined
 from mapper.diagnosis.contradiction import Contradiction
 from mapper.diagnosis.finding import Finding
 from mapper.diagnosis.several import of_sensors, share_of
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import by_sensor, each_part
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 
@@ -71,26 +71,29 @@ def examine(
     Each scan is judged from one pose, in the middle of its sweep where it could be deskewed; ``time_offset`` seconds
     are added to the stamps to find it, as by the mapping parameter of that name. ``progress`` is called with the share
     that is done; ``wanted`` is asked all the while; ``compared`` is called with what the drift check measured, if it
-    was made. Of a :class:`JointLog` each sensor is examined by itself, and its findings name it
+    was made. Of several sensors each is examined by itself, and its findings name it
     (:func:`mapper.diagnosis.several.of_sensors`), and its lidars are compared with the first of them
     (:func:`mapper.diagnosis.between.check_between`); one with too few scans to judge has the finding ``readings.few``.
     Raises :class:`ConfigError` for a log too short to judge and for a trajectory that it lacks, and
     :class:`WorkCancelledError` soon after ``wanted`` said False.
     """
-    if not isinstance(log, JointLog):
+    sensors = by_sensor(log)
+    if len(sensors) == 1:
         return _examine_one(log, trajectory, progress, wanted, time_offset, compared)
-    if max(part.n_scans for part in log.parts) < LEAST_SCANS:
-        raise _too_short(max(log.parts, key=lambda part: part.n_scans))
+    longest = max((sensor for sensor, _ in sensors), key=lambda sensor: sensor.n_scans)
+    if longest.n_scans < LEAST_SCANS:
+        raise _too_short(longest)
     found = []
-    for number, part in enumerate(log.parts):
-        if part.n_scans < LEAST_SCANS:
-            found.append([readings.few_scans(part.n_scans)])
+    for number, (sensor, _) in enumerate(sensors):
+        if sensor.n_scans < LEAST_SCANS:
+            found.append([readings.few_scans(sensor.n_scans)])
             continue
-        share = share_of(progress, number, len(log.parts) + 1)
-        found.append(_examine_one(part, trajectory, share, wanted, time_offset, compared))
+        share = share_of(progress, number, len(sensors) + 1)
+        found.append(_examine_one(sensor, trajectory, share, wanted, time_offset, compared))
     if progress is not None:
-        progress(len(log.parts) / (len(log.parts) + 1))
-    return [*of_sensors(log, found), *check_between(log, trajectory, found, wanted, time_offset)]
+        progress(len(sensors) / (len(sensors) + 1))
+    between = check_between([sensor for sensor, _ in sensors], trajectory, found, wanted, time_offset)
+    return [*of_sensors(sensors, found), *between]
 
 
 def causes_of_drift(log: ScanLog, trajectory: str | None) -> list[Finding]:
@@ -133,7 +136,8 @@ def _examine_one(
             if finding.check not in REMEDIED or finding.parameters is None:
                 continue
             if finding.check == sweep.CHECK:
-                log = at_middle_of_sweep(replace(stated, time_increment=0.0), trajectory, time_offset)
+                at_once = each_part(stated, lambda part: replace(part, time_increment=0.0))
+                log = at_middle_of_sweep(at_once, trajectory, time_offset)
                 seen = replace(seen, log=examined(log, trajectory, most).log)
             else:
                 seen = replace(seen, config=seen.config.with_values(remedy_of(finding, seen)))

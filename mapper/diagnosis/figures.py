@@ -9,7 +9,7 @@ from mapper.diagnosis.contradiction import contradiction
 from mapper.diagnosis.verdict import map_of
 from mapper.grid.compare import wall_contrast
 from mapper.mapping.parameters import MappingConfig
-from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.joint_log import by_sensor
 from mapper.sensors.scan import ScanLog
 
 
@@ -34,7 +34,7 @@ def map_figures(log: ScanLog, trajectory: str | None, config: MappingConfig) -> 
     Raises :class:`ConfigError` for a trajectory that the log lacks and :class:`LimitError` for a map that is too large.
     """
     drifts, shares = [], []
-    for sensor in sensors_of(log):
+    for sensor, _ in by_sensor(log):
         if sensor.beam_width > 0.0 or not sensor.n_scans:
             continue
         whole, seen = examined_as_mapped(sensor, trajectory, config)

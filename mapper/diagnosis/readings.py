@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from mapper.core.se2 import wrap_angle
 from mapper.diagnosis.consistency import Examined
 from mapper.diagnosis.finding import Finding
+from mapper.sensors.joint_log import is_measured, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 FEW = "readings.few"
@@ -22,11 +25,11 @@ MOVED = 2.0  #: metres that the robot has to have moved to tell itself from a wa
 
 def check(log: ScanLog, seen: Examined) -> list[Finding]:
     """Look at what was measured."""
-    return [*_few(log), *max_range_finding(log), *_of_itself(log, seen)]
+    return [*_few(log), *max_range_finding(log), *_of_itself(seen)]
 
 
 def _few(log: ScanLog) -> list[Finding]:
-    measured = int(np.count_nonzero((log.ranges >= log.range_min) & (log.ranges <= log.range_max)))
+    measured = int(np.count_nonzero(is_measured(log)))
     if measured >= LEAST_MEASURED:
         return []
     return [
@@ -47,7 +50,7 @@ def few_scans(n_scans: int) -> Finding:
 
 def max_range_finding(log: ScanLog) -> list[Finding]:
     """Look for readings that say "no return" but are written as the greatest range; one finding, or none."""
-    measured = (log.ranges >= log.range_min) & (log.ranges <= log.range_max)
+    measured = is_measured(log)
     if not measured.any():
         return []
     values = log.ranges[measured]
@@ -62,7 +65,8 @@ def max_range_finding(log: ScanLog) -> list[Finding]:
     if len(below) and count < OFTENER * int(below[-BELOW:].max()):
         return []
     # A log that states what did not return in another way has no code for it, unless the value is the sensor's limit.
-    stated = int(np.count_nonzero(np.isinf(log.ranges) | (log.ranges > log.range_max)))
+    limits = np.array([part.range_max for part in sensors_of(log)])[part_of_scan(log)]
+    stated = int(np.count_nonzero(np.isinf(log.ranges) | (log.ranges > limits[:, np.newaxis])))
     if stated >= count and greatest < (1.0 - AT_LIMIT) * log.range_max:
         return []
     scans = np.flatnonzero((log.ranges == np.float32(greatest)).any(axis=1))
@@ -79,17 +83,15 @@ def max_range_finding(log: ScanLog) -> list[Finding]:
     ]
 
 
-def _of_itself(log: ScanLog, seen: Examined) -> list[Finding]:
+def _of_itself(seen: Examined) -> list[Finding]:
     poses = seen.log.trajectory().poses
     if float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum()) < MOVED:
         return []
-    ranges = seen.log.ranges.astype(np.float64)
-    valid = (ranges >= log.range_min) & (ranges <= log.range_max)
-    enough = valid.mean(axis=0) > SELF_SHARE
+    masked, bearings = _by_bearing(seen.log)
+    enough = np.isfinite(masked).mean(axis=0) > SELF_SHARE
     if not enough.any():
         return []
-    masked = np.where(valid, ranges, np.nan)
-    middle = np.full(log.n_beams, np.nan)
+    middle = np.full(len(bearings), np.nan)
     middle[enough] = np.nanmedian(masked[:, enough], axis=0)
     with np.errstate(invalid="ignore"):
         near = (np.abs(masked - middle) < SELF_SPREAD).mean(axis=0)
@@ -97,13 +99,35 @@ def _of_itself(log: ScanLog, seen: Examined) -> list[Finding]:
     beams = np.flatnonzero(itself)
     if not len(beams):
         return []
-    bearings = np.degrees(log.angles[beams])
+    degrees = np.degrees(bearings[beams])
     return [
         Finding(
             "readings.itself",
-            f"{len(beams)} beam{'s' if len(beams) > 1 else ''} around {np.median(bearings):.0f}° read "
+            f"{len(beams)} beam{'s' if len(beams) > 1 else ''} around {np.median(degrees):.0f}° read "
             f"{np.median(middle[beams]):.2f} m wherever the robot is: they see the robot itself.",
             "Leave these beams out when recording, or the map gets a wall that moves with the robot.",
             0.95,
         )
     ]
+
+
+def _by_bearing(log: ScanLog) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the measured ranges (n_scans, n_beams), NaN for all others, and the bearings of the beams, radians.
+
+    Of scans with different beams the ranges are at the nearest of the beams that most scans have, at most one step off.
+    """
+    ranges = np.where(is_measured(log), log.ranges.astype(np.float64), np.nan)
+    parts, owner = sensors_of(log), part_of_scan(log)
+    usual = parts[int(np.argmax(np.bincount(owner, minlength=len(parts))))]
+    angles = usual.angles
+    if len(parts) == 1:
+        return ranges, angles
+    found = np.full((log.n_scans, len(angles)), np.nan)
+    for number, part in enumerate(parts):
+        own = owner == number
+        off = np.abs(wrap_angle(angles[:, np.newaxis] - part.angles))
+        nearest = np.argmin(off, axis=1)
+        step = max(abs(usual.angle_increment), abs(part.angle_increment))
+        near = off[np.arange(len(angles)), nearest] <= step
+        found[np.ix_(own, near)] = ranges[np.ix_(own, nearest[near])]
+    return found, angles

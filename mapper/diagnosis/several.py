@@ -6,27 +6,31 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.diagnosis.finding import Finding
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.scan import ScanLog
+
+Int64Array = NDArray[np.int64]
 
 #: What to do with a value that only some of the sensors need.
 BY_ITSELF = "The parameters of a map are those of all its sensors: map this one by itself with such a value."
 
 
-def of_sensors(log: JointLog, found: Sequence[Sequence[Finding]]) -> list[Finding]:
-    """Return what was ``found`` of each of the log's parts, in their order, as findings on the log.
+def of_sensors(sensors: Sequence[tuple[ScanLog, Int64Array]], found: Sequence[Sequence[Finding]]) -> list[Finding]:
+    """Return what was ``found`` of each of a log's sensors as findings on the log.
+
+    ``sensors`` are those of :func:`mapper.sensors.joint_log.by_sensor`, in the order of ``found``.
 
     Each names its sensor, and its scans are those of ``log``. The parameters of a map are those of all its sensors, so
     a finding keeps its own only where every sensor has a finding of the same check with parameters.
     """
     common = set.intersection(*({one.check for one in findings if one.parameters} for findings in found))
     joint = []
-    for number, findings in enumerate(found):
-        numbers = np.flatnonzero(log.part_of_scan == number)
+    for (sensor, numbers), findings in zip(sensors, found, strict=True):
         for one in findings:
             scans = tuple(int(numbers[scan]) for scan in one.scans)
-            own = replace(one, sensor=log.parts[number].topic, scans=scans)
+            own = replace(one, sensor=sensor.topic, scans=scans)
             if own.parameters and own.check not in common:
                 own = replace(own, parameters=None, advice=f"{own.advice} {BY_ITSELF}")
             joint.append(own)

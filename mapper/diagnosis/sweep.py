@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from mapper.diagnosis.consistency import Examined, consistency
 from mapper.diagnosis.finding import Finding
+from mapper.sensors.joint_log import sensors_of, with_trajectories
 from mapper.sensors.motion import can_deskew
 from mapper.sensors.scan import ScanLog
 from mapper.sensors.timed_poses import TimedPoses
@@ -27,7 +28,7 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
         return []
     way = log.trajectory(name)
     timed = way.timed if way.timed is not None and len(way.timed) else TimedPoses(log.stamps_ns, way.poses)
-    stated = replace(log, trajectories={name: replace(way, timed=timed)}, odometry=None).take(seen.scans)
+    stated = with_trajectories(log, {name: replace(way, timed=timed)}).take(seen.scans)
     swept = replace(seen, log=stated)
     now = consistency(swept, deskew="auto")
     without = consistency(swept, deskew="off")
@@ -37,7 +38,7 @@ def check_sweep(log: ScanLog, seen: Examined) -> list[Finding]:
 
     if not is_better(now) or any(not is_better(consistency(swept, deskew="auto", time_offset=s)) for s in DELAYS_S):
         return []
-    sweep = abs(log.time_increment) * (log.n_beams - 1)
+    sweep = max(abs(part.time_increment) * (part.n_beams - 1) for part in sensors_of(log))
     return [
         Finding(
             CHECK,

@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from mapper.core.errors import ConfigError
-from mapper.core.se2 import compose
 from mapper.diagnosis import between
 from mapper.diagnosis.contradiction import LEAST_EVIDENCE, WITHIN, Contradiction
 from mapper.diagnosis.examination import CHECKS, examine
@@ -18,7 +17,8 @@ from mapper.grid.compare import wall_contrast
 from mapper.mapping.integrate import grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_defaults import sensor_defaults
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.corrections import corrected_log
+from mapper.sensors.joint_log import by_sensor
 from mapper.sensors.scan import ScanLog
 
 #: The names of all findings.
@@ -120,20 +120,17 @@ def judge(
     """Return whether ``log`` with one of its trajectories (None: its first) keeps ``limits``.
 
     ``config`` gives a correction of the mount and of the clock; the rest of it is not used, because sharpness is judged
-    in the map of the sensor's default parameters. Of a :class:`JointLog` each sensor is judged by itself, and the
+    in the map of the sensor's default parameters. Of several sensors each is judged by itself, and the
     sharpness is that of their common map. What cannot be judged does not pass. ``progress`` is called with the
     share that is done. Raises :class:`ConfigError` for a trajectory that the log lacks, for a correction of the mount
     of several sensors and, where drift or findings are asked for, for a log too short to judge; :class:`LimitError`
     for a map that is too large.
     """
-    if isinstance(log, JointLog):
+    if len(by_sensor(log)) > 1:
         return _judge_sensors(log, limits, trajectory, config, progress)
     time_offset = 0.0 if config is None else config.time_offset
     if config is not None:
-        over = log.upside_down != config.mount_upside_down
-        x, y, yaw = (float(value) for value in compose(log.mount, config.mount))
-        mounts = None if log.mounts is None else compose(log.mounts, config.mount)
-        log = replace(log, mount=(x, y, yaw), mounts=mounts, upside_down=over)
+        log = corrected_log(log, config.mount, turned_over=config.mount_upside_down)
     findings: tuple[Finding, ...] | None = None
     compared: list[Contradiction] = []
     if limits.max_drift is not None or limits.no_findings:
@@ -150,7 +147,7 @@ def judge(
 
 
 def _judge_sensors(
-    log: JointLog,
+    log: ScanLog,
     limits: Limits,
     trajectory: str | None,
     config: MappingConfig | None,
@@ -161,23 +158,25 @@ def _judge_sensors(
         raise ConfigError("check.mount", "A correction of the mount is for one sensor; judge it by itself.")
     alone = replace(limits, min_sharpness=None)
     verdicts = []
-    for number, part in enumerate(log.parts):
-        share = share_of(progress, number, len(log.parts))
+    sensors = by_sensor(log)
+    for number, (sensor, _) in enumerate(sensors):
+        share = share_of(progress, number, len(sensors))
         try:
-            verdicts.append(judge(part, alone, trajectory, config, share))
+            verdicts.append(judge(sensor, alone, trajectory, config, share))
         except ConfigError as error:
-            raise ConfigError(error.code, f"{part.topic}: {error.message}") from error
+            raise ConfigError(error.code, f"{sensor.topic}: {error.message}") from error
     reasons = [
-        replace(reason, sensor=part.topic)
-        for part, verdict in zip(log.parts, verdicts, strict=True)
+        replace(reason, sensor=sensor.topic)
+        for (sensor, _), verdict in zip(sensors, verdicts, strict=True)
         for reason in verdict.reasons
     ]
     sharpness, more = _sharpness(log, limits, trajectory, config.time_offset)
     known = [verdict.findings for verdict in verdicts if verdict.findings is not None]
     findings: tuple[Finding, ...] | None = None
     if known:
-        both = between.check_between(log, trajectory, known, lambda: True, config.time_offset)
-        findings = (*of_sensors(log, known), *both)
+        logs = [sensor for sensor, _ in sensors]
+        both = between.check_between(logs, trajectory, known, lambda: True, config.time_offset)
+        findings = (*of_sensors(sensors, known), *both)
         more += [replace(reason, sensor=one.sensor) for one in both for reason in _finding_reasons((one,), limits)]
     drifts = [verdict.drift for verdict in verdicts if verdict.drift is not None]
     return Verdict((*reasons, *more), max(drifts, default=None), sharpness, findings)

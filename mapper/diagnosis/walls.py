@@ -15,6 +15,7 @@ from mapper.diagnosis.finding import MOST_SCANS, POSSIBLE, Finding
 from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.kernels.lattice import cell_of
 from mapper.mapping.integrate import geometry_for, integrate_scans
+from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog
 
 STRETCH = 16  #: scans that motion hardly shows in
@@ -105,9 +106,13 @@ def _worst_scans(seen: Examined) -> tuple[int, ...]:
 def _endpoints(seen: Examined, geometry: GridGeometry) -> list[NDArray[np.int64]]:
     log = seen.log
     out = []
-    for ranges, (x, y, theta) in zip(log.ranges.astype(np.float64), log.sensor_poses(), strict=True):
-        measured = (ranges >= log.range_min) & (ranges <= min(log.range_max, seen.config.range_max))
-        bearing = theta + log.angles[measured]
+    parts, owner = sensors_of(log), part_of_scan(log).tolist()
+    angles = [part.angles for part in parts]
+    for t, (x, y, theta) in enumerate(log.sensor_poses()):
+        part, bearings = parts[owner[t]], angles[owner[t]]
+        ranges = log.ranges[t, : part.n_beams].astype(np.float64)
+        measured = (ranges >= part.range_min) & (ranges <= min(part.range_max, seen.config.range_max))
+        bearing = theta + bearings[measured]
         ends = np.stack([x + ranges[measured] * np.cos(bearing), y + ranges[measured] * np.sin(bearing)], axis=-1)
         cells = np.asarray(cell_of(geometry.to_lattice(ends)[:, ::-1]), dtype=np.int64)
         out.append(cells[geometry.contains(cells)])

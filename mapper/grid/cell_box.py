@@ -22,3 +22,9 @@ class CellBox:
             min(self.col0, other.col0),
             max(self.col1, other.col1),
         )
+
+    def padded(self, by: int, rows: int, cols: int) -> CellBox:
+        """Return the box with ``by`` more cells on each side, as far as a grid of ``rows`` × ``cols`` cells reaches."""
+        return CellBox(
+            max(self.row0 - by, 0), min(self.row1 + by, rows), max(self.col0 - by, 0), min(self.col1 + by, cols)
+        )

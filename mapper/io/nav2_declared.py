@@ -1,9 +1,11 @@
 """Names of the parameters that Nav2 declares: of a costmap, its layers, AMCL, and what plans and follows paths here.
 
-Source: the calls of declare_parameter in navigation2's costmap_2d_ros.cpp, obstacle_layer.cpp and denoise_layer.cpp,
-with the names that older releases had; the names of the other layers, of AMCL and of what plans and follows paths were
-not compared with their sources. A name that is in none of these tables gets a note and has no effect: rclcpp passes
-over values of parameters that no node declares.
+Source: the calls of declare_parameter, as they were in the main branch between Iron and Kilted, in navigation2's
+costmap_2d_ros.cpp, static_layer.cpp, obstacle_layer.cpp, voxel_layer.cpp, denoise_layer.cpp, inflation_layer.cpp,
+navfn_planner.cpp, nav2_regulated_pure_pursuit_controller's parameter_handler.cpp and amcl_node.cpp, with the names that
+older and newer releases have. Defaults in :mod:`mapper.costmap.parameters`, :mod:`mapper.planning.parameters` and
+:mod:`mapper.localization.parameters` were compared with these too. A name that is in none of these tables gets a note
+and has no effect: rclcpp passes over values of parameters that no node declares.
 """
 
 from __future__ import annotations
@@ -39,11 +41,12 @@ LAYERS = {
     "StaticLayer": LAYER
     | _names(
         "subscribe_to_updates map_subscribe_transient_local transform_tolerance map_topic footprint_clearing_enabled "
-        "restore_cleared_footprint footprint_topic"
+        "restore_cleared_footprint"
     ),
     "ObstacleLayer": _OBSTACLE,
     "VoxelLayer": _OBSTACLE
     | _names("z_voxels origin_z z_resolution unknown_threshold mark_threshold publish_voxel_map"),
+    "DenoiseLayer": LAYER | _names("minimal_group_size group_connectivity_type"),
     "InflationLayer": LAYER
     | _names("inflation_radius cost_scaling_factor inflate_unknown inflate_around_unknown num_threads"),
 }

@@ -42,6 +42,8 @@ _MODELS = {
     "differential": "differential", "omnidirectional": "omni",
     "diff": "differential", "diff-corrected": "differential", "omni": "omni", "omni-corrected": "omni",
 }  # fmt: skip
+#: Those of Nav2's (amcl_node.cpp) that differ from this project's.
+NAV2_DEFAULTS: Mapping[str, Any] = {"laser_model_type": "likelihood_field", "z_short": 0.05}
 #: Rows that Nav2's AMCL lacks; ROS 1's has selective_resampling.
 OWN_ROWS = (
     "annealing_stages", "global_particles", "independent_beams", "least_effective", "reset_below",
@@ -94,9 +96,7 @@ def parse_amcl_yaml(data: bytes) -> AmclParameters:
             others[name] = _checked_other(name, value)
         else:
             notes.append(undeclared("amcl", name, {*AMCL, *BY_NAME, *names}))
-    start = LocalizationConfig() if layout == "nav2" else LocalizationConfig().with_values(ROS1_DEFAULTS)
-    if layout == "nav2" and "laser_model_type" not in given:
-        given["laser_model_type"] = "likelihood_field"
+    start = LocalizationConfig().with_values(NAV2_DEFAULTS if layout == "nav2" else ROS1_DEFAULTS)
     return AmclParameters(start.with_values(given), layout, others, tuple(notes))
 
 

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.core.parameter import Parameter, check_fields, check_names, choice, flag, number, table_of
 from mapper.grid import probability
 from mapper.mapping.sensor_model import (
     BeamModel,
@@ -78,145 +78,13 @@ _STEPPED = tuple(name for name, strategy in STRATEGIES.items() if not strategy.s
 _THIN = tuple(name for name, strategy in STRATEGIES.items() if not strategy.cone)
 _PER_SCAN = tuple(name for name, strategy in STRATEGIES.items() if strategy.per_scan)
 
-PARAMETERS: tuple[Parameter, ...] = (
-    Parameter(
-        "model", "Inverse sensor model", "model", "choice", "fixed_increments",
-        "How a reading becomes evidence: along a thin beam, all over a sonar's cone, or by counting hits and visits.",
-        choices=MODELS,
-    ),
-    Parameter(
-        "range_max", "Max range", "model", "number", 30.0,
-        "A reading beyond this distance counts as no return.",
-        unit="m", low=0.5, high=100.0, step=0.1,
-    ),
-    Parameter(
-        "window", "Hit window", "model", "number", 0.0,
-        "Width r of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
-        unit="m", low=0.0, high=2.0, step=0.05, only_for=_STEPPED,
-    ),
-    Parameter(
-        "log_odds_hit", "Hit increment", "model", "number", 0.85,
-        "Evidence that a cell gets when a beam ends in it, or in the window around it.",
-        low=0.0, high=3.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
-    ),
-    Parameter(
-        "log_odds_miss", "Miss increment", "model", "number", -0.4,
-        "Evidence that a cell gets when a beam passes through it: below 0 it is evidence for free.",
-        low=-3.0, high=0.0, step=0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
-    ),
-    Parameter(
-        "p_free", "p of a cell passed", "model", "number", 0.4,
-        "Probability that a cell before the window is occupied; below the prior it is evidence for free.",
-        low=0.01, high=0.99, step=0.01, only_for=("step_window",),
-    ),
-    Parameter(
-        "p_occ", "p of a cell hit", "model", "number", 0.7,
-        "Probability that a cell within the window is occupied.",
-        low=0.01, high=0.99, step=0.01, only_for=("step_window",),
-    ),
-    Parameter(
-        "sigma", "Spread σ₀", "model", "number", 0.03,
-        "Standard deviation of a reading at no distance; the ramp reaches two of them to either side.",
-        unit="m", low=0.005, high=0.5, step=0.005, only_for=("smooth_ramp",),
-    ),
-    Parameter(
-        "sigma_growth", "Growth of σ", "model", "number", 0.01,
-        "By how much σ grows with each metre of range.",
-        unit="m/m", low=0.0, high=0.2, step=0.005, only_for=("smooth_ramp",),
-    ),
-    Parameter(
-        "opening", "Opening angle", "model", "number", 0.52,
-        "Angle of the cone, from edge to edge, in which the echo may have arisen.",
-        unit="rad", low=0.01, high=1.57, step=0.01, only_for=CONES,
-    ),
-    Parameter(
-        "cone_profile", "Cone profile", "model", "choice", "flat",
-        "The same evidence all over the cone, or weaker off the axis (a Gaussian) and with the range (a quadratic).",
-        choices=("flat", "gaussian"), only_for=("sonar_cone",),
-    ),
-    Parameter(
-        "prior_weight", "Weight of the prior", "model", "number", 2.0,
-        "How many visits the prior counts for; 2 is Laplace's rule of succession.",
-        low=0.1, high=50.0, step=0.1, only_for=("hit_counting",),
-    ),
-    Parameter(
-        "update", "Update", "update", "choice", "per_beam",
-        "Per beam, each beam adds its evidence; per scan, each cell in view is updated once, by its nearest beam.",
-        choices=("per_beam", "per_scan"), only_for=_PER_SCAN,
-    ),
-    Parameter(
-        "traversal", "Traversal", "update", "choice", "bresenham",
-        "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
-        choices=("bresenham", "amanatides_woo"), only_for=_THIN,
-    ),
-    Parameter(
-        "no_return", "No return", "update", "choice", "ignore",
-        "What a beam without echo says: nothing; that all is free up to the max range; or, a mistake, a hit there.",
-        choices=("ignore", "free", "hit"),
-    ),
-    Parameter(
-        "deskew", "Deskew", "update", "choice", "auto",
-        "Place each beam where the sensor was at its time, per beam only; auto: where poses are at most 0.5 s apart.",
-        choices=("auto", "on", "off"), only_for=_PER_SCAN,
-    ),
-    Parameter(
-        "clamp", "Clamp", "update", "flag", True,
-        "Keep each cell's log-odds between the two limits, so that the map can still change.",
-    ),
-    Parameter(
-        "log_odds_min", "Lower clamp", "update", "number", -2.0,
-        "The most free a cell can become.",
-        low=-10.0, high=0.0, step=0.1,
-    ),
-    Parameter(
-        "log_odds_max", "Upper clamp", "update", "number", 3.5,
-        "The most occupied a cell can become.",
-        low=0.0, high=10.0, step=0.1,
-    ),
-    Parameter(
-        "log_odds_prior", "Prior ℓ₀", "map", "number", 0.0,
-        "Belief about a cell before any reading: 0 is fifty-fifty.",
-        low=-2.0, high=2.0, step=0.05,
-    ),
-    Parameter(
-        "resolution", "Resolution", "map", "number", 0.05,
-        "Side of a cell.",
-        unit="m", low=0.01, high=1.0, step=0.01,
-    ),
-    Parameter(
-        "mount_x", "Mount forward", "mount", "number", 0.0,
-        "Correction of the sensor's place on the robot, forward.",
-        unit="m", low=-2.0, high=2.0, step=0.01,
-    ),
-    Parameter(
-        "mount_y", "Mount left", "mount", "number", 0.0,
-        "Correction of the sensor's place on the robot, to the left.",
-        unit="m", low=-2.0, high=2.0, step=0.01,
-    ),
-    Parameter(
-        "mount_yaw", "Mount yaw", "mount", "number", 0.0,
-        "Correction of the sensor's heading on the robot, counter-clockwise.",
-        unit="rad", low=-3.1416, high=3.1416, step=0.01,
-    ),
-    Parameter(
-        "mount_upside_down", "Mount turned over", "mount", "flag", False,
-        "Turn the sensor over, z axis down: its beams sweep in the opposite direction.",
-    ),
-    Parameter(
-        "time_offset", "Time offset", "mount", "number", 0.0,
-        "Correction of the sensor's clock, added to the scans' times; scans outside the poses' times are left out.",
-        unit="s", low=-2.0, high=2.0, step=0.01,
-    ),
-)  # fmt: skip
 
 LOG_ONLY = frozenset({"deskew", "time_offset"})  #: parameters that need the robot's poses at other times than a scan's
-
-BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 
 
 @dataclass(frozen=True, slots=True)
 class MappingConfig:
-    """One value for each row of :data:`PARAMETERS`; units and meanings are in the table.
+    """One value for each row of :data:`PARAMETERS`; each field states its unit and meaning.
 
     ``mount_*`` is added to the mount that the log or the simulated robot states: ``T_base_laser`` becomes
     ``T_base_laser ∘ (mount_x, mount_y, mount_yaw)``, turned over with ``mount_upside_down``.
@@ -224,35 +92,114 @@ class MappingConfig:
     Raises :class:`ConfigError` naming the field that is refused.
     """
 
-    model: str = "fixed_increments"
-    range_max: float = 30.0
-    window: float = 0.0
-    log_odds_hit: float = 0.85
-    log_odds_miss: float = -0.4
-    p_free: float = 0.4
-    p_occ: float = 0.7
-    sigma: float = 0.03
-    sigma_growth: float = 0.01
-    opening: float = 0.52
-    cone_profile: str = "flat"
-    prior_weight: float = 2.0
-    update: str = "per_beam"
-    traversal: str = "bresenham"
-    no_return: str = "ignore"
-    deskew: str = "auto"
-    clamp: bool = True
-    log_odds_min: float = -2.0
-    log_odds_max: float = 3.5
-    log_odds_prior: float = 0.0
-    resolution: float = 0.05
-    mount_x: float = 0.0
-    mount_y: float = 0.0
-    mount_yaw: float = 0.0
-    mount_upside_down: bool = False
-    time_offset: float = 0.0
+    # fmt: off
+    model: str = choice(
+        "Inverse sensor model", "model", "fixed_increments",
+        "How a reading becomes evidence: along a thin beam, all over a sonar's cone, or by counting hits and visits.",
+        MODELS,
+    )
+    range_max: float = number(
+        "Max range", "model", 30.0, "A reading beyond this distance counts as no return.", "m", 0.5, 100.0, 0.1,
+    )
+    window: float = number(
+        "Hit window", "model", 0.0,
+        "Width r of the zone around the reading that counts as hit: at 0 its own cell alone, in a cone a cell's width.",
+        "m", 0.0, 2.0, 0.05, only_for=_STEPPED,
+    )
+    log_odds_hit: float = number(
+        "Hit increment", "model", 0.85, "Evidence that a cell gets when a beam ends in it, or in the window around it.",
+        "", 0.0, 3.0, 0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
+    )
+    log_odds_miss: float = number(
+        "Miss increment", "model", -0.4,
+        "Evidence that a cell gets when a beam passes through it: below 0 it is evidence for free.",
+        "", -3.0, 0.0, 0.05, only_for=("fixed_increments", "smooth_ramp", "sonar_cone"),
+    )
+    p_free: float = number(
+        "p of a cell passed", "model", 0.4,
+        "Probability that a cell before the window is occupied; below the prior it is evidence for free.",
+        "", 0.01, 0.99, 0.01, only_for=("step_window",),
+    )
+    p_occ: float = number(
+        "p of a cell hit", "model", 0.7, "Probability that a cell within the window is occupied.",
+        "", 0.01, 0.99, 0.01, only_for=("step_window",),
+    )
+    sigma: float = number(
+        "Spread σ₀", "model", 0.03,
+        "Standard deviation of a reading at no distance; the ramp reaches two of them to either side.",
+        "m", 0.005, 0.5, 0.005, only_for=("smooth_ramp",),
+    )
+    sigma_growth: float = number(
+        "Growth of σ", "model", 0.01, "By how much σ grows with each metre of range.",
+        "m/m", 0.0, 0.2, 0.005, only_for=("smooth_ramp",),
+    )
+    opening: float = number(
+        "Opening angle", "model", 0.52, "Angle of the cone, from edge to edge, in which the echo may have arisen.",
+        "rad", 0.01, 1.57, 0.01, only_for=CONES,
+    )
+    cone_profile: str = choice(
+        "Cone profile", "model", "flat",
+        "The same evidence all over the cone, or weaker off the axis (a Gaussian) and with the range (a quadratic).",
+        ("flat", "gaussian"), only_for=("sonar_cone",),
+    )
+    prior_weight: float = number(
+        "Weight of the prior", "model", 2.0, "How many visits the prior counts for; 2 is Laplace's rule of succession.",
+        "", 0.1, 50.0, 0.1, only_for=("hit_counting",),
+    )
+    update: str = choice(
+        "Update", "update", "per_beam",
+        "Per beam, each beam adds its evidence; per scan, each cell in view is updated once, by its nearest beam.",
+        ("per_beam", "per_scan"), only_for=_PER_SCAN,
+    )
+    traversal: str = choice(
+        "Traversal", "update", "bresenham",
+        "Which cells a beam crosses: those of Bresenham's thin line, or exactly all that it touches (Amanatides–Woo).",
+        ("bresenham", "amanatides_woo"), only_for=_THIN,
+    )
+    no_return: str = choice(
+        "No return", "update", "ignore",
+        "What a beam without echo says: nothing; that all is free up to the max range; or, a mistake, a hit there.",
+        ("ignore", "free", "hit"),
+    )
+    deskew: str = choice(
+        "Deskew", "update", "auto",
+        "Place each beam where the sensor was at its time, per beam only; auto: where poses are at most 0.5 s apart.",
+        ("auto", "on", "off"), only_for=_PER_SCAN,
+    )
+    clamp: bool = flag(
+        "Clamp", "update", True, "Keep each cell's log-odds between the two limits, so that the map can still change.",
+    )
+    log_odds_min: float = number("Lower clamp", "update", -2.0, "The most free a cell can become.", "", -10.0, 0.0, 0.1)
+    log_odds_max: float = number(
+        "Upper clamp", "update", 3.5, "The most occupied a cell can become.", "", 0.0, 10.0, 0.1,
+    )
+    log_odds_prior: float = number(
+        "Prior ℓ₀", "map", 0.0, "Belief about a cell before any reading: 0 is fifty-fifty.", "", -2.0, 2.0, 0.05,
+    )
+    resolution: float = number("Resolution", "map", 0.05, "Side of a cell.", "m", 0.01, 1.0, 0.01)
+    mount_x: float = number(
+        "Mount forward", "mount", 0.0, "Correction of the sensor's place on the robot, forward.", "m", -2.0, 2.0, 0.01,
+    )
+    mount_y: float = number(
+        "Mount left", "mount", 0.0, "Correction of the sensor's place on the robot, to the left.", "m", -2.0, 2.0, 0.01,
+    )
+    mount_yaw: float = number(
+        "Mount yaw", "mount", 0.0, "Correction of the sensor's heading on the robot, counter-clockwise.",
+        "rad", -3.1416, 3.1416, 0.01,
+    )
+    mount_upside_down: bool = flag(
+        "Mount turned over", "mount", False,
+        "Turn the sensor over, z axis down: its beams sweep in the opposite direction.",
+    )
+    time_offset: float = number(
+        "Time offset", "mount", 0.0,
+        "Correction of the sensor's clock, added to the scans' times; scans outside the poses' times are left out.",
+        "s", -2.0, 2.0, 0.01,
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, PARAMETERS)
+        check_fields(self)
         if self.log_odds_min >= self.log_odds_max:
             raise ConfigError("parameter.clamp", "The lower clamp must be below the upper clamp.")
         self.beam_model()  # the models check what concerns two parameters at once
@@ -292,4 +239,5 @@ class MappingConfig:
         return MappingConfig(**(asdict(self) | dict(values)))
 
 
-check_table(MappingConfig, PARAMETERS)
+PARAMETERS = table_of(MappingConfig)
+BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}

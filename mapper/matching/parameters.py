@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.core.parameter import Parameter, check_fields, check_names, choice, number, table_of
 from mapper.matching.kernels.types import CAUCHY, HUBER, SQUARES
 
 
@@ -48,107 +48,83 @@ _SEARCHING = tuple(name for name, method in METHODS.items() if method.search != 
 _PAIRING = tuple(name for name, method in METHODS.items() if method.refinement.startswith("point"))
 _FIELDS = ("global", "global_field", "likelihood_field", "correlative", "exhaustive")
 
-PARAMETERS: tuple[Parameter, ...] = (
-    Parameter("method", "Method", "method", "choice", "global", "How the match is found.", choices=tuple(METHODS)),
-    Parameter(
-        "window_m", "Window", "search", "number", 1.5, "How far from the guess, along each axis, poses are searched.",
-        "m", 0.0, 50.0, 0.05, only_for=_SEARCHING,
-    ),
-    Parameter(
-        "window_rad", "Window of angles", "search", "number", math.radians(70.0),
-        "By how much from the guess, either way, poses are turned.", "rad", 0.0, math.pi, 0.01, only_for=_SEARCHING,
-    ),
-    Parameter(
-        "field_resolution", "Cell of the field", "search", "number", 0.1, "Side of a cell of the score field.",
-        "m", 0.01, 1.0, 0.01, only_for=_FIELDS,
-    ),
-    Parameter(
-        "field_sigma", "Width of the field", "search", "number", 0.1,
-        "Standard deviation of the score around a point.", "m", 0.01, 2.0, 0.01, only_for=_FIELDS,
-    ),
-    Parameter(
-        "turn_step", "Step of angles", "search", "number", math.radians(2.0), "Between two angles that are searched.",
-        "rad", 0.001, 0.5, 0.001, only_for=_FIELDS,
-    ),
-    Parameter(
-        "modes", "Modes", "search", "number", 4, "Greatest number of separate poses of the search that are refined.",
-        "", 1, 32, 1, only_for=("global", "global_field", "features"),
-    ),
-    Parameter(
-        "mode_share", "Least mode", "search", "number", 0.8,
-        "A pose that scores less than this share of the best one is no mode.", "", 0.0, 1.0, 0.05,
-        only_for=("global", "global_field"),
-    ),
-    Parameter(
-        "correspondence", "Correspondence", "pairs", "choice", "bearing",
-        "The other point is looked for around the bearing in which it would be seen, or it is the nearest one.",
-        choices=CORRESPONDENCES, only_for=_PAIRING,
-    ),
-    Parameter(
-        "first_gate", "First gate", "pairs", "number", 0.3, "Points farther apart make no pair at the beginning.",
-        "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
-    ),
-    Parameter(
-        "last_gate", "Last gate", "pairs", "number", 0.12, "The same at the end.", "m", 0.01, 20.0, 0.01,
-        only_for=_PAIRING,
-    ),
-    Parameter(
-        "keep", "Kept pairs", "rejection", "number", 1.0, "Only this share of the pairs, the nearest ones, counts.",
-        "", 0.05, 1.0, 0.05, only_for=_PAIRING,
-    ),
-    Parameter(
-        "min_cosine", "Least cosine of normals", "rejection", "number", 0.5,
-        "Pairs whose normals differ more do not count; -1: all count.", "", -1.0, 1.0, 0.05, only_for=_PAIRING,
-    ),
-    Parameter(
-        "weight", "Weight", "rejection", "choice", "cauchy", "How much less a pair with a large residual counts.",
-        choices=tuple(WEIGHTS), only_for=_PAIRING,
-    ),
-    Parameter(
-        "scale", "Scale of the weight", "rejection", "number", 0.03, "The residual from which a pair counts less.",
-        "m", 0.001, 1.0, 0.001, only_for=_PAIRING,
-    ),
-    Parameter(
-        "iterations", "Iterations", "minimiser", "number", 30, "Greatest number of Gauss-Newton steps.", "", 1, 500, 1,
-    ),
-    Parameter(
-        "score_gate", "Gate of the score", "score", "number", 0.15,
-        "Points nearer than this to what the other scan measured agree with it.", "m", 0.01, 2.0, 0.01,
-    ),
-    Parameter(
-        "least_information", "Least information", "score", "number", 0.03,
-        "A direction with a smaller share of the information is not known: the match is degenerate.",
-        "", 0.0, 0.5, 0.005,
-    ),
-)  # fmt: skip
-BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
-
 
 @dataclass(frozen=True, slots=True)
 class MatchConfig:
     """One value for each row of :data:`PARAMETERS`. Raises :class:`ConfigError` for an invalid one."""
 
-    method: str = "global"
-    window_m: float = 1.5
-    window_rad: float = math.radians(70.0)
-    field_resolution: float = 0.1
-    field_sigma: float = 0.1
-    turn_step: float = math.radians(2.0)
-    modes: float = 4
-    mode_share: float = 0.8
-    correspondence: str = "bearing"
-    first_gate: float = 0.3
-    last_gate: float = 0.12
-    keep: float = 1.0
-    min_cosine: float = 0.5
-    weight: str = "cauchy"
-    scale: float = 0.03
-    iterations: float = 30
-    score_gate: float = 0.15
-    least_information: float = 0.03
+    # fmt: off
+    method: str = choice("Method", "method", "global", "How the match is found.", tuple(METHODS))
+    window_m: float = number(
+        "Window", "search", 1.5, "How far from the guess, along each axis, poses are searched.",
+        "m", 0.0, 50.0, 0.05, only_for=_SEARCHING,
+    )
+    window_rad: float = number(
+        "Window of angles", "search", math.radians(70.0), "By how much from the guess, either way, poses are turned.",
+        "rad", 0.0, math.pi, 0.01, only_for=_SEARCHING,
+    )
+    field_resolution: float = number(
+        "Cell of the field", "search", 0.1, "Side of a cell of the score field.",
+        "m", 0.01, 1.0, 0.01, only_for=_FIELDS,
+    )
+    field_sigma: float = number(
+        "Width of the field", "search", 0.1, "Standard deviation of the score around a point.",
+        "m", 0.01, 2.0, 0.01, only_for=_FIELDS,
+    )
+    turn_step: float = number(
+        "Step of angles", "search", math.radians(2.0), "Between two angles that are searched.",
+        "rad", 0.001, 0.5, 0.001, only_for=_FIELDS,
+    )
+    modes: float = number(
+        "Modes", "search", 4, "Greatest number of separate poses of the search that are refined.",
+        "", 1, 32, 1, only_for=("global", "global_field", "features"),
+    )
+    mode_share: float = number(
+        "Least mode", "search", 0.8, "A pose that scores less than this share of the best one is no mode.",
+        "", 0.0, 1.0, 0.05, only_for=("global", "global_field"),
+    )
+    correspondence: str = choice(
+        "Correspondence", "pairs", "bearing",
+        "The other point is looked for around the bearing in which it would be seen, or it is the nearest one.",
+        CORRESPONDENCES, only_for=_PAIRING,
+    )
+    first_gate: float = number(
+        "First gate", "pairs", 0.3, "Points farther apart make no pair at the beginning.",
+        "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
+    )
+    last_gate: float = number(
+        "Last gate", "pairs", 0.12, "The same at the end.", "m", 0.01, 20.0, 0.01, only_for=_PAIRING,
+    )
+    keep: float = number(
+        "Kept pairs", "rejection", 1.0, "Only this share of the pairs, the nearest ones, counts.",
+        "", 0.05, 1.0, 0.05, only_for=_PAIRING,
+    )
+    min_cosine: float = number(
+        "Least cosine of normals", "rejection", 0.5, "Pairs whose normals differ more do not count; -1: all count.",
+        "", -1.0, 1.0, 0.05, only_for=_PAIRING,
+    )
+    weight: str = choice(
+        "Weight", "rejection", "cauchy", "How much less a pair with a large residual counts.",
+        tuple(WEIGHTS), only_for=_PAIRING,
+    )
+    scale: float = number(
+        "Scale of the weight", "rejection", 0.03, "The residual from which a pair counts less.",
+        "m", 0.001, 1.0, 0.001, only_for=_PAIRING,
+    )
+    iterations: float = number("Iterations", "minimiser", 30, "Greatest number of Gauss-Newton steps.", "", 1, 500, 1)
+    score_gate: float = number(
+        "Gate of the score", "score", 0.15, "Points nearer than this to what the other scan measured agree with it.",
+        "m", 0.01, 2.0, 0.01,
+    )
+    least_information: float = number(
+        "Least information", "score", 0.03,
+        "A direction with a smaller share of the information is not known: the match is degenerate.",
+        "", 0.0, 0.5, 0.005,
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, PARAMETERS)
+        check_fields(self)
 
     def with_values(self, values: Mapping[str, Any]) -> MatchConfig:
         """Return the config with some values changed; raise :class:`ConfigError` for unknown names too."""
@@ -161,7 +137,8 @@ class MatchConfig:
         return METHODS[self.method]
 
 
-check_table(MatchConfig, PARAMETERS)
+PARAMETERS = table_of(MatchConfig)
+BY_NAME: Mapping[str, Parameter] = {row.name: row for row in PARAMETERS}
 
 #: Two maps may be moved and turned by anything; within this their walls are found again.
 MAP_CONFIG = MatchConfig(method="global_field", window_m=5.0, window_rad=math.pi)

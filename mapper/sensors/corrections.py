@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from mapper.core.se2 import compose
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import JointLog, each_part
 from mapper.sensors.motion import Motion, offset_along, seconds
 from mapper.sensors.scan import ScanLog, Trajectory
 from mapper.sensors.timed_poses import TimedPoses
@@ -30,9 +31,7 @@ def corrected_log(
     if not (wanted.any() or turned_over or time_offset):
         return log
     if isinstance(log, JointLog):
-        return JointLog.of(
-            [corrected_log(part, wanted, turned_over=turned_over, time_offset=time_offset) for part in log.parts]
-        )
+        return each_part(log, partial(corrected_log, mount=wanted, turned_over=turned_over, time_offset=time_offset))
     x, y, yaw = compose(log.mount, wanted).tolist()
     return replace(
         log,

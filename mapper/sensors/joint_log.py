@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -141,6 +141,61 @@ def sensors_of(log: ScanLog) -> tuple[ScanLog, ...]:
     return log.parts if isinstance(log, JointLog) else (log,)
 
 
+def sensor_numbers(parts: Sequence[ScanLog]) -> Int64Array:
+    """Return the number of the sensor that each part is of, in the order of their first parts.
+
+    Parts of one topic and frame are one sensor, whose scans have different beams or limits.
+    """
+    known: dict[tuple[str, str] | int, int] = {}
+    names = [(part.topic, part.frame_id) if part.topic else number for number, part in enumerate(parts)]
+    return np.array([known.setdefault(name, len(known)) for name in names], dtype=np.int64)
+
+
+def by_sensor(log: ScanLog) -> list[tuple[ScanLog, Int64Array]]:
+    """Return the log of each sensor of a log (:func:`sensor_numbers`), and which of the log's scans its scans are."""
+    if not isinstance(log, JointLog):
+        return [(log, np.arange(log.n_scans))]
+    of_part = sensor_numbers(log.parts)
+    found = []
+    for number in range(of_part.max() + 1):
+        numbers = np.flatnonzero(of_part == number)
+        parts = [log.parts[k] for k in numbers.tolist()]
+        sensor = parts[0] if len(parts) == 1 else log if len(parts) == len(log.parts) else JointLog.of(parts)
+        found.append((sensor, np.flatnonzero(np.isin(log.part_of_scan, numbers))))
+    return found
+
+
+def each_part(log: ScanLog, changed: Callable[[ScanLog], ScanLog]) -> ScanLog:
+    """Return a log with ``changed`` applied to each of its parts, which keeps their scans; or to itself."""
+    return JointLog.of([changed(part) for part in log.parts]) if isinstance(log, JointLog) else changed(log)
+
+
+def with_trajectories(log: ScanLog, trajectories: Mapping[str, Trajectory]) -> ScanLog:
+    """Return a log, and its parts, with these trajectories and no others, and without its odometry."""
+    if not isinstance(log, JointLog):
+        return replace(log, trajectories=trajectories, odometry=None)
+    owners = [log.part_of_scan == number for number in range(len(log.parts))]
+    return JointLog.of(
+        [
+            replace(
+                part,
+                trajectories={name: replace(one, poses=one.poses[own]) for name, one in trajectories.items()},
+                odometry=None,
+            )
+            for part, own in zip(log.parts, owners, strict=True)
+        ]
+    )
+
+
+def is_measured(log: ScanLog) -> NDArray[np.bool_]:
+    """Return which readings (n_scans, n_beams) are measured ranges, by the limits of the sensor that took them."""
+    least, greatest = (
+        np.array([getattr(part, name) for part in sensors_of(log)])[part_of_scan(log), np.newaxis]
+        for name in ("range_min", "range_max")
+    )
+    return np.asarray((log.ranges >= least) & (log.ranges <= greatest))
+
+
 def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> ScanLog:
     """Return a log with more notes, behind its own or, with ``first``, before them; a joint log's first part too."""
     if not notes:
@@ -151,9 +206,14 @@ def with_notes(log: ScanLog, notes: Sequence[str], *, first: bool = False) -> Sc
     return replace(log, notes=both, parts=(with_notes(log.parts[0], notes, first=first), *log.parts[1:]))
 
 
-def sensor_of_scan(log: ScanLog) -> Int64Array:
-    """Return which of the log's sensors each scan (n_scans,) is of."""
+def part_of_scan(log: ScanLog) -> Int64Array:
+    """Return which of :func:`sensors_of` a log each scan (n_scans,) is of."""
     return log.part_of_scan if isinstance(log, JointLog) else np.zeros(log.n_scans, dtype=np.int64)
+
+
+def sensor_of_scan(log: ScanLog) -> Int64Array:
+    """Return the number of the sensor (:func:`sensor_numbers`) that each scan (n_scans,) is of."""
+    return sensor_numbers(sensors_of(log))[part_of_scan(log)]
 
 
 def _notes_on_clocks(logs: Sequence[ScanLog]) -> list[str]:

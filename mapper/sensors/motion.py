@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.sensors.joint_log import JointLog, each_part
 from mapper.sensors.scan import MAX_STATED_S, ScanLog
 from mapper.sensors.timed_poses import TimedPoses, number_before, poses_at, poses_between
 
@@ -82,7 +83,12 @@ def seconds(log: ScanLog) -> Float64Array:
 
 
 def can_deskew(log: ScanLog, trajectory: str | None = None) -> bool:
-    """Return whether the beams of a scan were measured at times that are known, while the robot's poses are."""
+    """Return whether the beams of a scan were measured at times that are known, while the robot's poses are.
+
+    Of several sensors, whether those of any were.
+    """
+    if isinstance(log, JointLog):
+        return any(can_deskew(part, trajectory) for part in log.parts)
     stated = 0.0 < abs(log.time_increment) <= MAX_STATED_S
     if not stated or log.n_beams < 2 or log.trajectory(trajectory).is_placeholder:
         return False
@@ -95,9 +101,11 @@ def at_middle_of_sweep(log: ScanLog, trajectory: str | None = None, time_offset:
     It is for judging a log by few of its scans: the best single pose of a scan whose beams cannot be deskewed. Scans
     for whose sweep the poses are not dense, as :meth:`Motion.is_dense`, keep the pose at their stamps. ``time_offset``
     seconds are added to the stamps to find the poses; scans that the trajectory does not cover then are NaN. The log
-    that is returned states no time increment.
+    that is returned states no time increment. Of several sensors each is taken so.
     """
     name = trajectory or log.default_trajectory
+    if isinstance(log, JointLog):
+        return each_part(log, lambda part: at_middle_of_sweep(part, name, time_offset))
     way = log.trajectory(name)
     time_offset = offset_along(log, name, time_offset)
     times, sweep, ranges = seconds(log) + time_offset, 0.0, log.ranges

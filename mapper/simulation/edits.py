@@ -65,7 +65,7 @@ class Edits:
 
         Raises :class:`ConfigError` for anything else.
         """
-        if not isinstance(added, list) or not all(isinstance(row, list) and len(row) == 5 for row in added):
+        if not isinstance(added, list) or not all(isinstance(row, list | tuple) and len(row) == 5 for row in added):
             raise ConfigError("edit.added", "What was added is a list of [kind, x0, y0, x1, y1].")
         if not isinstance(erased, list) or not all(isinstance(i, int) and not isinstance(i, bool) for i in erased):
             raise ConfigError("edit.erased", "What was erased is a list of whole numbers.")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.core.parameter import check_fields, check_names, flag, table_of
 from mapper.simulation.kernels.reflection import reflect
 from mapper.simulation.lidar import SensorConfig, pose_of, ranges_at
 from mapper.simulation.robot import PoseTuple
@@ -29,22 +29,6 @@ _MOST_SINE = math.sin(SPECULAR_ANGLE)
 _LENGTHENED = np.array([0.0, np.inf], dtype=np.float16)  # of a lidar's beam that returns and of one that does not
 
 
-FAULT_PARAMETERS: tuple[Parameter, ...] = (
-    Parameter(
-        "drift", "Odometry drift", "faults", "flag", False,
-        "Make the map with the poses that the wheels report, which drift, instead of the true ones.",
-    ),
-    Parameter(
-        "slam", "SLAM while driving", "faults", "flag", False,
-        "Correct the drifting poses with SLAM of the scans, as the robot drives; without drift there is no effect.",
-    ),
-    Parameter(
-        "specular", "Polished walls", "faults", "flag", False,
-        "Long straight walls reflect a slanting beam away, so that it does not return.",
-    ),
-)  # fmt: skip
-
-
 @dataclass(frozen=True, slots=True)
 class Faults:
     """One value for each row of :data:`FAULT_PARAMETERS`: the faults that the map is made with.
@@ -55,12 +39,23 @@ class Faults:
     Raises :class:`mapper.core.errors.ConfigError` for a value that is not true or false.
     """
 
-    drift: bool = False
-    slam: bool = False
-    specular: bool = False
+    # fmt: off
+    drift: bool = flag(
+        "Odometry drift", "faults", False,
+        "Make the map with the poses that the wheels report, which drift, instead of the true ones.",
+    )
+    slam: bool = flag(
+        "SLAM while driving", "faults", False,
+        "Correct the drifting poses with SLAM of the scans, as the robot drives; without drift there is no effect.",
+    )
+    specular: bool = flag(
+        "Polished walls", "faults", False,
+        "Long straight walls reflect a slanting beam away, so that it does not return.",
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, FAULT_PARAMETERS)
+        check_fields(self)
 
     def with_values(self, values: Mapping[str, Any]) -> Faults:
         """Return a copy with some values replaced; raise :class:`mapper.core.errors.ConfigError` for an unknown name
@@ -82,7 +77,7 @@ class Faults:
         return self.trajectory == "slam"
 
 
-check_table(Faults, FAULT_PARAMETERS)
+FAULT_PARAMETERS = table_of(Faults)
 
 
 @lru_cache(maxsize=16)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.core.parameter import Parameter, check_fields, check_names, choice, number, table_of
 from mapper.sensors.scan import LaserScan
 from mapper.simulation.kernels.lidar import add_noise, cast_rays
 from mapper.simulation.robot import PoseTuple
@@ -21,70 +21,48 @@ from mapper.simulation.worlds import Float64Array, World
 TURN = 2.0 * np.pi
 RANGE_MIN = 0.02  #: metres: no reading is shorter, whatever the noise
 
-SENSOR_PARAMETERS: tuple[Parameter, ...] = (
-    Parameter(
-        "kind", "Sensor", "sensor", "choice", "lidar",
-        "A lidar has many thin beams; a sonar measures the nearest object in a cone, without its bearing.",
-        choices=("lidar", "sonar_ring"),
-    ),
-    Parameter(
-        "n_beams", "Beams", "sensor", "number", 360,
-        "Beams in each scan, spread evenly over the field of view.",
-        low=30, high=1080, step=30, only_for=("lidar",),
-    ),
-    Parameter(
-        "n_sonars", "Sonars", "sensor", "number", 16,
-        "Sonars of the ring, spread evenly over the field of view.",
-        low=4, high=48, step=1, only_for=("sonar_ring",),
-    ),
-    Parameter(
-        "beam_width", "Cone of a sonar", "sensor", "number", 0.35,
-        "The angle, from edge to edge, in which a sonar hears an echo.",
-        unit="rad", low=0.05, high=1.0, step=0.01, only_for=("sonar_ring",),
-    ),
-    Parameter(
-        "field_of_view", "Field of view", "sensor", "number", TURN,
-        "The angle that a scan covers, centred straight ahead.",
-        unit="rad", low=TURN / 12, high=TURN, step=TURN / 72,
-    ),
-    Parameter(
-        "range_max", "Sensor range", "sensor", "number", 10.0,
-        "The farthest the sensor can measure; a beam that meets nothing nearer returns nothing.",
-        unit="m", low=1.0, high=30.0, step=0.5,
-    ),
-    Parameter(
-        "range_noise", "Range noise σ", "sensor", "number", 0.01,
-        "Standard deviation of a reading about the true range.",
-        unit="m", low=0.0, high=0.5, step=0.005,
-    ),
-    Parameter(
-        "scan_rate", "Scan rate", "sensor", "number", 10.0,
-        "Scans in a second.",
-        unit="Hz", low=1.0, high=25.0, step=1.0,
-    ),
-)  # fmt: skip
-
-BY_NAME: Mapping[str, Parameter] = {row.name: row for row in SENSOR_PARAMETERS}
-
 
 @dataclass(frozen=True, slots=True)
 class SensorConfig:
-    """One value for each row of :data:`SENSOR_PARAMETERS`; units and meanings are in the table.
+    """One value for each row of :data:`SENSOR_PARAMETERS`; each field states its unit and meaning.
 
     Raises :class:`ConfigError` naming the field that is refused.
     """
 
-    kind: str = "lidar"
-    n_beams: int = 360
-    n_sonars: int = 16
-    beam_width: float = 0.35
-    field_of_view: float = TURN
-    range_max: float = 10.0
-    range_noise: float = 0.01
-    scan_rate: float = 10.0
+    # fmt: off
+    kind: str = choice(
+        "Sensor", "sensor", "lidar",
+        "A lidar has many thin beams; a sonar measures the nearest object in a cone, without its bearing.",
+        ("lidar", "sonar_ring"),
+    )
+    n_beams: int = number(
+        "Beams", "sensor", 360, "Beams in each scan, spread evenly over the field of view.",
+        "", 30, 1080, 30, only_for=("lidar",),
+    )
+    n_sonars: int = number(
+        "Sonars", "sensor", 16, "Sonars of the ring, spread evenly over the field of view.",
+        "", 4, 48, 1, only_for=("sonar_ring",),
+    )
+    beam_width: float = number(
+        "Cone of a sonar", "sensor", 0.35, "The angle, from edge to edge, in which a sonar hears an echo.",
+        "rad", 0.05, 1.0, 0.01, only_for=("sonar_ring",),
+    )
+    field_of_view: float = number(
+        "Field of view", "sensor", TURN, "The angle that a scan covers, centred straight ahead.",
+        "rad", TURN / 12, TURN, TURN / 72,
+    )
+    range_max: float = number(
+        "Sensor range", "sensor", 10.0,
+        "The farthest the sensor can measure; a beam that meets nothing nearer returns nothing.", "m", 1.0, 30.0, 0.5,
+    )
+    range_noise: float = number(
+        "Range noise σ", "sensor", 0.01, "Standard deviation of a reading about the true range.", "m", 0.0, 0.5, 0.005,
+    )
+    scan_rate: float = number("Scan rate", "sensor", 10.0, "Scans in a second.", "Hz", 1.0, 25.0, 1.0)
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, SENSOR_PARAMETERS)
+        check_fields(self)
         for name, label in (("n_beams", "Beams"), ("n_sonars", "Sonars")):
             value = getattr(self, name)
             if value != int(value):
@@ -127,7 +105,8 @@ class SensorConfig:
         return SensorConfig(**(asdict(self) | dict(values)))
 
 
-check_table(SensorConfig, SENSOR_PARAMETERS)
+SENSOR_PARAMETERS = table_of(SensorConfig)
+BY_NAME: Mapping[str, Parameter] = {row.name: row for row in SENSOR_PARAMETERS}
 
 
 @lru_cache(maxsize=64)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_names, check_table
+from mapper.core.parameter import check_fields, check_names, choice, number, table_of
 from mapper.core.se3 import from_euler
 from mapper.sensors.camera import Intrinsics
 from mapper.sensors.depth_image import DepthImage
@@ -20,79 +20,61 @@ from mapper.simulation.lidar import RANGE_MIN, TURN
 from mapper.simulation.space import cast
 from mapper.simulation.worlds import Float64Array, World
 
-SENSOR_3D_PARAMETERS: tuple[Parameter, ...] = (
-    Parameter(
-        "sensor", "3D sensor", "sensor_3d", "choice", "spinning_lidar",
-        "A spinning lidar has rings of beams; a tilted one has one plane, swept by the robot; a depth camera "
-        "measures every pixel of an image.",
-        choices=("spinning_lidar", "tilted_lidar", "depth_camera"),
-    ),
-    Parameter(
-        "mount_height", "Height of its mount", "sensor_3d", "number", 0.6, "Height of the sensor above the ground.",
-        unit="m", low=0.1, high=1.8, step=0.05,
-    ),
-    Parameter(
-        "tilt", "Tilt", "sensor_3d", "number", 0.25, "How far its axis points below the horizon.",
-        unit="rad", low=-0.8, high=0.8, step=0.05, only_for=("tilted_lidar", "depth_camera"),
-    ),
-    Parameter(
-        "rings", "Rings", "sensor_3d", "number", 16, "Rings of beams, spread evenly over the vertical field of view.",
-        low=4, high=32, step=1, only_for=("spinning_lidar",),
-    ),
-    Parameter(
-        "vertical_view", "Vertical field of view", "sensor_3d", "number", math.radians(30.0),
-        "The angle between the lowest and the highest ring, half of it below the horizon.",
-        unit="rad", low=0.1, high=1.6, step=0.02, only_for=("spinning_lidar",),
-    ),
-    Parameter(
-        "beams", "Beams", "sensor_3d", "number", 360, "Beams of a ring, or of the plane, in a turn.",
-        low=60, high=720, step=30, only_for=("spinning_lidar", "tilted_lidar"),
-    ),
-    Parameter(
-        "columns", "Columns", "sensor_3d", "number", 96, "Columns of the depth image, which has 4 : 3.",
-        low=16, high=160, step=16, only_for=("depth_camera",),
-    ),
-    Parameter(
-        "view", "Field of view", "sensor_3d", "number", 1.2, "Angle between the left and the right border of an image.",
-        unit="rad", low=0.4, high=2.0, step=0.05, only_for=("depth_camera",),
-    ),
-    Parameter(
-        "reach", "3D range", "sensor_3d", "number", 8.0,
-        "The farthest the sensor can measure; a beam that meets nothing nearer returns nothing.",
-        unit="m", low=1.0, high=20.0, step=0.5,
-    ),
-    Parameter(
-        "noise", "3D noise σ", "sensor_3d", "number", 0.01, "Standard deviation of a reading about the true distance.",
-        unit="m", low=0.0, high=0.3, step=0.005,
-    ),
-    Parameter(
-        "rate", "3D scan rate", "sensor_3d", "number", 4.0, "Scans or images in a second.",
-        unit="Hz", low=0.5, high=10.0, step=0.5,
-    ),
-)  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True)
 class Sensor3D:
-    """One value for each row of :data:`SENSOR_3D_PARAMETERS`; units and meanings are in the table.
+    """One value for each row of :data:`SENSOR_3D_PARAMETERS`; each field states its unit and meaning.
 
     Raises :class:`ConfigError` naming the field that is refused.
     """
 
-    sensor: str = "spinning_lidar"
-    mount_height: float = 0.6
-    tilt: float = 0.25
-    rings: int = 16
-    vertical_view: float = math.radians(30.0)
-    beams: int = 360
-    columns: int = 96
-    view: float = 1.2
-    reach: float = 8.0
-    noise: float = 0.01
-    rate: float = 4.0
+    # fmt: off
+    sensor: str = choice(
+        "3D sensor", "sensor_3d", "spinning_lidar",
+        "A spinning lidar has rings of beams; a tilted one has one plane, swept by the robot; a depth camera measures "
+        "every pixel of an image.", ("spinning_lidar", "tilted_lidar", "depth_camera"),
+    )
+    mount_height: float = number(
+        "Height of its mount", "sensor_3d", 0.6, "Height of the sensor above the ground.", "m", 0.1, 1.8, 0.05,
+    )
+    tilt: float = number(
+        "Tilt", "sensor_3d", 0.25, "How far its axis points below the horizon.",
+        "rad", -0.8, 0.8, 0.05, only_for=("tilted_lidar", "depth_camera"),
+    )
+    rings: int = number(
+        "Rings", "sensor_3d", 16, "Rings of beams, spread evenly over the vertical field of view.",
+        "", 4, 32, 1, only_for=("spinning_lidar",),
+    )
+    vertical_view: float = number(
+        "Vertical field of view", "sensor_3d", math.radians(30.0),
+        "The angle between the lowest and the highest ring, half of it below the horizon.",
+        "rad", 0.1, 1.6, 0.02, only_for=("spinning_lidar",),
+    )
+    beams: int = number(
+        "Beams", "sensor_3d", 360, "Beams of a ring, or of the plane, in a turn.",
+        "", 60, 720, 30, only_for=("spinning_lidar", "tilted_lidar"),
+    )
+    columns: int = number(
+        "Columns", "sensor_3d", 96, "Columns of the depth image, which has 4 : 3.",
+        "", 16, 160, 16, only_for=("depth_camera",),
+    )
+    view: float = number(
+        "Field of view", "sensor_3d", 1.2, "Angle between the left and the right border of an image.",
+        "rad", 0.4, 2.0, 0.05, only_for=("depth_camera",),
+    )
+    reach: float = number(
+        "3D range", "sensor_3d", 8.0,
+        "The farthest the sensor can measure; a beam that meets nothing nearer returns nothing.", "m", 1.0, 20.0, 0.5,
+    )
+    noise: float = number(
+        "3D noise σ", "sensor_3d", 0.01, "Standard deviation of a reading about the true distance.",
+        "m", 0.0, 0.3, 0.005,
+    )
+    rate: float = number("3D scan rate", "sensor_3d", 4.0, "Scans or images in a second.", "Hz", 0.5, 10.0, 0.5)
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, SENSOR_3D_PARAMETERS)
+        check_fields(self)
         for name in ("rings", "beams", "columns"):
             value = getattr(self, name)
             if value != int(value):
@@ -116,7 +98,7 @@ class Sensor3D:
         return from_euler((0.0, 0.0, self.mount_height), 0.0, pitch, 0.0)
 
 
-check_table(Sensor3D, SENSOR_3D_PARAMETERS)
+SENSOR_3D_PARAMETERS = table_of(Sensor3D)
 #: Rotation from the optical frame (x right, y down, z ahead) to a sensor's frame (x ahead, y left, z up), REP 103.
 SENSOR_OF_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 

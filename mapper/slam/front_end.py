@@ -164,7 +164,7 @@ class FrontEnd:
         if may_drop and step.agreement >= RELIABLE and self._is_near(sensor):
             self._store.drop_last()
             return replace(step, is_kept=False)
-        self._kept_of[sensor] = i
+        self._kept_of[self._store.sensor_numbers[sensor]] = i
         self._n += 1
         if self._store.count(i) >= LEAST_PAIRS:
             self._seen.append(i)
@@ -179,9 +179,10 @@ class FrontEnd:
 
     def _is_near(self, sensor: int) -> bool:
         """Return whether the newest scan was taken almost where the kept one before of its sensor was."""
-        if sensor not in self._kept_of:
+        kept = self._kept_of.get(self._store.sensor_numbers[sensor])
+        if kept is None:
             return False
-        x, y, yaw = between_one(self._poses[self._kept_of[sensor]].tolist(), self.last.tolist())
+        x, y, yaw = between_one(self._poses[kept].tolist(), self.last.tolist())
         return math.hypot(x, y) < self._config.node_distance and abs(yaw) < self._config.node_turn
 
     def _note_velocity(self, seconds: float | None) -> None:

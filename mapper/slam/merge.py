@@ -20,7 +20,7 @@ from mapper.grid import OccupancyGrid
 from mapper.mapping.integrate import bounds_of_log, grid_for, integrate_log
 from mapper.mapping.parameters import MappingConfig
 from mapper.matching.maps import place_map
-from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.joint_log import sensor_numbers, sensors_of
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import LOOP, PoseGraph
 from mapper.sensors.scan import ScanLog, Trajectory
@@ -187,7 +187,9 @@ class _Joint:
         self._graphs = tuple(one.graph for one in results)
         self.split = len(self._graphs[0].nodes)
         sensors = [sensors_of(log) for log in logs]
-        self._store = ScanStore([*sensors[0], *sensors[1]], config.range_max, int(config.n_beams))
+        first, second = (sensor_numbers(parts).tolist() for parts in sensors)
+        numbers = [*first, *(number + max(first) + 1 for number in second)]
+        self._store = ScanStore([*sensors[0], *sensors[1]], config.range_max, int(config.n_beams), numbers)
         offsets = (0, len(sensors[0]))
         for log, one, offset in zip(logs, results, offsets, strict=True):
             stored_scans(self._store, log, one, offset)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.sensors.joint_log import JointLog, sensor_of_scan, sensors_of
+from mapper.sensors.joint_log import JointLog, part_of_scan, sensors_of
 from mapper.sensors.scan import ScanLog, Trajectory
 
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9_/]")  #: of a topic of ROS 2
@@ -46,7 +46,7 @@ def merged_log(logs: tuple[ScanLog, ScanLog], poses: tuple[Float64Array, Float64
 
 def _sensors(log: ScanLog, poses: Float64Array, name: str, shift: int) -> list[ScanLog]:
     """Return the sensors of a log, with nothing else than their scans along ``poses`` (n_scans, 3) of all of them."""
-    owner = sensor_of_scan(log)
+    owner = part_of_scan(log)
     return [
         replace(
             part,

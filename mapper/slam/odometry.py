@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.se2 import compose, interpolate, inverse
-from mapper.sensors.joint_log import sensor_of_scan, sensors_of
+from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.motion import Motion, can_deskew, seconds
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
@@ -84,7 +84,7 @@ def sweep_velocities(log: ScanLog, name: str) -> Float64Array:
             times, sweep = seconds(part), (part.n_beams - 1) * part.time_increment
             way = Motion.of(part, name)
             moved = compose(inverse(way.at(times)), way.at(times + sweep))
-            out[sensor_of_scan(log) == number] = moved / sweep
+            out[part_of_scan(log) == number] = moved / sweep
     return out
 
 

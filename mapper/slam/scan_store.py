@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError
 from mapper.matching.beams import Beams, scan_rows
 from mapper.matching.kernels.types import NO_POINT, ScanArrays
-from mapper.sensors.joint_log import sensor_of_scan, sensors_of
+from mapper.sensors.joint_log import part_of_scan, sensor_numbers, sensors_of
 from mapper.sensors.scan import ScanLog
 
 FIRST_ROWS = 512  #: scans that the arrays hold at the start; they double
@@ -24,15 +24,20 @@ class ScanStore:
     """Scans of one sensor or several, prepared for matching, in the order in which they were appended.
 
     Beams are turned into the order of their bearing in the base frame, seen from above; of more than ``max_beams``
-    each second, third … is taken. Readings from ``range_max`` metres on are left out. Raises :class:`ConfigError` for
-    sonars and for a sensor of fewer than three beams.
+    each second, third … is taken. Readings from ``range_max`` metres on are left out. ``sensors`` are the numbers of
+    the sensors that the logs are of, None: :func:`sensor_numbers`. Raises :class:`ConfigError` for sonars and for a
+    sensor of fewer than three beams.
     """
 
-    def __init__(self, logs: Sequence[ScanLog], range_max: float, max_beams: int) -> None:
+    def __init__(
+        self, logs: Sequence[ScanLog], range_max: float, max_beams: int, sensors: Sequence[int] | None = None
+    ) -> None:
         for log in logs:
             if log.bearings is not None or log.beam_width > 0.0:
                 raise ConfigError("slam.sonar", "SLAM needs a lidar: a sonar's readings are too wide to be matched.")
         below = float(np.nextafter(range_max, 0.0))
+        numbers = sensor_numbers(logs) if sensors is None else sensors
+        self.sensor_numbers = [int(number) for number in numbers]  #: of the sensor that each log is of
         self._beams = [Beams.of(log, range_max=below, most=max_beams) for log in logs]
         self.can_deskew = any(one.times.any() for one in self._beams)  #: whether the times of beams are known
         self._n = 0
@@ -58,7 +63,7 @@ class ScanStore:
     @property
     def n_sensors(self) -> int:
         """Number of sensors."""
-        return len(self._beams)
+        return max(self.sensor_numbers) + 1
 
     @property
     def arrays(self) -> ScanArrays:
@@ -146,7 +151,7 @@ def scans_of(log: ScanLog, scans: Sequence[int]) -> ScanArrays:
     Raises as :class:`ScanStore`.
     """
     store = ScanStore(sensors_of(log), np.inf, log.n_beams)
-    sensor = sensor_of_scan(log)
+    sensor = part_of_scan(log)
     for scan in scans:
         store.append(log.ranges[scan], int(sensor[scan]), mount=log.mount_of(scan))
     return scan_rows(store.arrays, 0, len(scans))

@@ -14,7 +14,7 @@ import numpy as np
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import wrap_angle
-from mapper.sensors.joint_log import sensor_of_scan
+from mapper.sensors.joint_log import part_of_scan, sensor_of_scan
 from mapper.sensors.motion import seconds
 from mapper.sensors.pose_graph import ODOMETRY, PoseGraph
 from mapper.sensors.scan import ScanLog
@@ -55,7 +55,7 @@ class _Pass:
         self._track: list[Float64Array] = []  # poses of the matched scans by the front end
         self._log, self._times = log, seconds(log)
         self._odometry = None if odometry is None else log.trajectory(odometry).poses
-        self._sensor = sensor_of_scan(log)
+        self._part, self._sensor = part_of_scan(log), sensor_of_scan(log)
         self._wanted = matched_scans(self._sensor, self._odometry, config)
         self._sweeps = None if odometry is None or not self.slam.store.can_deskew else sweep_velocities(log, odometry)
         self._start = log.trajectory(odometry).poses[0]
@@ -74,12 +74,12 @@ class _Pass:
             scan = int(wanted[k])
             passed = float(times[scan] - times[self.matched[-1]]) if self.matched else 0.0
             # Scans of two sensors may be taken at once; of one sensor equal times say nothing.
-            sensor = int(self._sensor[scan])
-            is_other = bool(self.matched) and sensor != self._sensor[self.matched[-1]]
+            is_other = bool(self.matched) and self._sensor[scan] != self._sensor[self.matched[-1]]
             is_known = passed > 0.0 or (passed == 0.0 and is_other)
             self.matched.append(scan)
             moved_poses = slam.add_scan(
-                log.ranges[scan], None if moved is None or k == 0 else moved[k - 1], self._start, sensor=sensor,
+                log.ranges[scan], None if moved is None or k == 0 else moved[k - 1], self._start,
+                sensor=int(self._part[scan]),
                 seconds=passed if is_known else None, velocity=None if self._sweeps is None else self._sweeps[scan],
                 may_drop=moved is None and k + 1 < len(wanted), mount=log.mount_of(scan),
             )  # fmt: skip
@@ -290,7 +290,7 @@ def stored_scans(store: ScanStore, log: ScanLog, result: SlamResult, first_senso
 
     ``first_sensor`` is the number of the log's first sensor in the store.
     """
-    nodes, sensor = result.graph.nodes, sensor_of_scan(log)
+    nodes, sensor = result.graph.nodes, part_of_scan(log)
     velocities = velocities_along(seconds(log)[nodes], result.graph.poses)
     if result.odometry is not None and store.can_deskew:
         velocities = sweep_velocities(log, result.odometry)[nodes]

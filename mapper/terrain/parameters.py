@@ -4,152 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mapper.core.parameter import Parameter, check_fields, check_table
-
-GROUND_PARAMETERS = (
-    Parameter("cell", "cell", "ground", "number", 1.0, "Side of the cells of the filter.", "m", 0.05, 20.0, 0.05),
-    Parameter("slope", "slope", "ground", "number", 0.15, "Steepest ground, rise over run.", "", 0.01, 2.0, 0.01),
-    Parameter("window", "window", "ground", "number", 18.0, "Radius of the largest disc.", "m", 0.1, 100.0, 0.1),
-    Parameter(
-        "height", "height", "ground", "number", 0.5, "A ground point's distance from flat ground.", "m", 0.01, 5.0, 0.01
-    ),
-    Parameter(
-        "scaling",
-        "scaling",
-        "ground",
-        "number",
-        1.25,
-        "More distance where it is steep, times the slope.",
-        "m",
-        0.0,
-        5.0,
-        0.05,
-    ),
-    Parameter(
-        "low_slope",
-        "low slope",
-        "ground",
-        "number",
-        5.0,
-        "A cell that lies deeper among its neighbours is an outlier.",
-        "",
-        0.5,
-        50.0,
-        0.5,
-    ),
-    Parameter(
-        "passes",
-        "passes",
-        "ground",
-        "number",
-        2.0,
-        "How often the surface is made; after the first time of ground points.",
-        "",
-        1.0,
-        5.0,
-        1.0,
-    ),
-)
-
-PATCH_PARAMETERS = (
-    Parameter("patch", "patch", "patches", "number", 1.0, "Side of a patch.", "m", 0.01, 100.0, 0.01),
-    Parameter(
-        "min_points", "points", "patches", "number", 3.0, "A patch with fewer points is unknown.", "", 3.0, 1000.0, 1.0
-    ),
-    Parameter(
-        "max_slope", "greatest slope", "patches", "number", 20.0, "Slope that is unsafe by itself.", "°", 1.0, 89.0, 1.0
-    ),
-    Parameter(
-        "max_roughness",
-        "greatest roughness",
-        "patches",
-        "number",
-        0.15,
-        "Roughness that is unsafe by itself.",
-        "m",
-        0.001,
-        5.0,
-        0.001,
-    ),
-    Parameter(
-        "max_step",
-        "greatest step",
-        "patches",
-        "number",
-        0.3,
-        "Step between patches that is unsafe by itself.",
-        "m",
-        0.001,
-        5.0,
-        0.001,
-    ),
-    Parameter(
-        "fit",
-        "fit",
-        "patches",
-        "choice",
-        "least_squares",
-        "Planes of all points by least squares, or only of those that RANSAC keeps.",
-        choices=("least_squares", "ransac"),
-    ),
-    Parameter(
-        "fit_distance",
-        "RANSAC distance",
-        "patches",
-        "number",
-        0.1,
-        "RANSAC keeps points up to this far from the plane of most.",
-        "m",
-        0.005,
-        5.0,
-        0.005,
-    ),
-    Parameter(
-        "rule",
-        "rule",
-        "patches",
-        "choice",
-        "weighted_sum",
-        "Unsafe: the weighted sum of the three ratios is above 1, or one of them alone (thresholds).",
-        choices=("weighted_sum", "thresholds"),
-    ),
-    Parameter(
-        "slope_weight",
-        "weight of the slope",
-        "patches",
-        "number",
-        1.0,
-        "Weight of slope / greatest slope.",
-        "",
-        0.0,
-        1.0,
-        0.05,
-    ),
-    Parameter(
-        "roughness_weight",
-        "weight of the roughness",
-        "patches",
-        "number",
-        1.0,
-        "Weight of roughness / greatest roughness.",
-        "",
-        0.0,
-        1.0,
-        0.05,
-    ),
-    Parameter(
-        "step_weight",
-        "weight of the step",
-        "patches",
-        "number",
-        1.0,
-        "Weight of step / greatest step.",
-        "",
-        0.0,
-        1.0,
-        0.05,
-    ),
-)
+from mapper.core.parameter import check_fields, choice, number, table_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,16 +15,25 @@ class GroundConfig:
     :class:`mapper.core.errors.ConfigError` for an invalid value.
     """
 
-    cell: float = 1.0
-    slope: float = 0.15
-    window: float = 18.0
-    height: float = 0.5
-    scaling: float = 1.25
-    low_slope: float = 5.0
-    passes: float = 2.0
+    # fmt: off
+    cell: float = number("cell", "ground", 1.0, "Side of the cells of the filter.", "m", 0.05, 20.0, 0.05)
+    slope: float = number("slope", "ground", 0.15, "Steepest ground, rise over run.", "", 0.01, 2.0, 0.01)
+    window: float = number("window", "ground", 18.0, "Radius of the largest disc.", "m", 0.1, 100.0, 0.1)
+    height: float = number("height", "ground", 0.5, "A ground point's distance from flat ground.", "m", 0.01, 5.0, 0.01)
+    scaling: float = number(
+        "scaling", "ground", 1.25, "More distance where it is steep, times the slope.", "m", 0.0, 5.0, 0.05,
+    )
+    low_slope: float = number(
+        "low slope", "ground", 5.0, "A cell that lies deeper among its neighbours is an outlier.", "", 0.5, 50.0, 0.5,
+    )
+    passes: float = number(
+        "passes", "ground", 2.0, "How often the surface is made; after the first time of ground points.",
+        "", 1.0, 5.0, 1.0,
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, GROUND_PARAMETERS)
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,21 +43,43 @@ class PatchConfig:
     Raises :class:`mapper.core.errors.ConfigError` for an invalid value.
     """
 
-    patch: float = 1.0
-    min_points: float = 3.0
-    max_slope: float = 20.0
-    max_roughness: float = 0.15
-    max_step: float = 0.3
-    fit: str = "least_squares"
-    fit_distance: float = 0.1
-    rule: str = "weighted_sum"
-    slope_weight: float = 1.0
-    roughness_weight: float = 1.0
-    step_weight: float = 1.0
+    # fmt: off
+    patch: float = number("patch", "patches", 1.0, "Side of a patch.", "m", 0.01, 100.0, 0.01)
+    min_points: float = number("points", "patches", 3.0, "A patch with fewer points is unknown.", "", 3.0, 1000.0, 1.0)
+    max_slope: float = number("greatest slope", "patches", 20.0, "Slope that is unsafe by itself.", "°", 1.0, 89.0, 1.0)
+    max_roughness: float = number(
+        "greatest roughness", "patches", 0.15, "Roughness that is unsafe by itself.", "m", 0.001, 5.0, 0.001,
+    )
+    max_step: float = number(
+        "greatest step", "patches", 0.3, "Step between patches that is unsafe by itself.", "m", 0.001, 5.0, 0.001,
+    )
+    fit: str = choice(
+        "fit", "patches", "least_squares", "Planes of all points by least squares, or only of those that RANSAC keeps.",
+        ("least_squares", "ransac"),
+    )
+    fit_distance: float = number(
+        "RANSAC distance", "patches", 0.1, "RANSAC keeps points up to this far from the plane of most.",
+        "m", 0.005, 5.0, 0.005,
+    )
+    rule: str = choice(
+        "rule", "patches", "weighted_sum",
+        "Unsafe: the weighted sum of the three ratios is above 1, or one of them alone (thresholds).",
+        ("weighted_sum", "thresholds"),
+    )
+    slope_weight: float = number(
+        "weight of the slope", "patches", 1.0, "Weight of slope / greatest slope.", "", 0.0, 1.0, 0.05,
+    )
+    roughness_weight: float = number(
+        "weight of the roughness", "patches", 1.0, "Weight of roughness / greatest roughness.", "", 0.0, 1.0, 0.05,
+    )
+    step_weight: float = number(
+        "weight of the step", "patches", 1.0, "Weight of step / greatest step.", "", 0.0, 1.0, 0.05,
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, PATCH_PARAMETERS)
+        check_fields(self)
 
 
-check_table(GroundConfig, GROUND_PARAMETERS)
-check_table(PatchConfig, PATCH_PARAMETERS)
+GROUND_PARAMETERS = table_of(GroundConfig)
+PATCH_PARAMETERS = table_of(PatchConfig)

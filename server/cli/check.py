@@ -13,7 +13,9 @@ from server.cli.common import (
     AsJson,
     LogPath,
     Mount,
+    TfTopic,
     TopicNames,
+    TumTrajectory,
     configured,
     fail,
     given_parameters,
@@ -51,6 +53,8 @@ def check(
     ] = False,
     topic: TopicNames = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to judge. [the log's first]")] = None,
+    tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     mount: Mount = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
@@ -67,7 +71,7 @@ def check(
     except MapperError as error:
         fail(f"--no-findings: {error.message}")
     config = configured(given_parameters(parameters, mount))
-    scans = read_joint(log, topic or ())
+    scans = read_joint(log, topic or (), tum_trajectory, tf)
     with refusing(log), progress_bar("Checking") as bar:
         verdict = judge(scans, Limits(max_drift, min_sharpness, names, possible), trajectory, config, bar)
     if as_json:

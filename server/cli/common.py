@@ -235,7 +235,7 @@ def read_log(path: Path, topic: str | None = None, tum: Path | None = None, tf: 
 
     with refusing(path), progress_bar("Reading") as progress:
         log = open_log(path, topic=topic, tf=tf, progress=progress)
-    return _with_tum(log, tum)
+    return with_tum(log, tum)
 
 
 def read_sensors(
@@ -250,7 +250,7 @@ def read_sensors(
 
     with refusing(path), progress_bar("Reading") as progress:
         robot = open_robot_log(path, selection=Selection(tuple(topics), cut, tf), progress=progress)
-    return tuple(_with_tum(log, tum) for log in robot.sensors.values())
+    return tuple(with_tum(log, tum) for log in robot.sensors.values())
 
 
 def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None, tf: str | None = None) -> ScanLog:
@@ -262,7 +262,27 @@ def read_joint(path: Path, topics: Sequence[str], tum: Path | None = None, tf: s
         return logs[0] if len(logs) == 1 else JointLog.of(logs)
 
 
-def _with_tum(log: ScanLog, tum: Path | None) -> ScanLog:
+def with_corrections(path: Path, log: ScanLog, mapping: MappingConfig) -> ScanLog:
+    """Return the log with the correction of its mount and of its clock, as its map with these parameters has it.
+
+    The command ends where the mounts of several sensors would be corrected.
+    """
+    from mapper.mapping.corrections import as_mapped  # noqa: PLC0415 - start-up
+    from mapper.sensors.joint_log import by_sensor  # noqa: PLC0415 - start-up
+
+    check_mount(len(by_sensor(log)), mapping)
+    with refusing(path):
+        return as_mapped(log, mapping)
+
+
+def check_mount(n_sensors: int, mapping: MappingConfig) -> None:
+    """End the command where a correction of the mount was given, and several sensors are taken."""
+    if n_sensors > 1 and (any(mapping.mount) or mapping.mount_upside_down):
+        fail("A correction of the mount is for one sensor; give one --topic with it.")
+
+
+def with_tum(log: ScanLog, tum: Path | None) -> ScanLog:
+    """Return the log with the trajectory of a TUM file, if one is given, or end the command with an error."""
     if tum is None:
         return log
     from mapper.io.trajectories import read_tum, with_trajectory  # noqa: PLC0415 - start-up

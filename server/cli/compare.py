@@ -14,8 +14,10 @@ from server.cli.common import (
     AsJson,
     LogPath,
     Mount,
+    TfTopic,
     TopicName,
     TrajectoryName,
+    TumTrajectory,
     configured,
     fail,
     given_parameters,
@@ -41,6 +43,8 @@ def compare(
     other_trajectory: Annotated[
         str | None, typer.Option(metavar="NAME", help="Poses of the second map. [those of the first]")
     ] = None,
+    tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     mount: Mount = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each row of the table
@@ -65,7 +69,7 @@ def compare(
     ]
     grids = []
     for path, sensor, poses, wanted in sides:
-        scans = read_log(path, sensor)
+        scans = read_log(path, sensor, tum_trajectory if path == log else None, tf)
         config = configured(sensor_defaults(scans.beam_width, wanted))
         with refusing(path):
             grid = grid_for(scans, config, poses)

@@ -12,17 +12,21 @@ from server.cli.app import app
 from server.cli.common import (
     AsJson,
     LogPath,
+    Mount,
     TfTopic,
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    configured,
     fail,
+    given_parameters,
     numbers,
     print_json,
     progress_bar,
     read_joint,
-    read_log,
     refusing,
+    with_corrections,
+    with_parameter_options,
 )
 
 if TYPE_CHECKING:
@@ -36,6 +40,7 @@ LEAST_CONVERGED = 0.5  #: of the scans since the filter first converged: a small
 
 
 @app.command()
+@with_parameter_options("mount_upside_down", "time_offset")
 def localize(
     log: LogPath,
     map_file: Annotated[Path, typer.Option("--map", metavar="MAP.yaml", help="The map, or a map of CMU's course.")],
@@ -63,12 +68,15 @@ def localize(
     trajectory: TrajectoryName = None,
     tum_trajectory: TumTrajectory = None,
     tf: TfTopic = None,
+    mount: Mount = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Find the robot of a log in a map, by its odometry and its scans (Monte Carlo localization)."""
     from mapper.io.maps import load_map  # noqa: PLC0415 - start-up
     from mapper.localization import localize_log  # noqa: PLC0415 - start-up
 
+    mapping = configured(given_parameters(parameters, mount))
     begin = None
     if initial_pose is not None:
         begin = numbers("--initial-pose", "three numbers, X,Y,YAW in metres and radians", 3, initial_pose)
@@ -84,9 +92,7 @@ def localize(
             out.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             fail(f"{out}: the file cannot be written: {error.strerror}.")
-    topics = list(dict.fromkeys(topic or ()))
-    one = topics[0] if topics else None
-    scans = read_joint(log, topics, tum_trajectory, tf) if len(topics) > 1 else read_log(log, one, tum_trajectory, tf)
+    scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), mapping)
     with progress_bar("Localizing") as bar:
         try:
             found = localize_log(

@@ -16,9 +16,11 @@ from server.cli.clouds import print_cloud, print_depth_folder
 from server.cli.common import (
     AsJson,
     LogPath,
+    Mount,
     TfTopic,
     TopicName,
     TopicNames,
+    TrajectoryName,
     TumTrajectory,
     configured,
     fail,
@@ -27,7 +29,9 @@ from server.cli.common import (
     progress_bar,
     read_joint,
     refusing,
+    with_corrections,
     with_parameter_options,
+    with_tum,
 )
 from server.cli.held import (
     clouds_facts,
@@ -52,9 +56,12 @@ TEXT_ENDINGS = {".xyz", ".pts", ".csv", ".asc", ".txt"}  #: of clouds as text, w
 
 
 @app.command()
+@with_parameter_options("mount_upside_down", "time_offset")
 def info(
     log: LogPath,
     topic: TopicName = None,
+    trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
     tf: TfTopic = None,
     contents: Annotated[
         bool, typer.Option(help="Go through the whole recording for the size, span and rate of every topic.")
@@ -67,7 +74,9 @@ def info(
             "log that is not read, or read wrong.",
         ),
     ] = False,
+    mount: Mount = None,
     as_json: AsJson = False,
+    **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
     """Print the contents of a log, a recording, a point cloud, a scan graph, depth images, an octree or a mesh."""
     if report:
@@ -88,8 +97,9 @@ def info(
         print_held(log, read, as_json=as_json)
         return
     robot, topics = read
-    facts = asdict(summarise(robot.first))
-    facts["notes"] = [*facts["notes"], *_causes(robot.first)]
+    scans = with_tum(robot.first, tum_trajectory)
+    facts = asdict(summarise(scans))
+    facts["notes"] = [*facts["notes"], *_causes(scans, trajectory, given_parameters(parameters, mount))]
     facts["contents"] = contents_facts(topics)
     facts["clouds"], facts["imus"] = clouds_facts(robot.clouds), imus_facts(robot.imus)
     if as_json:
@@ -107,8 +117,8 @@ def info(
         f"  sensor on the robot at {', '.join(f'{value:g}' for value in facts['mount'])} (m, m, rad)"
         + (", upside-down" if facts["upside_down"] else "")
     )
-    for trajectory in facts["trajectories"]:
-        typer.echo(f"  trajectory {trajectory['name']}: {trajectory['length_m']:.1f} m, {trajectory['description']}")
+    for way in facts["trajectories"]:
+        typer.echo(f"  trajectory {way['name']}: {way['length_m']:.1f} m, {way['description']}")
     held = {one["name"]: one for one in facts["contents"]}
     for one in facts["topics"]:
         more = held.pop(one["name"], None)
@@ -138,12 +148,14 @@ def _write_report(path: Path) -> None:
     )
 
 
-def _causes(log: ScanLog) -> list[str]:
-    """Return a note on what makes the log's map bad, as far as the readings alone tell it."""
-    from mapper.diagnosis.readings import max_range_finding  # noqa: PLC0415 - start-up
-    from server.cli.drift import cause_line  # noqa: PLC0415 - start-up
+def _causes(log: ScanLog, trajectory: str | None, given: dict[str, Any]) -> list[str]:
+    """Return the note of ``map`` on what makes the log's map bad, if it is known."""
+    from mapper.mapping.sensor_defaults import sensor_defaults  # noqa: PLC0415 - start-up
+    from server.cli.drift import cause_and_drift  # noqa: PLC0415 - start-up
 
-    return [cause_line(one) for one in max_range_finding(log)]
+    config = configured(sensor_defaults(log.beam_width, given))
+
+    return [said for said in cause_and_drift(log, trajectory, config) if said]
 
 
 def _print_cloud(path: Path, *, as_json: bool) -> bool:
@@ -222,13 +234,14 @@ FEW = 5  #: scan numbers printed per finding
 
 
 @app.command()
-@with_parameter_options("time_offset")
+@with_parameter_options("mount_upside_down", "time_offset")
 def doctor(
     log: LogPath,
     topic: TopicNames = None,
     trajectory: Annotated[str | None, typer.Option(metavar="NAME", help="Poses to examine. [the log's first]")] = None,
     tum_trajectory: TumTrajectory = None,
     tf: TfTopic = None,
+    mount: Mount = None,
     as_json: AsJson = False,
     **parameters: Any,  # noqa: ANN401 - one option for each named row of the table
 ) -> None:
@@ -238,8 +251,9 @@ def doctor(
     """
     from mapper.diagnosis import diagnose  # noqa: PLC0415 - start-up
 
-    config = configured(given_parameters(parameters))
-    scans = read_joint(log, topic or (), tum_trajectory, tf)
+    config = configured(given_parameters(parameters, mount))
+    of_mount = replace(config, time_offset=0.0)  # the doctor takes the offset into account itself
+    scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), of_mount)
     with refusing(log), progress_bar("Examining") as bar:
         diagnosis = diagnose(scans, trajectory, bar, time_offset=config.time_offset)
     found, events = diagnosis.findings, diagnosis.events

@@ -22,6 +22,7 @@ from server.cli.common import (
     TopicNames,
     TrajectoryName,
     TumTrajectory,
+    check_mount,
     configured,
     fail,
     given_cut,
@@ -77,7 +78,7 @@ def map_log(
     check_mode(mode)
     topics = list(dict.fromkeys(topic or ()))
     logs = read_sensors(log, topics, tum_trajectory, cut, tf)
-    _check_mount(logs, given)
+    check_mount(len(logs), configured(given))
     scans = logs[0]
     with refusing(log):
         trajectory = trajectory or scans.default_trajectory
@@ -147,7 +148,7 @@ def map_log(
     typer.echo(f"{facts['log']}: {facts['scans']} scans of {beams} beams{of}, trajectory {facts['trajectory']}")
     typer.echo(
         f"  {geometry.size_text} cells of {geometry.resolution:g} m, "
-        f"origin {', '.join(f'{value:.10g}' for value in geometry.origin)}"
+        f"origin {', '.join(f'{value:.10g}' for value in facts['origin'])}"
     )
     typer.echo(f"  {facts['occupied']} occupied, {facts['free']} free, {facts['unknown']} unknown")
     typer.echo(
@@ -162,15 +163,6 @@ def map_log(
         return
     for note in [*notes, *(one for one in (cause, drift) if one)]:
         typer.echo(f"  note: {note}")
-
-
-def _check_mount(logs: Sequence[ScanLog], given: dict[str, Any]) -> None:
-    """End the command where a correction of the mount was given, and several sensors are mapped."""
-    if len(logs) < 2:
-        return
-    moved = [name for name in (*MOUNT, "mount_upside_down") if given.get(name)]
-    if moved:
-        fail("A correction of the mount is for one sensor; give one --topic with it.")
 
 
 def _joined(logs: Sequence[ScanLog]) -> ScanLog:
@@ -195,9 +187,10 @@ def _deskewed(logs: Sequence[ScanLog], config: MappingConfig, trajectory: str) -
     """Return how many scans are deskewed, and a note on those that the time offset leaves without a pose."""
     from mapper.mapping.prepare_scans import covered_scans, deskewed_scans  # noqa: PLC0415 - start-up
     from mapper.mapping.update_plan import plan_update  # noqa: PLC0415 - start-up
+    from mapper.sensors.joint_log import sensors_of  # noqa: PLC0415 - start-up
 
     deskewed = left_out = 0
-    for one in logs:
+    for one in (part for log in logs for part in sensors_of(log)):
         plan = plan_update(config, one.range_min, one.range_max)
         deskewed += int(deskewed_scans(one, plan, trajectory).sum())
         left_out += int((~covered_scans(one, plan, trajectory)).sum())

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from server.cli.common import fail, print_json, progress_bar, read_log, refusing
+from server.cli.common import fail, print_json, progress_bar, refusing
 from server.cli.map_files import save, states
+
+if TYPE_CHECKING:
+    from mapper.sensors.scan import ScanLog
 
 
 def are_logs(paths: list[Path]) -> bool:
@@ -22,8 +26,16 @@ def are_logs(paths: list[Path]) -> bool:
     return bool(logs)
 
 
-def merge_log_files(paths: list[Path], out: Path, mode: str, guess: list[float] | None, *, as_json: bool) -> None:
-    """Merge two logs and print what came of it."""
+def merge_log_files(
+    paths: list[Path],
+    read: Callable[[Path], ScanLog],
+    out: Path,
+    mode: str,
+    guess: list[float] | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Merge two logs, which ``read`` returns, and print what came of it."""
     import numpy as np  # noqa: PLC0415 - start-up
 
     from mapper.io.export import tum_text  # noqa: PLC0415 - start-up
@@ -34,7 +46,7 @@ def merge_log_files(paths: list[Path], out: Path, mode: str, guess: list[float] 
 
     if len(paths) != 2:
         fail(f"merge takes two logs at a time, not {len(paths)}.")
-    first, second = (read_log(path, None) for path in paths)
+    first, second = map(read, paths)
     with refusing(paths[1]), progress_bar("Merging") as bar:
 
         def report(done: MergeProgress) -> None:

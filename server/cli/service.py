@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -50,8 +51,10 @@ def serve(
         from pydantic import ValidationError  # noqa: PLC0415 - start-up
 
         from server.serving import run  # noqa: PLC0415 - start-up
-        from server.settings import Settings  # noqa: PLC0415 - start-up
+        from server.settings import Settings, unknown_setting  # noqa: PLC0415 - start-up
 
+    if unknown := unknown_setting(os.environ):
+        fail(unknown)
     if open_class:
         from server.classes.codes import new_code  # noqa: PLC0415 - few start with a class
 

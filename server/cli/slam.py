@@ -18,15 +18,17 @@ from server.cli.common import (
     LogPath,
     Mount,
     TfTopic,
-    TopicName,
+    TopicNames,
     TrajectoryName,
+    TumTrajectory,
     configured,
     fail,
     given_parameters,
     print_json,
     progress_bar,
-    read_log,
+    read_joint,
     refusing,
+    with_corrections,
     with_parameter_options,
 )
 from server.cli.map_files import save
@@ -58,8 +60,9 @@ def slam(
             "PREFIX.g2o, the graph.",
         ),
     ] = None,
-    topic: TopicName = None,
+    topic: TopicNames = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
     tf: TfTopic = None,
     values: Annotated[
         list[str] | None,
@@ -72,14 +75,12 @@ def slam(
     """Correct the poses of a log by aligning its scans with one another (SLAM)."""
     from mapper.diagnosis.figures import map_figures  # noqa: PLC0415 - start-up
     from mapper.diagnosis.verdict import map_of  # noqa: PLC0415 - start-up
-    from mapper.mapping.corrections import as_mapped  # noqa: PLC0415 - start-up
     from mapper.slam import estimate, slam_log  # noqa: PLC0415 - start-up
 
     config = _configured(values or [])
     mapping = configured(given_parameters(parameters, mount))
-    scans = read_log(log, topic, tf=tf)
+    scans = with_corrections(log, read_joint(log, topic or (), tum_trajectory, tf), mapping)
     with refusing(log):
-        scans = as_mapped(scans, mapping)
         expected = estimate(scans, config, trajectory)
         if expected.seconds > WORTH_SAYING_S and not as_json:
             typer.echo(

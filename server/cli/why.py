@@ -14,8 +14,10 @@ from server.cli.common import (
     FirstScans,
     LogPath,
     Mount,
+    TfTopic,
     TopicName,
     TrajectoryName,
+    TumTrajectory,
     configured,
     given_parameters,
     place,
@@ -34,6 +36,8 @@ def why(
     at: Annotated[str, typer.Option(metavar="X,Y", help="A point in the cell, in map coordinates (m, m).")],
     topic: TopicName = None,
     trajectory: TrajectoryName = None,
+    tum_trajectory: TumTrajectory = None,
+    tf: TfTopic = None,
     mount: Mount = None,
     prior: Prior = None,
     prior_frame: PriorFrame = None,
@@ -47,7 +51,7 @@ def why(
 
     point = place(at)
     given, prior_map = given_prior(prior, prior_frame, given_parameters(parameters, mount))
-    scans = read_log(log, topic)
+    scans = read_log(log, topic, tum_trajectory, tf)
     notes = prior_map.notes_for(scans, trajectory) if prior_map else ()
     config = configured(sensor_defaults(scans.beam_width, given))
     with refusing(log):

@@ -16,9 +16,11 @@ from server.library.processing.localization import NAME as LOCALIZED
 from server.library.processing.log_jobs import AnyLogJobs, LogJobs
 from server.library.processing.slam import NAME as SLAM
 from server.sessions import SessionRegistry
+from server.sessions.commands import FollowPoses, PosesEnded, PosesSoFar
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
+    from server.library.localize_job import LocalizeProgress
     from server.sessions import SessionHost
 
 _tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
@@ -48,18 +50,18 @@ def _follow(
     jobs: LogJobs[Any, R, Any, Any],
     log_id: str,
     name: str,
-    more: Callable[[R], dict[str, Any]] = lambda _: {},
+    shown: Callable[[R], LocalizeProgress | None] = lambda _: None,
 ) -> None:
     """Have a session show the map along the poses so far, as the trajectory ``name``.
 
-    ``more`` returns what else of a report the session gets.
+    ``shown`` returns a report of which the session also shows the particles.
     """
-    session.enqueue({"type": "follow_poses", "name": name})
+    session.enqueue(FollowPoses(name))
 
     def notify(report: R | None) -> None:
         # Of reports that come faster than the map is made, the newest counts: there is another one soon.
         if report is not None and not session.closed and not session.has_queued_commands:
-            session.enqueue({"type": "poses_so_far", "poses": report.poses, **more(report)})
+            session.enqueue(PosesSoFar(report.poses, shown(report)))
 
     session.on_close.append(jobs.listen(session.owner, log_id, notify))
 
@@ -90,7 +92,7 @@ def follow_slam(session: SessionHost, library: Library, log_id: str) -> None:
 
 def follow_localization(session: SessionHost, library: Library, log_id: str) -> None:
     """Have a session show the map along the poses so far of the localization of its log, and the particles."""
-    _follow(session, library.localization, log_id, LOCALIZED, lambda report: {"report": report})
+    _follow(session, library.localization, log_id, LOCALIZED, lambda report: report)
 
 
 def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, owner: str, log_id: str) -> None:
@@ -109,7 +111,7 @@ def tell_at_end(library: Library, sessions: SessionRegistry, jobs: AnyLogJobs, o
         for session in sessions.all():
             recording = session.model.recording
             if recording is not None and recording.log_id == log_id and session.owner == owner:
-                session.enqueue({"type": "poses_ended", "trajectory": trajectory})
+                session.enqueue(PosesEnded(trajectory))
 
     async def quietly() -> None:
         try:

@@ -17,9 +17,17 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from server.sessions import SessionBudgetError, SessionHost
 from server.sessions.tick import error_message
 from server.stream.close_codes import ENDED, INTERNAL, NO_ACKS, POLICY, CloseCode
+from server.stream.commands import (
+    AckCommand,
+    Command,
+    InspectCommand,
+    PingCommand,
+    ResumeCommand,
+    SubscribeCommand,
+)
 from server.stream.frames import EXTENSION, DirectSocket, binary_frame
 from server.stream.hub import Client
-from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, encode_text, integer, text
+from server.stream.protocol import SUBPROTOCOL, ProtocolError, decode_command, encode_text, type_of
 from server.work.movable_timer import MovableTimer
 from server.work.waiting import set_within
 
@@ -292,23 +300,25 @@ async def _receive(
             await asyncio.sleep(wait)
 
 
-def _decode(message: MutableMapping[str, Any]) -> dict[str, Any]:
+def _decode(message: MutableMapping[str, Any]) -> Command:
     data = message.get("text")
     return decode_command(message.get("bytes") or b"" if data is None else data)
 
 
-def _take(session: SessionHost, client: Client, command: dict[str, Any], following: Following | None) -> None:
-    match command["type"]:
-        case "ack":
-            session.acknowledge(client, integer(command, "seq"))
-        case "resume":
-            if text(command, "epoch_id") == session.epoch_id:
-                client.resume(text(command, "layer"), integer(command, "epoch"), integer(command, "revision"))
-        case "subscribe":
-            client.subscribe(command["layers"])
-        case "ping":
-            client.send({"type": "pong", "id": integer(command, "id"), "t": session.hub.clock()})
-        case kind if following is not None and kind != "inspect" and not following.may(kind):
+def _take(session: SessionHost, client: Client, command: Command, following: Following | None) -> None:
+    match command:
+        case AckCommand(seq=seq):
+            session.acknowledge(client, seq)
+        case ResumeCommand():
+            if command.epoch_id == session.epoch_id:
+                client.resume(command.layer, command.epoch, command.revision)
+        case SubscribeCommand(layers=layers):
+            client.subscribe(layers)
+        case PingCommand(id=number):
+            client.send({"type": "pong", "id": number, "t": session.hub.clock()})
+        case InspectCommand():
+            session.enqueue(command, client)
+        case _ if following is not None and not following.may(type_of(command)):
             raise ProtocolError("class.read_only", "The lecturer drives this robot; your own world obeys you.")
         case _:
             session.enqueue(command, client)

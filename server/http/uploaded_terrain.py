@@ -10,7 +10,7 @@ from server.downloads import Downloads
 from server.library.library import Library
 
 if TYPE_CHECKING:
-    from server.sessions.models.terrain_map import UploadedTerrain
+    from server.sessions.parts import UploadedTerrain
 
 MOST_CELLS = 1 << 24  #: of a map of a terrain
 

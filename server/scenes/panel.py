@@ -13,12 +13,14 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import viser
+from msgspec import Struct
 
 from mapper.core.parameter import Parameter
 from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
+from server.stream.commands import PauseCommand, PlayCommand, RestartCommand, SeekCommand
 
 CONFIRM_TIMEOUT_S = 1.5  #: longest time in which a control shows a value that the session has not confirmed
-Post = Callable[[dict[str, Any]], None]
+Post = Callable[[Struct], None]
 
 
 class ParameterControls:
@@ -54,7 +56,7 @@ class ParameterControls:
             if event.client is None:  # changed by show(), not by a user
                 return
             self._chosen[row.name] = (handle.value, time.monotonic() + CONFIRM_TIMEOUT_S)
-            self._post({"type": self._command, "values": {row.name: handle.value}})
+            self._post(self._command(values={row.name: handle.value}))
 
         handle.on_update(chosen)
         return handle
@@ -96,7 +98,7 @@ class Clock:
         self._sought: tuple[int, float] | None = None
 
         async def toggled(_: viser.GuiEvent[Any]) -> None:
-            post({"type": "pause" if self._playing else "play"})
+            post(PauseCommand() if self._playing else PlayCommand())
 
         self._play.on_click(toggled)
         if controls.count is not None:
@@ -106,12 +108,12 @@ class Clock:
             async def sought(event: viser.GuiEvent[Any]) -> None:
                 if event.client is not None:
                     self._sought = (self._scan.value, time.monotonic() + CONFIRM_TIMEOUT_S)
-                    post({"type": "seek", "index": self._scan.value})
+                    post(SeekCommand(self._scan.value))
 
             self._scan.on_update(sought)
 
         async def restarted(_: viser.GuiEvent[Any]) -> None:
-            post({"type": "restart"})
+            post(RestartCommand())
 
         if controls.can_restart:
             gui.add_button("Restart", color="gray").on_click(restarted)
@@ -141,7 +143,7 @@ class NamedChoice:
         async def chosen(event: viser.GuiEvent[Any]) -> None:
             if event.client is not None:
                 self._chosen = (self._handle.value, time.monotonic() + CONFIRM_TIMEOUT_S)
-                post({"type": choice.command, "name": self._handle.value})
+                post(choice.command(name=self._handle.value))
 
         self._handle.on_update(chosen)
 

@@ -12,10 +12,10 @@ import asyncio
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import structlog
 import viser
+from msgspec import Struct
 
 from server.logging import short_hash
 from server.scenes.cameras import ASPECT, FOV, CameraName, camera_at
@@ -178,7 +178,7 @@ class Scene:
 
     # -- from the browser, on viser's threads -------------------------------------------------------------------
 
-    def _post(self, command: dict[str, Any]) -> None:
+    def _post(self, command: Struct) -> None:
         """Post a command to the session, and redraw soon, since it may be refused."""
         self._session.post(command)
         self._loop.call_soon_threadsafe(self._changed.set)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import structlog
+from msgspec import Struct
 
 from mapper.core.errors import MapperError
 from mapper.grid import OccupancyGrid
@@ -14,9 +14,10 @@ from mapper.mapping.parameters import MappingConfig
 from server.sessions.messages import cell_message
 from server.sessions.tick import TickResult, error_message
 from server.sessions.why import Source, why_message
+from server.stream.commands import InspectCommand, WhyCommand
 from server.stream.hub import Client
 from server.stream.layers import GridLayer
-from server.stream.protocol import ProtocolError, integer, text
+from server.stream.protocol import ProtocolError
 
 _log = structlog.get_logger(__name__)
 
@@ -38,39 +39,36 @@ class CellQuestions:
     def __init__(self, maps: Callable[[], Sequence[ExplainedMap]]) -> None:
         self._maps = maps
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+    def handle(self, command: Struct, result: TickResult) -> bool:
         """Answer ``command`` if it is a question, and return whether it is.
 
         Of several "why" of one client in one tick only the newest is answered, from the map at the end of the tick.
         Raises :class:`ProtocolError`.
         """
-        match command["type"]:
-            case "inspect":
+        match command:
+            case InspectCommand():
                 asked = self._map_of(command)
                 row, col, epoch = _cell_of(command, asked)
                 result.answer(cell_message(asked.grid, row, col, epoch) | {"layer": asked.layer.name})
-            case "why":
+            case WhyCommand():
                 client = result.client
                 result.questions[client] = lambda: self._explain(client, command, result)
             case _:
                 return False
         return True
 
-    def _map_of(self, command: dict[str, Any]) -> ExplainedMap:
-        maps = self._maps()
-        name = text(command, "layer") if "layer" in command else maps[0].layer.name
-        for one in maps:
-            if one.layer.name == name:
+    def _map_of(self, command: InspectCommand | WhyCommand) -> ExplainedMap:
+        for one in self._maps():
+            if one.layer.name == command.layer:
                 return one
-        raise ProtocolError("command.layer", f"There is no map {name!r:.80} to ask about.")
+        raise ProtocolError("command.layer", f"There is no map {command.layer!r:.80} to ask about.")
 
-    def _explain(self, client: Client | None, command: dict[str, Any], result: TickResult) -> None:
+    def _explain(self, client: Client | None, command: WhyCommand, result: TickResult) -> None:
         try:
             asked = self._map_of(command)
             row, col, epoch = _cell_of(command, asked)
-            until = None if command.get("until") is None else integer(command, "until")
             about = {"row": row, "col": col, "epoch": epoch, "index": asked.index}
-            answer = why_message(asked.grid, asked.sources(), asked.config, about, until)
+            answer = why_message(asked.grid, asked.sources(), asked.config, about, command.until)
             result.answers.append((client, answer | {"layer": asked.layer.name}))
         except (ProtocolError, MapperError) as error:
             result.refuse(client, error)
@@ -79,9 +77,9 @@ class CellQuestions:
             result.answers.append((client, error_message("internal", "The cell could not be explained.")))
 
 
-def _cell_of(command: dict[str, Any], asked: ExplainedMap) -> tuple[int, int, int]:
+def _cell_of(command: InspectCommand | WhyCommand, asked: ExplainedMap) -> tuple[int, int, int]:
     """Return the row, the column and the epoch of the cell that a command names. Raises :class:`ProtocolError`."""
-    row, col, epoch = (integer(command, key) for key in ("row", "col", "epoch"))
+    row, col, epoch = command.row, command.col, command.epoch
     now = asked.layer.epoch
     if epoch != now:
         raise ProtocolError("command.epoch", f"Epoch {epoch} is over; the map is in epoch {now}.")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from typing import Any
+
+from msgspec import Struct
 
 from server.sessions.tick import QueuedCommand
 from server.stream.hub import Client
@@ -26,7 +27,7 @@ class CommandQueue:
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def add(self, command: dict[str, Any], client: Client | None = None) -> None:
+    def add(self, command: Struct, client: Client | None = None) -> None:
         """Add a command of ``client``. Raises :class:`ProtocolError` if it has too many in the queue."""
         if self._is_full(client):
             raise ProtocolError("session.busy", "Too many commands are queued; this one was dropped.")

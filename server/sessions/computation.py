@@ -7,18 +7,33 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import structlog
+from msgspec import Struct
 
 from mapper.core.errors import MapperError, WorkCancelledError
 from server.sessions.model import SessionModel
 from server.sessions.tick import QueuedCommand, TickResult, error_message
-from server.stream.protocol import ProtocolError, number
+from server.stream.commands import (
+    CostmapCommand,
+    GoalCommand,
+    LocalizeCommand,
+    Map3dCommand,
+    PauseCommand,
+    PlayCommand,
+    SpeedCommand,
+)
+from server.stream.protocol import ProtocolError, type_of
 
 COMMANDS_S = (
     0.05  #: computing time after which further commands wait for the next tick: other sessions need the threads
 )
 
 #: What commands compute other than the map, as in the message ``working``.
-SUBJECTS = {"costmap": "costmap", "goal": "costmap", "localize": "localization", "map3d": "map_3d"}
+SUBJECTS: dict[type[Struct], str] = {
+    CostmapCommand: "costmap",
+    GoalCommand: "costmap",
+    LocalizeCommand: "localization",
+    Map3dCommand: "map_3d",
+}
 
 _log = structlog.get_logger(__name__)
 
@@ -66,24 +81,24 @@ def _carry_out(model: SessionModel, queued: QueuedCommand, result: TickResult) -
     command = queued.command
     result.client = queued.client
     try:
-        match command["type"]:
-            case "play":
+        match command:
+            case PlayCommand():
                 model.play()
                 result.changed = True
-            case "pause":
+            case PauseCommand():
                 model.playback.playing = False
                 result.changed = True
-            case "speed":
-                model.playback.set_speed(number(command, "value"))
+            case SpeedCommand(value=value):
+                model.playback.set_speed(value)
                 result.changed = True
             case _:
-                with model.computing(SUBJECTS.get(command["type"], "map")):
-                    model.obey(command, result)
+                with model.computing(SUBJECTS.get(type(command), "map")):
+                    model.handle(command, result)
     except (ProtocolError, MapperError) as error:
         result.refuse(queued.client, error)
-        if command["type"] in model.resent_on_refusal:
-            result.resent.append((queued.client, model.resent_on_refusal[command["type"]]))
+        if type(command) in model.resent_on_refusal:
+            result.resent.append((queued.client, model.resent_on_refusal[type(command)]))
     except Exception:  # noqa: BLE001 - a defect in one command must not end the session
-        _log.exception("a command failed", command=command["type"])
+        _log.exception("a command failed", command=type_of(command))
         message = "The command failed because of a defect in the service."
         result.answers.append((queued.client, error_message("internal", message)))

@@ -18,6 +18,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import structlog
+from msgspec import Struct
 
 from mapper.core.limits import Limits
 from server.sessions.command_queue import CommandQueue
@@ -29,6 +30,7 @@ from server.sessions.model_messages import hello_message
 from server.sessions.requests import ReplacingRequests
 from server.sessions.tick import QueuedCommand, TickResult, error_message
 from server.sessions.tick_pace import MAX_TICK_S, TICK_S, TickPace
+from server.stream.commands import CancelCommand
 from server.stream.hub import Client, Hub
 from server.stream.protocol import ProtocolError, encode_text
 from server.stream.traffic import Traffic
@@ -181,13 +183,13 @@ class SessionHost:
         """Cells of the model's grids."""
         return self.model.footprint.cells
 
-    def enqueue(self, command: dict[str, Any], client: Client | None = None) -> None:
+    def enqueue(self, command: Struct, client: Client | None = None) -> None:
         """Queue a command. Raises :class:`ProtocolError` if the queue is full."""
         self._queue.add(command, client)
         self.commanded_at = self._clock()
-        if command["type"] == "cancel":
+        if isinstance(command, CancelCommand):
             self._requests.cancel()
-        if command["type"] in self.model.replacing:
+        if isinstance(command, self.model.replacing):
             self._requests.add()
         self._wake.set()
 
@@ -209,11 +211,11 @@ class SessionHost:
         """Send ``message`` to all clients, unless a newer one of its type replaces it first (event loop)."""
         self.hub.set_slot(message)
 
-    def post(self, command: dict[str, Any]) -> None:
+    def post(self, command: Struct) -> None:
         """Queue a command from any thread; a refused command is only logged."""
         self._loop.call_soon_threadsafe(self._post, command)
 
-    def _post(self, command: dict[str, Any]) -> None:
+    def _post(self, command: Struct) -> None:
         try:
             self.enqueue(command)
         except ProtocolError as error:

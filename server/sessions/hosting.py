@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager, AbstractContextManager
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
+
+from msgspec import Struct
 
 from mapper.core.limits import Limits
 from server.sessions.tick import TickResult
@@ -55,7 +57,7 @@ class ModelHost(Protocol):
     async def on_thread(self, job: Callable[[], T]) -> T:
         """Compute ``job`` on a worker thread as scheduled."""
 
-    def enqueue(self, command: dict[str, Any]) -> None:
+    def enqueue(self, command: Struct) -> None:
         """Queue a command of the service itself. Raises :class:`server.stream.protocol.ProtocolError` if it is full."""
 
     def deliver(self, result: TickResult) -> None:

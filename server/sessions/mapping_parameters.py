@@ -7,14 +7,16 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+from msgspec import Struct
+
 from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.core.parameter import Parameter
 from mapper.mapping.parameters import PARAMETERS, MappingConfig
 from server.sessions.hosting import ModelHost
 from server.sessions.scene_controls import ParameterTable
 from server.sessions.tick import TickResult
+from server.stream.commands import ParametersCommand
 from server.stream.hub import Client
-from server.stream.protocol import values
 
 
 class MappingParameters:
@@ -40,16 +42,16 @@ class MappingParameters:
         self._asked_by: Client | None = None
         self._remade_ms: float | None = None
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+    def handle(self, command: Struct, result: TickResult) -> bool:
         """Carry out ``command`` if it is about parameters, and return whether it is.
 
         :meth:`settle` recomputes the map. Raises :class:`server.stream.protocol.ProtocolError` and
         :class:`mapper.core.errors.ConfigError`.
         """
-        if command["type"] != "parameters":
+        if not isinstance(command, ParametersCommand):
             return False
         fixed = {row.name: row.initial for row in PARAMETERS if row not in self._rows}
-        self._wanted, self._asked_by = self._wanted.with_values(values(command)).with_values(fixed), result.client
+        self._wanted, self._asked_by = self._wanted.with_values(command.values).with_values(fixed), result.client
         return True
 
     def adopt(self, config: MappingConfig) -> None:
@@ -92,7 +94,7 @@ class MappingParameters:
 
     def controls(self) -> ParameterTable:
         """Return the table for the panel of the 3D view."""
-        return ParameterTable("Mapping", self._rows, asdict(self.config), "parameters", ("model",))
+        return ParameterTable("Mapping", self._rows, asdict(self.config), ParametersCommand, ("model",))
 
     def frame(self) -> dict[str, Any]:
         """Return the field of ``frame`` about the newest recomputation of the map."""

@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from msgspec import Struct
+
 from mapper.grid import OccupancyGrid
 from mapper.sensors.georeference import NO_OFFSET, Offset
 from mapper.sensors.scan import ScanLog
@@ -20,8 +22,9 @@ from server.sessions.drawings import Drawing, Point, Quaternion
 from server.sessions.playback import Playback
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
+from server.stream.commands import VoxelRayCommand
 from server.stream.layers import Layer
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, type_of
 
 if TYPE_CHECKING:
     from mapper.replay.incremental import CheckpointPrefetcher
@@ -52,10 +55,10 @@ class SessionModel(ABC):
     """Model of a session. A kind has to implement :attr:`layers` and :meth:`advance`; the rest has a default."""
 
     kind: ClassVar[str]  #: name of the kind, as in :data:`server.sessions.kinds.KINDS`
-    replacing: ClassVar[frozenset[str]] = frozenset()
-    """Types of commands that make an unfinished map useless."""
-    resent_on_refusal: ClassVar[Mapping[str, str]] = {}
-    """Type of a command → type of the message that its sender gets again if the command is refused."""
+    replacing: ClassVar[tuple[type[Struct], ...]] = ()
+    """Commands that make an unfinished map useless."""
+    resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {}
+    """Command → type of the message that its sender gets again if the command is refused."""
 
     recording: Recording | None = None  #: the log, for a session of a log
     comparison: Comparable | None = None  #: the comparison of the map with another one
@@ -153,21 +156,21 @@ class SessionModel(ABC):
         """Return the controls of the 3D view's panel (event loop, between two ticks)."""
         return SceneControls(playing=self.playback.playing)
 
-    def on_scene_click(self, x: float, y: float) -> dict[str, Any] | None:  # noqa: ARG002 - most kinds need none
+    def on_scene_click(self, x: float, y: float) -> Struct | None:  # noqa: ARG002 - most kinds need none
         """Return the command for a click on the floor of the 3D view at (x, y), metres; None for no command.
 
         Event loop, possibly during a tick: read only attributes that a tick replaces as a whole.
         """
         return None
 
-    def on_scene_ray(self, origin: Point, direction: Point) -> dict[str, Any] | None:
+    def on_scene_ray(self, origin: Point, direction: Point) -> Struct | None:
         """Return the command for a click whose ray through the 3D view begins at ``origin``, metres; None for none.
 
         By default that for the voxel that the ray meets, where there is a map in 3D that is asked, else for a click on
         the floor where it comes down (or up) to it. As :meth:`on_scene_click`.
         """
         if self.volume is not None and self.volume.is_on and self.volume.is_asked:
-            return {"type": "voxel_ray", "origin": list(origin), "direction": list(direction)}
+            return VoxelRayCommand(origin, direction)
         (ox, oy, oz), (dx, dy, dz) = origin, direction
         if dz * oz >= 0.0:
             return None
@@ -179,7 +182,7 @@ class SessionModel(ABC):
         name: str,  # noqa: ARG002 - most kinds have none
         position: Point,  # noqa: ARG002
         wxyz: Quaternion,  # noqa: ARG002
-    ) -> dict[str, Any] | None:
+    ) -> Struct | None:
         """Return the command for a move of the gizmo ``name``, None for no command. As :meth:`on_scene_click`."""
         return None
 
@@ -189,13 +192,13 @@ class SessionModel(ABC):
         """Start playing."""
         self.playback.playing = True
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:  # noqa: ARG002
+    def handle(self, command: Struct, result: TickResult) -> None:  # noqa: ARG002
         """Carry out a command other than those of every session (play, pause, speed).
 
         Sets ``result.changed`` if a new frame has to be published. Raises :class:`ProtocolError` or
         :class:`mapper.core.errors.MapperError` if the command is refused; nothing has changed then.
         """
-        raise ProtocolError("command.unknown", f"A {self.kind} session has no command {command['type']!r:.80}.")
+        raise ProtocolError("command.unknown", f"A {self.kind} session has no command {type_of(command)!r:.80}.")
 
     def settle(self, result: TickResult) -> None:  # noqa: B027 - most kinds need none
         """Compute once what the commands of this tick requested, such as a map with other parameters."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from mapper.grid import OccupancyGrid
+from mapper.grid import GridGeometry, OccupancyGrid
 from mapper.grid.compare import Comparison
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from server.sessions.view import GraphChange, LogView, Wanted
 
 if TYPE_CHECKING:
-    from mapper.core.array_types import Int8Array
+    from mapper.core.array_types import Int8Array, UInt8Array
     from mapper.diagnosis import Diagnosis
     from mapper.io.costmaps import RecordedCostmap
     from mapper.io.export import GrowingMap
@@ -170,3 +170,28 @@ class Story(Protocol):
 
     async def current(self) -> dict[str, Any]:
         """Return the story, between two ticks, of all that was asked of the session before."""
+
+
+class TerrainCosts(Protocol):
+    """Costs of a terrain on its own cells."""
+
+    @property
+    def geometry(self) -> GridGeometry:
+        """Geometry of the map."""
+
+    def costs(self) -> UInt8Array:
+        """Return the costs (rows, cols): 254 where it is unsafe, 255 where it is unknown."""
+
+    def why(self, row: int, col: int) -> str:
+        """Say in one sentence why a cell has its cost."""
+
+
+class UploadedTerrain(TerrainCosts, Protocol):
+    """Costs of a terrain of the library."""
+
+    @property
+    def log_id(self) -> str:
+        """The upload."""
+
+    def public(self) -> dict[str, Any]:
+        """Return what the HTTP interface shows."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from mapper.core.parameter import Parameter
 
@@ -13,8 +15,7 @@ Bounds = tuple[float, float, float, float]  #: x_min, y_min, x_max, y_max in met
 
 @dataclass(frozen=True, slots=True)
 class ParameterTable:
-    """A table of parameters, their values, and the command that sets some of them: ``{"type": command, "values":
-    {name: value}}``.
+    """A table of parameters, their values, and the command that sets some of them by ``values={name: value}``.
 
     ``title`` names the tab; ``open_groups`` are the groups of rows that are open at first.
     """
@@ -22,18 +23,18 @@ class ParameterTable:
     title: str
     rows: tuple[Parameter, ...]
     values: Mapping[str, Any]
-    command: str
+    command: Callable[..., Struct]
     open_groups: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A choice of one of several names, and the command that sets it: ``{"type": command, "name": name}``."""
+    """A choice of one of several names, and the command that sets it by ``name=name``."""
 
     label: str
     names: tuple[str, ...]
     current: str
-    command: str
+    command: Callable[..., Struct]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from msgspec import Struct
+
 from mapper.core.errors import MapperError
 from mapper.grid import CellBox
 from server.stream.hub import Client
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 class QueuedCommand:
     """A command and the client that sent it (None: viser's panel, or code)."""
 
-    command: dict[str, Any]
+    command: Struct
     client: Client | None = None
 
 
@@ -32,7 +34,7 @@ class TickResult:
 
     client: Client | None = None  #: the sender of the command that is being carried out
     rest: list[QueuedCommand] = field(default_factory=list)  #: commands left for the next tick
-    unfinished: dict[str, Any] | None = None  #: the rest of a long command, for the next tick
+    unfinished: Struct | None = None  #: the rest of a long command, for the next tick
     changed: bool = False  #: whether there is a new frame to publish
     is_new_hello: bool = False  #: whether ``hello`` says something else than before
     new_grid: bool = False  #: whether the whole layer of the map has to be updated

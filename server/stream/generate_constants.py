@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import json
+
 from mapper.diagnosis.examination import LEAST_SCANS
 from mapper.grid import FREE_THRESHOLD, OCCUPIED_THRESHOLD
 from mapper.grid.merge import LATTICE_TOLERANCE
+from mapper.mapping.parameters import PARAMETERS
 from mapper.simulation.edits import WALL_THICKNESS
 from mapper.simulation.lidar import SensorConfig
 from mapper.simulation.live_map import LiveMap
 from mapper.simulation.simulation import ROBOT_RADIUS
 
+#: rows of the table of mapping parameters that the profile of the sensor model shows
+_SHOWN = [
+    row for row in PARAMETERS if row.group == "model" or row.name in {"log_odds_prior", "no_return", "resolution"}
+]
 _LIVE = LiveMap.first_config(SensorConfig())
 
 #: name, value, meaning
@@ -30,4 +37,14 @@ def constants(command: str) -> str:
     lines = [f"// Written by `{command}` from constants of mapper/: change those."]
     for name, value, meaning in CONSTANTS:
         lines += ["", f"/** {meaning} */", f"export const {name} = {value!r};"]
+    initial = [f"  {row.name}: {json.dumps(row.initial)}," for row in _SHOWN]
+    bounds = [
+        f"  {row.name}: {{ low: {row.low!r}, high: {row.high!r}, step: {row.step!r} }},"
+        for row in _SHOWN
+        if row.kind == "number"
+    ]
+    lines += ["", "/** Initial values of the parameters of the sensor model. */"]
+    lines += ["export const SENSOR_MODEL_INITIAL = {", *initial, "} as const;"]
+    lines += ["", "/** Bounds and steps of their numbers. */"]
+    lines += ["export const SENSOR_MODEL_BOUNDS = {", *bounds, "} as const;"]
     return "\n".join([*lines, ""])

@@ -68,12 +68,12 @@ from __future__ import annotations
 
 import json
 import re
-import sys
-from typing import Any
+from typing import Any, overload
 
 import msgspec
+from msgspec import Struct
 
-from server.stream.commands import Command
+from server.stream.commands import Command, GoalCommand, TerrainCommand, VoxelCommand
 from server.stream.messages import ServerMessage
 
 SUBPROTOCOL = "gridbloom.v3"
@@ -86,7 +86,6 @@ _TYPE_WORDS = {
     "array": "a list",
     "object": "an object",
     "null": "null",
-    "bool | float | str": "a number, a string, or true or false",
 }  #: descriptions of msgspec's names of types
 
 
@@ -109,8 +108,8 @@ def _refuse_constant(name: str) -> float:
     raise ProtocolError("command.number", f"{name} is not a JSON number.")
 
 
-def decode_command(text: str | bytes) -> dict[str, Any]:
-    """Return a command from the browser, checked against :mod:`server.stream.commands`, as a dictionary.
+def decode_command(text: str | bytes) -> Command:
+    """Return a command from the browser, checked as :func:`command_of` does.
 
     Raises :class:`ProtocolError` for anything else: binary, not JSON, NaN or Infinity, too long, a missing or
     unknown ``type``, a field that is missing or of another type.
@@ -120,22 +119,63 @@ def decode_command(text: str | bytes) -> dict[str, Any]:
     if len(text) > MAX_COMMAND_BYTES:
         raise ProtocolError("command.too_long", f"A command has at most {MAX_COMMAND_BYTES} characters.")
     try:
-        command = json.loads(text, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as error:
-        raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
-    if not isinstance(command, dict) or not isinstance(command.get("type"), str):
-        raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
-    try:
-        msgspec.convert(command, Command)
+        fields = json.loads(text, parse_constant=_refuse_constant)
         if "\\u" in text:  # elsewhere there can be none: a frame is UTF-8
-            json.dumps(command, ensure_ascii=False).encode()
-    except msgspec.ValidationError as error:
-        # Errors in one of the values are left to the table of parameters, which names the parameter.
-        if " - at `$.values[" not in str(error):
-            raise _refused(command["type"], str(error)) from error
+            json.dumps(fields, ensure_ascii=False).encode()
     except UnicodeEncodeError as error:
         raise ProtocolError("command.json", "A command contains a surrogate without its pair.") from error
+    except (ValueError, RecursionError) as error:
+        raise ProtocolError("command.json", "A command is one JSON object; this is not JSON.") from error
+    return command_of(fields)
+
+
+def command_of(fields: object) -> Command:
+    """Return the command with these fields, its ``type`` among them, as one of :mod:`server.stream.commands`.
+
+    Its ``values`` are those that were given: the table of the parameters checks them, and names the parameter that is
+    wrong. Raises :class:`ProtocolError`.
+    """
+    if not isinstance(fields, dict) or not isinstance(fields.get("type"), str):
+        raise ProtocolError("command.type", 'A command is a JSON object with a "type".')
+    given = fields.get("values")
+    try:
+        command: Command = msgspec.convert(fields | {"values": {}} if isinstance(given, dict) else fields, Command)
+    except msgspec.ValidationError as error:
+        raise _refused(fields["type"], str(error)) from error
+    if isinstance(given, dict) and hasattr(command, "values"):
+        command.values = given
     return command
+
+
+def fields_of(command: Struct) -> dict[str, Any]:
+    """Return the fields of a command as plain data, its ``type`` among them, without those that are None."""
+    return {name: value for name, value in msgspec.to_builtins(command).items() if value is not None}
+
+
+@overload
+def place_of(command: GoalCommand | TerrainCommand) -> tuple[float, float] | None: ...
+
+
+@overload
+def place_of(command: VoxelCommand) -> tuple[float, float, float] | None: ...
+
+
+def place_of(command: GoalCommand | TerrainCommand | VoxelCommand) -> tuple[float, ...] | None:
+    """Return the place that a command names, metres; None for one without x. Raises for one with x and no y or z."""
+    if command.x is None:
+        return None
+    place = []
+    for name in "xyz" if isinstance(command, VoxelCommand) else "xy":
+        value = getattr(command, name)
+        if value is None:
+            raise ProtocolError(f"command.{name}", f'The command "{type_of(command)}" needs a "{name}" with its "x".')
+        place.append(value)
+    return tuple(place)
+
+
+def type_of(command: Struct) -> str:
+    """Return the ``type`` of a command; of one that no client sends, the name of its class."""
+    return str(command.__struct_config__.tag or type(command).__name__)
 
 
 def _refused(kind: str, error: str) -> ProtocolError:
@@ -146,40 +186,7 @@ def _refused(kind: str, error: str) -> ProtocolError:
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
     if missing is not None:
         return ProtocolError(f"command.{missing[1]}", f'The command "{kind}" needs a "{missing[1]}".')
-    for name, words in _TYPE_WORDS.items():
-        what = what.replace(f"`{name}`", words)
+    what = re.sub(r"`([^`]+)`", lambda name: " or ".join(_TYPE_WORDS.get(k, k) for k in name[1].split(" | ")), what)
     path = path.removesuffix("`").replace("[...]", "")
     name = path.partition("[")[0]
     return ProtocolError(f"command.{name}", f'"{path}" of the command "{kind}" is wrong: {what}.')
-
-
-def number(command: dict[str, Any], key: str, default: float | None = None) -> float:
-    """Return a finite number of a command; raise :class:`ProtocolError` naming the key where there is none."""
-    value = command.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
-        raise ProtocolError(f"command.{key}", f'"{key}" must be a finite number, not {value!r:.80}.')
-    return float(value)
-
-
-def integer(command: dict[str, Any], key: str, default: int | None = None) -> int:
-    """Return a whole number of a command; raise :class:`ProtocolError` naming the key where there is none."""
-    value = command.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int) or abs(value) > 2**53:
-        raise ProtocolError(f"command.{key}", f'"{key}" must be a whole number, not {value!r:.80}.')
-    return value
-
-
-def values(command: dict[str, Any]) -> dict[str, Any]:
-    """Return the ``values`` of a command, an object; raise :class:`ProtocolError` for anything else."""
-    found = command.get("values")
-    if not isinstance(found, dict):
-        raise ProtocolError("command.values", '"values" must be an object of names and values.')
-    return found
-
-
-def text(command: dict[str, Any], key: str) -> str:
-    """Return a string of a command; raise :class:`ProtocolError` naming the key where there is none."""
-    value = command.get(key)
-    if not isinstance(value, str):
-        raise ProtocolError(f"command.{key}", f'"{key}" must be a string, not {value!r:.80}.')
-    return value

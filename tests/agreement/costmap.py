@@ -10,16 +10,18 @@ from hypothesis import strategies as st
 
 from mapper.costmap import textbook
 from mapper.costmap.costs import cells_of
+from mapper.costmap.denoise_layer import DenoiseLayer
 from mapper.costmap.inflation import inflate, radius_in_cells
 from mapper.costmap.kernels.marking import Marking
 from mapper.costmap.kernels.observation import clear_lines, lay_over, mark_cells
 from mapper.costmap.kernels.voxels import Heights, clear_columns, mark_columns
 from mapper.costmap.layers import static_costs
-from mapper.costmap.parameters import InflationConfig, StaticConfig
+from mapper.costmap.parameters import CostmapConfig, DenoiseConfig, InflationConfig, StaticConfig
 from mapper.grid import GridGeometry
 from mapper.grid.cell_box import CellBox
 
 VALUES = np.array([0, 0, 0, 0, 0, 0, 120, 253, 254, 255], dtype=np.uint8)
+GROUP = 4  #: cells that a group of obstacles has at least, to stay
 METHODS = ("overwrite", "max", "max_known", "true_overwrite")
 
 
@@ -97,6 +99,31 @@ def inflated_by_textbook(case: CostmapCase) -> tuple[Any, ...]:
             config.inflate_around_unknown,
         ),
     )  # fmt: skip
+
+
+def denoised_by_layer(case: CostmapCase) -> tuple[Any, ...]:
+    """Denoise the whole, then a box of it in which costs changed, as an update does."""
+    outs = []
+    rows, cols = case.costs.shape
+    for connectivity in (4, 8):
+        general = CostmapConfig(track_unknown_space=case.tracks_unknown)
+        config = DenoiseConfig(minimal_group_size=GROUP, group_connectivity_type=connectivity)
+        layer = DenoiseLayer(case.geometry, config, general)
+        master = case.over.copy()
+        layer.lay(master, CellBox(0, rows, 0, cols))
+        half = case.over.copy()
+        half[:, : cols // 2] = case.costs[:, : cols // 2]
+        box = CellBox(0, rows, 0, cols // 2).padded(layer.reach, rows, cols)
+        master[:, : box.col1] = half[:, : box.col1]
+        layer.lay(master, box)
+        outs.append(master)
+    return tuple(outs)
+
+
+def denoised_by_textbook(case: CostmapCase) -> tuple[Any, ...]:
+    half = case.over.copy()
+    half[:, : half.shape[1] // 2] = case.costs[:, : half.shape[1] // 2]
+    return tuple(textbook.denoise(half, GROUP, connectivity, not case.tracks_unknown) for connectivity in (4, 8))
 
 
 def observed_by_kernel(case: CostmapCase) -> tuple[Any, ...]:

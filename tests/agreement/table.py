@@ -29,6 +29,8 @@ from tests.agreement.beams_of_lidar import (
 from tests.agreement.chunks import parts_by_kernel, parts_by_textbook
 from tests.agreement.costmap import (
     costmap_cases,
+    denoised_by_layer,
+    denoised_by_textbook,
     inflated_by_kernel,
     inflated_by_textbook,
     interpreted_by_table,
@@ -317,6 +319,7 @@ TABLE = (
     Row("costs of map values", interpreted_by_table, interpreted_by_textbook, costmap_cases()),
     Row("inflation", inflated_by_kernel, inflated_by_textbook, costmap_cases()),
     Row("marking and clearing", observed_by_kernel, observed_by_textbook, costmap_cases()),
+    Row("small groups of obstacles", denoised_by_layer, denoised_by_textbook, costmap_cases()),
     Row("layers laid over each other", laid_by_kernel, laid_by_textbook, costmap_cases()),
     Row("columns of voxels", voxels_by_kernel, voxels_by_textbook, voxel_cases()),
     Row("cost to come by Dijkstra", spread_by_kernel, spread_by_textbook, planning_cases()),

@@ -10,7 +10,7 @@ from playwright.sync_api import Page, expect
 from tests.browser.looking import await_true, drag, open_group, until
 
 _STORE = "gridbloom.connection.store"
-_PATCH = f"() => {_STORE}.terrain.message.peek()?.patch ?? null"
+_PATCH = f"() => {_STORE}.part('terrain').message.peek()?.patch ?? null"
 
 
 def moments(points: np.ndarray) -> np.ndarray:
@@ -28,7 +28,7 @@ def test_a_point_of_a_patch_is_dragged_and_its_moments_follow(page: Page, server
     page.set_input_files("input[type=file]", str(path))
     await_true(page, f"() => window.gridbloom && {_STORE}.volume.peek()")
     group = open_group(page, "Terrain")
-    await_true(page, f"() => {_STORE}.terrain.message.peek()?.safe > 0")
+    await_true(page, f"() => {_STORE}.part('terrain').message.peek()?.safe > 0")
     page.locator(".volume-above-map .picture").click()  # in its middle
     asked = group.get_by_label("The patch that was clicked")
     await_true(page, f"() => (({_PATCH})()?.n ?? 0) > 3")

@@ -13,7 +13,7 @@ from tests.browser.looking import await_true, open_group, until, without_canvas_
 from tests.marks import also_long
 
 _STORE = "gridbloom.connection.store"
-_MESSAGE = f"() => {_STORE}.map3d.message.peek()"
+_MESSAGE = f"() => {_STORE}.part('map3d').message.peek()"
 LOW_TABLE = [4.0, 3.0]  # the middle of its board, below the plane of the flat lidar
 
 #: The byte of the layer of what only the 3D map has, at a place: 0 unknown, 1 free, 2 in both maps, 3 only in 3D.
@@ -26,7 +26,7 @@ _BYTE = f"""([x, y]) => {{
 
 #: Whether the first entry of P, the number of points, is that of the points of the newest message.
 _AS_MANY_POINTS = f"""() => {{
-  const n = {_STORE}.terrain.message.peek()?.patch?.points.length / 3;
+  const n = {_STORE}.part('terrain').message.peek()?.patch?.points.length / 3;
   return document.querySelector(".terrain-asked .patch-matrix td")?.textContent === `${{n}}`;
 }}"""
 
@@ -56,12 +56,12 @@ def test_the_low_table_is_in_the_3d_map_and_not_in_the_2d_one(
         expect(panel.frame_locator("iframe").locator("canvas").first).to_be_visible()
     # Its points make a terrain: patches are classified, and a click on the map asks about one.
     terrain = open_group(page, "Terrain")
-    await_true(page, f"() => {_STORE}.terrain.message.peek()?.safe > 100")
+    await_true(page, f"() => {_STORE}.part('terrain').message.peek()?.safe > 100")
     await_true(page, f"() => {_STORE}.layers.grid('terrain_costs').map.peek() !== null")
     page.evaluate(f"() => {{ {_STORE}.pinned.value = [3.0, 4.4]; }}")
     asked = terrain.get_by_label("The patch that was clicked")
     expect(asked).to_contain_text("Patch of 0.25 m at (3.0, 4.4)")
-    await_true(page, f"() => {_STORE}.terrain.message.peek()?.patch?.points.length > 9")
+    await_true(page, f"() => {_STORE}.part('terrain').message.peek()?.patch?.points.length > 9")
     page.evaluate(f"() => {_STORE}.send({{ type: 'pause' }})")  # else each assessment has other points
     expect(asked.get_by_role("cell").first).to_be_visible()
     await_true(page, _AS_MANY_POINTS)
@@ -103,7 +103,7 @@ def test_the_same_scans_are_a_surface_whose_curve_is_grabbed(open_lab: Callable[
     expect(panel.get_by_role("button", name="3D map", exact=True)).to_be_visible()
     page.evaluate(f"() => {_STORE}.send({{ type: 'pause' }})")
     panel.get_by_role("radio", name="TSDF").check()
-    surface = f"() => {_STORE}.surface.message.peek()"
+    surface = f"() => {_STORE}.part('surface').message.peek()"
     settled = f"() => {{ const now = ({surface})(); return now?.index > 2 && now.triangles > 0 && !now.pending; }}"
     await_true(page, settled)
     # The layers of the 3D view follow what it shows.

@@ -136,6 +136,6 @@ def test_a_map_is_edited_and_kept(page: Page, server: str, tmp_path: Path) -> No
     open_group(page, "Costmap")
     costs = f"{_STORE}.layers.grid('costmap').map.peek()"
     await_true(page, f"() => {costs}")
-    page.evaluate(f"() => {_STORE}.setNavigation({{ map: 'given', obstacle_layer: false, dynamic_layer: false }})")
+    page.evaluate(f"() => {_STORE}.setPart('costmap', {{ map: 'given', obstacle_layer: false, dynamic_layer: false }})")
     await_true(page, f"() => {costs}?.geometry.rows === 40 && {costs}.cells.at(10, 15) === 255")
     assert taken(page, "pgm", tmp_path).read_bytes().startswith(b"P5\n85 40\n255\n")

@@ -42,7 +42,7 @@ LINES = """() => [".dock-tabs", ".dock-subtabs"].map((list) => new Set([
 ].map((tab) => Math.round(tab.getBoundingClientRect().top))).size)"""
 #: What is done in a group that is empty without it.
 SHOW_SURFACE = """async () => {
-  gridbloom.connection.store.setMap3d({ kind: "tsdf" });
+  gridbloom.connection.store.setPart("map3d", { kind: "tsdf" });
   while (!document.querySelector(".surface-panel .tsdf-weight")) await new Promise(requestAnimationFrame);
 }"""
 BEFORE_GROUP = {"Why": EXPLAIN, "3D map": SHOW_SURFACE}

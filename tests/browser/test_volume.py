@@ -222,7 +222,7 @@ def test_the_surface_of_real_depth_images_follows_its_parameters_and_is_taken_aw
     before = sum(received)
     open_group(page, "Surface")
     page.get_by_role("button", name="Show the surface").click()
-    surface = "() => gridbloom.connection.store.surface.message.peek()"
+    surface = "() => gridbloom.connection.store.part('surface').message.peek()"
     await_true(
         page, f"() => {{ const now = ({surface})(); return now.index === 1 && now.triangles > 0 && !now.pending; }}"
     )

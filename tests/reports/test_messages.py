@@ -121,6 +121,13 @@ def own_range(i: int) -> Said:
     return replace(said, fields=said.fields | {"ranges": ranges, "range_max": limit})
 
 
+def ramped(i: int) -> Said:
+    """A lidar whose greatest range grows from scan to scan; what is farther is inf."""
+    said, limit = measured(i), 3.0 + 0.1 * i
+    ranges = np.where(said.fields["ranges"] > limit, np.float32(np.inf), said.fields["ranges"])
+    return replace(said, fields=said.fields | {"ranges": ranges, "range_max": limit})
+
+
 def turned(i: int) -> Said:
     """A lidar that is switched in resolution, in its first angle by a whole turn, and in the sense of its sweep."""
     n, first, sign = ((180, -math.pi, 1.0), (360, math.pi, 1.0), (90, 0.0, -1.0))[i % 3]
@@ -154,10 +161,12 @@ CASES = (
          within(lambda _: 3.5), ("are exactly range_max, 3.5 m",)),
     Case("another resolution, turn and sense", "sensor_msgs/LaserScan", lambda: drive(turned), 4 * (180 + 360 + 90),
          ("do not have the same beams", "4 with 360 beams")),
-    Case("another number of beams in each scan", "Slamtec/rplidar_ros#31", lambda: drive(jittering), N * 350,
-         ("in more than 8 ways",), within=0.12),
+    Case("another number of beams in each scan", "Slamtec/rplidar_ros#31", lambda: drive(jittering),
+         sum(350 + i for i in range(N)), ("do not have the same beams", "and 8 kinds more")),
     Case("fewer beams now and then", "sensor_msgs/LaserScan", lambda: drive(lambda i: measured(i, n=180 - i % 4)),
          N * 180 - 18),
+    Case("another greatest range in each scan", "sensor_msgs/LaserScan", lambda: drive(ramped),
+         within(lambda i: 3.0 + 0.1 * i), ("and 8 kinds more",)),
     Case("another greatest range", "sensor_msgs/LaserScan", lambda: drive(own_range),
          within(lambda i: 3.0 if i % 2 else 30.0), ("do not have the same beams or limits",)),
 )  # fmt: skip
@@ -173,6 +182,25 @@ def test_each_message_counts_by_what_it_states_itself(tmp_path, case):
         assert any(words in note for note in log.notes), (words, log.notes)
     if not case.notes:
         assert log.notes == ()
+
+
+def test_what_has_no_return_reaches_as_far_as_its_own_scan_states(tmp_path):
+    log = open_log(written(tmp_path, drive(ramped), "mcap"))
+    scans = [log.scan(i) for i in range(N)]
+    assert [scan.range_max for scan in scans] == pytest.approx([3.0 + 0.1 * i for i in range(N)])
+    assert all(np.isposinf(scan.ranges).any() for scan in scans)
+
+
+def test_beams_of_more_kinds_than_are_kept_apart_count_at_the_nearest(tmp_path):
+    said = [transform(T0 - SECOND, "base_link", "laser", *MOUNT, topic="/tf_static")]
+    for i in range(70):
+        n, stamp = 350 + i, T0 + i * STEP
+        angles = (-math.pi, 2.0 * math.pi / n)
+        one = scan(stamp, distances(0, angles[0] + angles[1] * np.arange(n)), angles=angles)
+        said += [transform(stamp, "odom", "base_link", *pose(0)), one]
+    log = open_log(written(tmp_path, said, "mcap"))
+    assert any("in more than 64 ways" in note for note in log.notes)
+    assert off_the_walls(ends(log)) < 0.12
 
 
 def test_a_real_wall_at_the_greatest_range_stays(tmp_path):
@@ -263,6 +291,40 @@ def test_the_beams_of_lines_without_angles(tmp_path, n, first, step, head, words
     log = open_log(path)
     assert off_the_walls(ends(log)) < 2e-3
     assert (words and any(words in note for note in log.notes)) or not log.notes
+
+
+def test_lines_whose_beams_change_are_each_read_as_they_are(tmp_path):
+    """A lidar whose resolution, field of view and range are switched while CARMEN records."""
+    modes = ((180, -90.0, 1.0), (361, -90.0, 0.5), (541, -135.0, 0.5))
+    logs = [flaser(*mode).splitlines() for mode in modes]
+    path = tmp_path / "a.log"
+    path.write_bytes(b"\n".join([logs[i % 3][i] for i in range(N)] + [b""]))
+    log = open_log(path)
+    assert isinstance(log, JointLog)
+    assert (log.n_scans, log.topic, len(log.parts)) == (N, "FLASER", 3)
+    assert len(ends(log)) == N // 3 * (180 + 361 + 541)
+    assert off_the_walls(ends(log)) < 2e-3
+    assert any("do not have the same beams or limits: 4 with" in note for note in log.notes)
+    np.testing.assert_allclose(log.trajectory().poses, [pose(i) for i in range(N)], atol=1e-6)
+
+
+def test_lines_that_state_other_angles_and_limits_are_each_read_so(tmp_path):
+    lines = []
+    for i in range(N):
+        first, step, n, limit = ((-1.57, 0.0174533, 181, 50.0), (-1.2, 0.01, 241, 4.0))[i % 2]
+        ranges = " ".join(f"{r:.5f}" for r in distances(i, first + step * np.arange(n), (0.0, 0.0, 0.0)))
+        place = " ".join(f"{value:.6f}" for value in pose(i))
+        lines.append(
+            f"ROBOTLASER1 0 {first} {step * (n - 1):.7f} {step} {limit} 0.01 0 {n} {ranges} 0 {place} {place} "
+            f"0 0 0 0 0 {i * 0.2:.6f} host {i * 0.2:.6f}"
+        )
+    path = tmp_path / "a.log"
+    path.write_text("\n".join([*lines, ""]))
+    log = open_log(path)
+    assert [log.scan(i).range_max for i in range(2)] == [50.0, 4.0]
+    points = ends(log)
+    assert off_the_walls(points) < 2e-3
+    assert np.isposinf(log.scan(1).ranges).any()
 
 
 def test_dp_slam_and_rear_lasers_have_the_same_table():
@@ -408,6 +470,74 @@ def test_foxgloves_messages_are_read(tmp_path, encoding):
     assert log.mount == pytest.approx(MOUNT, abs=1e-6)
     assert off_the_walls(ends(log)) < 1e-3
     assert f"foxglove.LaserScan messages in {encoding} on /scan are read as sensor_msgs/LaserScan." in log.notes
+
+
+FOXGLOVE_MSGS = {
+    "PackedElementField": "string name\nuint32 offset\nuint8 type",
+    "LaserScan": "{time} timestamp\nstring frame_id\ngeometry_msgs/Pose pose\nfloat64 start_angle\n"
+    "float64 end_angle\nfloat64[] ranges\nfloat64[] intensities",
+    "PointCloud": "{time} timestamp\nstring frame_id\ngeometry_msgs/Pose pose\nuint32 point_stride\n"
+    "foxglove_msgs/PackedElementField[] fields\nuint8[] data",
+    "FrameTransform": "{time} timestamp\nstring parent_frame_id\nstring child_frame_id\n"
+    "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
+    "FrameTransforms": "foxglove_msgs/FrameTransform[] transforms",
+}  #: foxglove-sdk's schemas of ROS
+
+
+@pytest.mark.parametrize("sensor", ["LaserScan", "PointCloud"])
+@pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
+def test_foxgloves_messages_in_the_serialisation_of_ros_are_read(tmp_path, kind, sensor):
+    """foxglove_msgs, as ros_foxglove_bridge's packages have them; of a robot in a namespace of its own."""
+    from rosbags.typesys import get_types_from_msg
+
+    for ros, time in ((1, "time"), (2, "builtin_interfaces/Time")):
+        types: dict[str, Any] = {}
+        for name, text in FOXGLOVE_MSGS.items():
+            types |= get_types_from_msg(text.format(time=time), f"foxglove_msgs/msg/{name}")
+        recorded.store(ros).register(types)
+    bearings = -2.0 + 0.05 * np.arange(81)
+    said = []
+    for i in range(N):
+        at, (x, y, yaw) = T0 + i * STEP, pose(i)
+        stamp = {"sec": at // SECOND, "nanosec": at % SECOND}
+        place = {"translation": {"x": x, "y": y, "z": 0.0}, "rotation": recorded.quaternion(yaw)}
+        one = {"timestamp": stamp, "parent_frame_id": "odom", "child_frame_id": "base_link", **place}
+        said.append(Said("/robot/transforms", "foxglove_msgs/msg/FrameTransforms", at, {"transforms": [one]}))
+        origin = {
+            "position": {"x": MOUNT[0], "y": MOUNT[1], "z": 0.4}, "orientation": recorded.quaternion(MOUNT[2])
+        }  # fmt: skip
+        fields: dict[str, Any] = {"timestamp": stamp, "frame_id": "base_link", "pose": origin}
+        ranges = distances(i, bearings)
+        if sensor == "LaserScan":
+            fields |= {"start_angle": -2.0, "end_angle": 2.0, "ranges": ranges, "intensities": np.zeros(0)}
+        else:
+            points = np.stack([ranges * np.cos(bearings), ranges * np.sin(bearings), 0.0 * ranges], axis=1)
+            packed = [{"name": name, "offset": 4 * k, "type": 7} for k, name in enumerate("xyz")]
+            data = np.frombuffer(points.astype("<f4").tobytes(), np.uint8)
+            fields |= {"point_stride": 12, "fields": packed, "data": data}
+        said.append(Said("/robot/front/scan", f"foxglove_msgs/msg/{sensor}", at, fields))
+    log = open_log(written(tmp_path, said, kind))
+    assert (log.n_scans, log.default_trajectory) == (N, "tf/odom")
+    if sensor == "LaserScan":
+        assert log.mount == pytest.approx(MOUNT, abs=1e-6)
+    assert len(ends(log)) > 0.9 * N * len(bearings)
+    assert off_the_walls(ends(log)) < (1e-3 if sensor == "LaserScan" else 0.12)
+    encoding = "ros1" if kind == "bag" else "cdr"
+    assert any(f"{sensor} messages in {encoding} on /robot/front/scan are read as" in note for note in log.notes)
+
+
+def test_flatbuffers_are_named(tmp_path):
+    out = io.BytesIO()
+    writer = Writer(out)
+    writer.start()
+    number = writer.register_schema("foxglove.LaserScan", "flatbuffer", b"\0")
+    channel = writer.register_channel("/scan", "flatbuffer", number)
+    writer.add_message(channel, T0, b"\0" * 40, T0)
+    writer.finish()  # type: ignore[no-untyped-call]
+    path = tmp_path / "a.mcap"
+    path.write_bytes(out.getvalue())
+    with pytest.raises(ReadError, match="the messages are encoded as 'flatbuffer', which is not read"):
+        open_log(path)
 
 
 def test_a_schema_that_is_empty_is_known_by_its_name(tmp_path):

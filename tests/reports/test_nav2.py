@@ -118,7 +118,7 @@ def test_amcl_and_the_planner_of_a_dump() -> None:
 
 
 NOT_BUILT = (
-    "nav2_costmap_2d::DenoiseLayer", "nav2_costmap_2d::RangeSensorLayer", "nav2_costmap_2d::PluginContainerLayer",
+    "nav2_costmap_2d::RangeSensorLayer", "nav2_costmap_2d::PluginContainerLayer",
     "spatio_temporal_voxel_layer/SpatioTemporalVoxelLayer", "my_robot::ShoutingLayer",
 )  # fmt: skip
 
@@ -137,6 +137,29 @@ def test_a_layer_that_is_not_built_is_left_out_with_a_note_and_written_again(plu
     assert again == found
     written = yaml.safe_load(nav2_yaml(found, 0.1))["global_costmap"]["global_costmap"]["ros__parameters"]
     assert written["plugins"] == ["static_layer", "odd", "inflation_layer"]
+
+
+def test_small_groups_are_removed_as_nav2_does() -> None:
+    """nav2_costmap_2d's DenoiseLayer, with its defaults and with its parameters; the inflation sees what remains."""
+    values = np.zeros((9, 9), dtype=np.int8)
+    values[1, 1] = values[4, 4] = values[5, 5] = 100  # one alone, and two that have a corner in common
+    values[7, 2:6] = 100
+    first = f"plugins: [static_layer, d, inflation_layer]\n{STATIC}\n{INFLATION}\n"
+    geometry = GridGeometry(1.0, 9, 9)
+    left = {"": 6, ", group_connectivity_type: 4": 4, ", minimal_group_size: 5": 0, ", enabled: false": 7}
+    for more, count in left.items():
+        found = node(f'{first}d: {{plugin: "nav2_costmap_2d::DenoiseLayer"{more}}}')
+        assert found.notes == ()
+        built = build_costmap(geometry, values, found)
+        built.costmap.update()
+        assert np.count_nonzero(built.costmap.costs == LETHAL) == count, more
+        assert parse_nav2_costmap(nav2_yaml(found, 1.0).encode()) == found
+    found = node(f'{first}d: {{plugin: "nav2_costmap_2d::DenoiseLayer"}}')
+    built = build_costmap(geometry, values, found)
+    built.costmap.update()
+    reasons = {one.layer: one.sentence for one in built.costmap.why(1, 1)}
+    assert "fewer than 2 cells, which is removed as noise" in reasons["d"]
+    assert "No obstacle of a group" in {one.layer: one.sentence for one in built.costmap.why(4, 4)}["d"]
 
 
 def test_of_two_inflation_layers_the_upper_one_is_built() -> None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mapper.diagnosis.events.clock_steps import ClockStep, clock_steps, near_clock_steps, usual_interval
 from mapper.diagnosis.events.event import CLOCK, LIFTED, PUSHED, SLIPPED, Event
 from mapper.io.logs.summary import recorded_seconds
-from mapper.sensors.joint_log import sensors_of
+from mapper.sensors.joint_log import by_sensor, sensors_of
 from mapper.sensors.scan import ScanLog
 
 if TYPE_CHECKING:
@@ -53,8 +55,9 @@ def find_events(
     from mapper.diagnosis.events.displacement import displacements  # noqa: PLC0415 - SciPy, for whoever asks
     from mapper.diagnosis.events.motions import aligned_motions  # noqa: PLC0415
 
-    lidars = [one for one in sensors_of(log) if one.beam_width == 0.0 and one.bearings is None and one.n_beams > 2]
-    sensor = max(lidars or sensors_of(log), key=lambda one: one.n_scans)
+    sensors = by_sensor(log)
+    lidars = [one for one in sensors if _is_lidar(one[0])]
+    sensor, numbers = max(lidars or sensors, key=lambda one: one[0].n_scans)
     if not (sensor.stamps_ns != sensor.stamps_ns[:1]).any():
         return []
     wheels = wheels_of(sensor)
@@ -71,7 +74,7 @@ def find_events(
             before, after = int(motions.scans[one.before]), int(motions.scans[one.after])
             stamp = int(sensor.stamps_ns[before]) + round(1e9 * (one.begin_s - motions.seconds[one.before]))
             events.append(Event(kind, float(one.begin_s), float(one.end_s), stamp, before, after, ahead, left, turned))
-    return sorted((_of_whole(log, sensor, one) for one in events), key=lambda one: (one.seconds, one.scan))
+    return sorted((_of_whole(log, sensor, numbers, one) for one in events), key=lambda one: (one.seconds, one.scan))
 
 
 def _of_clock(log: ScanLog, steps: list[ClockStep]) -> list[Event]:
@@ -108,18 +111,14 @@ def _kind(one: Displacement) -> str | None:
     return SLIPPED if against > OPPOSITE and went > -BACK_M else PUSHED
 
 
-def _of_whole(log: ScanLog, sensor: ScanLog, event: Event) -> Event:
-    """Return an event of one of a log's sensors with the numbers and times of the log's scans."""
+def _is_lidar(log: ScanLog) -> bool:
+    return all(part.beam_width == 0.0 and part.bearings is None and part.n_beams > 2 for part in sensors_of(log))
+
+
+def _of_whole(log: ScanLog, sensor: ScanLog, numbers: NDArray[np.int64], event: Event) -> Event:
+    """Return an event of one of a log's sensors with the ``numbers`` and times of the log's scans."""
     if sensor is log:
         return event
-    from dataclasses import replace  # noqa: PLC0415
-
-    from mapper.sensors.joint_log import JointLog  # noqa: PLC0415
-
-    if not isinstance(log, JointLog):
-        return event
-    number = next(k for k, part in enumerate(log.parts) if part is sensor)
-    numbers = np.flatnonzero(log.part_of_scan == number)
     shift = float(recorded_seconds(log)[numbers[0]])
     return replace(
         event, scan=int(numbers[event.scan]), until_scan=int(numbers[event.until_scan]),

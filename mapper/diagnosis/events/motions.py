@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.se2 import compose, inverse
 from mapper.io.logs.summary import recorded_seconds
-from mapper.matching import MatchConfig, match_scan, prepare_scans
+from mapper.matching import MatchConfig, match_scan
 from mapper.matching.target import Target
+from mapper.sensors.joint_log import part_of_scan, sensors_of
 from mapper.sensors.motion import at_middle_of_sweep
 from mapper.sensors.scan import ScanLog
 from mapper.slam.config import SlamConfig
 from mapper.slam.front_end import FrontEnd
 from mapper.slam.odometry import motions
-from mapper.slam.scan_store import ScanStore
+from mapper.slam.scan_store import ScanStore, scans_of
 
 Float64Array = NDArray[np.float64]
 
@@ -80,7 +81,8 @@ def aligned_motions(
     some = at_middle_of_sweep(log, wheels).take(numbers)
     seconds, by_wheels = seconds[numbers], motions(some.trajectory().poses)
     config = SlamConfig()
-    front = FrontEnd(ScanStore([some], config.range_max, int(config.n_beams)), config)
+    front = FrontEnd(ScanStore(sensors_of(some), config.range_max, int(config.n_beams)), config)
+    parts = part_of_scan(some).tolist()
     by_scans = by_wheels.copy()
     fits = np.ones(len(by_wheels), dtype=np.bool_)
     for k in range(some.n_scans):
@@ -91,8 +93,8 @@ def aligned_motions(
                 progress(k / some.n_scans)
         passed = float(seconds[k] - seconds[k - 1]) if k else 0.0
         step = front.add(
-            some.ranges[k], by_wheels[k - 1] if k else None, seconds=passed if passed > 0.0 else None,
-            mount=some.mount_of(k),
+            some.ranges[k], by_wheels[k - 1] if k else None, sensor=parts[k],
+            seconds=passed if passed > 0.0 else None, mount=some.mount_of(k),
         )  # fmt: skip
         if k:
             fits[k - 1] = step.is_aligned and step.agreement >= FITS
@@ -127,10 +129,10 @@ def _found_again(log: ScanLog, before: int, after: int) -> Float64Array | None:
     guess = moved if math.hypot(moved[0], moved[1]) < WINDOW_M else np.zeros(3)
     try:
         target = Target(
-            prepare_scans(log, first, last + 1), np.arange(len(near)), compose(inverse(poses[before]), poses[near])
+            scans_of(log, near.tolist()), np.arange(len(near)), compose(inverse(poses[before]), poses[near])
         )
         match = match_scan(
-            prepare_scans(log, source, source + 1), 0, target, guess,
+            scans_of(log, [source]), 0, target, guess,
             replace(MatchConfig(), window_m=WINDOW_M, window_rad=WINDOW_RAD),
         )  # fmt: skip
     except (ConfigError, LimitError):

@@ -13,7 +13,7 @@ from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.placed_scan import deskewed_beams, without_mount_correction
 from mapper.mapping.prepare_scans import base_poses, is_deskewed
 from mapper.mapping.update_plan import UpdatePlan, plan_update
-from mapper.sensors.joint_log import JointLog
+from mapper.sensors.joint_log import JointLog, by_sensor
 from mapper.sensors.scan import ScanLog
 
 _NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9_/]")
@@ -62,21 +62,25 @@ def exported_sensors(
     """Return the sensors of a log with names of their own.
 
     One sensor's topics are ``/scan`` and ``/points``, or ``/sonar_0`` …; those of several are named as they were in the
-    recording, apart from what is not allowed in a name and from the names that are ``taken``. ``config`` is that of the
-    map in which the scans are to lie, if there is one.
+    recording, apart from what is not allowed in a name and from the names that are ``taken``. The parts of one lidar
+    that was switched, which are in the log's order, share its names. ``config`` is that of the map in which the scans
+    are to lie, if there is one.
     """
     if not isinstance(log, JointLog):
         names = [f"/sonar_{i}" for i in range(log.n_beams)]
         return [_sensor(log, trajectory, config, log.frame_id, "/scan", "/points", names)]
-    found, topics, frames = [], set(taken), set[str]()
-    for number, part in enumerate(log.parts):
-        plain = _NO_PART_OF_A_NAME.sub("_", part.topic).strip("/") or f"scan_{number}"
-        topic = _unused(f"/{plain}", number, topics)
-        frame = _unused(part.frame_id, number, frames)
-        sonars = [f"{topic}_{i}" for i in range(part.n_beams)] if part.n_beams > 1 else [topic]
-        points = _unused(f"{topic}/points", number, topics)
-        found.append(_sensor(part, trajectory, config, frame, topic, points, sonars))
-    return found
+    sensors, topics, frames = by_sensor(log), set(taken), set[str]()
+    found: dict[int, ExportedSensor] = {}
+    for number, (sensor, scans) in enumerate(sensors):
+        plain = _NO_PART_OF_A_NAME.sub("_", sensor.topic).strip("/") or f"scan_{number}"
+        topic = _unused(f"/{plain}", number, topics) if len(sensors) > 1 else "/scan"
+        frame = _unused(sensor.frame_id, number, frames)
+        points = _unused(f"{topic}/points", number, topics) if len(sensors) > 1 else "/points"
+        for index in np.unique(log.part_of_scan[scans]).tolist():  # of a lidar that was switched
+            part = log.parts[index]
+            sonars = [f"{topic}_{i}" for i in range(part.n_beams)] if part.n_beams > 1 else [topic]
+            found[index] = _sensor(part, trajectory, config, frame, topic, points, sonars)
+    return [found[index] for index in range(len(log.parts)) if index in found]
 
 
 def _unused(name: str, number: int, used: set[str]) -> str:

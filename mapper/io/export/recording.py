@@ -81,7 +81,7 @@ def write_mcap(
     config = None if growing_map is None else growing_map.config
     sensors = exported_sensors(log, trajectory, config, _OWN)
     first = int(stamps[0]) if len(stamps) else 0
-    edges = [edge for sensor in sensors for edge in _mounts(sensor, base)]
+    edges = list(dict.fromkeys(edge for sensor in sensors for edge in _mounts(sensor, base)))
     if edges:
         topics.send("/tf_static", "tf2_msgs/msg/TFMessage", first, ros2.transforms(first, edges))
     maps = iter(()) if growing_map is None else growing_map.maps(log, trajectory)

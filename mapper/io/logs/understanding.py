@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.sensors.joint_log import JointLog, sensors_of, with_notes
+from mapper.sensors.joint_log import each_part, sensors_of, with_notes
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog
 
@@ -28,11 +28,8 @@ def understood(robot: RobotLog) -> RobotLog:
 def _understood(log: ScanLog) -> ScanLog:
     period = time_between_scans(log.stamps_ns)
     why = [impossible_sweep(part, period) for part in sensors_of(log)]
-    if isinstance(log, JointLog) and any(why):
-        parts = [_at_once(part) if one else part for part, one in zip(log.parts, why, strict=True)]
-        log = JointLog.of(parts)
-    elif why[0]:
-        log = _at_once(log)
+    if any(why):
+        log = each_part(log, lambda part: _at_once(part) if impossible_sweep(part, period) else part)
     return with_notes(log, [*dict.fromkeys(filter(None, why)), *_notes_on_readings(log)])
 
 

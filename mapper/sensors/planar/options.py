@@ -8,47 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter
+from mapper.core.parameter import Parameter, check_fields, number, table_of
 
 HIGHEST = 1000.0  #: metres
 
 
-def _number(name: str, label: str, initial: float, bounds: tuple[float, float], unit: str, sentence: str) -> Parameter:
-    return Parameter(name, label, "cut", "number", initial, sentence, unit, *bounds)
+def _number(label: str, initial: float, bounds: tuple[float, float], unit: str, sentence: str) -> float:
+    return number(label, "cut", initial, sentence, unit, *bounds, step=0.0)
 
 
 _HEIGHTS, _BEARINGS = (-HIGHEST, HIGHEST), (-math.pi, math.pi)
-
-PARAMETERS: tuple[Parameter, ...] = (
-    _number(
-        "min_height", "Lowest height", 0.0, _HEIGHTS, "m",
-        "Of a point cloud, points lower than this above the robot's base frame are left out.",
-    ),
-    _number(
-        "max_height", "Greatest height", HIGHEST, _HEIGHTS, "m",
-        "Of a point cloud, points higher than this above the robot's base frame are left out.",
-    ),
-    _number(
-        "angle_min", "First bearing", -math.pi, _BEARINGS, "rad",
-        "Where the scan that is cut out of a point cloud begins, counter-clockwise from straight ahead.",
-    ),
-    _number(
-        "angle_max", "Last bearing", math.pi, _BEARINGS, "rad",
-        "Where the scan that is cut out of a point cloud ends.",
-    ),
-    _number(
-        "angle_increment", "Angle between beams", math.pi / 180.0, (1e-3, math.pi / 2.0), "rad",
-        "The angle between two beams of a scan that is cut out of a point cloud.",
-    ),
-    _number(
-        "scan_height", "Rows of the image", 1.0, (1.0, 10_000.0), "pixels",
-        "How many rows of a depth image, around its optical centre, a scan is cut out of.",
-    ),
-)  # fmt: skip
-BY_NAME = {row.name: row for row in PARAMETERS}
 
 #: Types of messages out of which scans are cut, without their package: clouds (CustomMsg is Livox's), depth images.
 CLOUDS, IMAGE = ("PointCloud2", "CustomMsg"), "Image"
@@ -74,20 +46,37 @@ class PlanarCut:
     values outside the table's bounds, and for a band or a sector that is empty.
     """
 
-    min_height: float = 0.0
-    max_height: float = HIGHEST
-    angle_min: float = -math.pi
-    angle_max: float = math.pi
-    angle_increment: float = math.pi / 180.0
-    scan_height: float = 1.0
+    # fmt: off
+    min_height: float = _number(
+        "Lowest height", 0.0, _HEIGHTS, "m",
+        "Of a point cloud, points lower than this above the robot's base frame are left out.",
+    )
+    max_height: float = _number(
+        "Greatest height", HIGHEST, _HEIGHTS, "m",
+        "Of a point cloud, points higher than this above the robot's base frame are left out.",
+    )
+    angle_min: float = _number(
+        "First bearing", -math.pi, _BEARINGS, "rad",
+        "Where the scan that is cut out of a point cloud begins, counter-clockwise from straight ahead.",
+    )
+    angle_max: float = _number(
+        "Last bearing", math.pi, _BEARINGS, "rad", "Where the scan that is cut out of a point cloud ends.",
+    )
+    angle_increment: float = _number(
+        "Angle between beams", math.pi / 180.0, (1e-3, math.pi / 2.0), "rad",
+        "The angle between two beams of a scan that is cut out of a point cloud.",
+    )
+    scan_height: float = _number(
+        "Rows of the image", 1.0, (1.0, 10_000.0), "pixels",
+        "How many rows of a depth image, around its optical centre, a scan is cut out of.",
+    )
+    # fmt: on
     cloud_range: tuple[float, float] = (0.0, math.inf)
     depth_range: tuple[float, float] = (0.45, 10.0)
     output_frame: str = ""
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name in BY_NAME:
-                object.__setattr__(self, field.name, BY_NAME[field.name].check(getattr(self, field.name)))
+        check_fields(self)
         if not self.min_height < self.max_height:
             raise ConfigError(
                 "cut.heights",
@@ -120,3 +109,7 @@ class PlanarCut:
     def n_beams(self) -> int:
         """Beams of a scan that is cut out of a cloud."""
         return math.ceil((self.angle_max - self.angle_min) / self.angle_increment)
+
+
+PARAMETERS = table_of(PlanarCut)
+BY_NAME = {row.name: row for row in PARAMETERS}

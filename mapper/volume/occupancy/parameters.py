@@ -12,36 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_table
-
-
-def _number(
-    name: str, label: str, group: str, initial: float, sentence: str, unit: str, bounds: tuple[float, float, float]
-) -> Parameter:
-    low, high, step = bounds
-    return Parameter(name, label, group, "number", initial, sentence, unit, low, high, step)
-
-
-VOLUME_PARAMETERS: tuple[Parameter, ...] = (
-    _number("resolution", "Resolution", "volume", 0.1, "Side of a voxel.", "m", (0.001, 10.0, 0.01)),
-    _number("p_hit", "Hit", "volume", 0.7, "Occupancy probability of a voxel in which a beam ends.", "",
-            (0.5, 0.99, 0.01)),
-    _number("p_miss", "Miss", "volume", 0.4, "Occupancy probability of a voxel that a beam passes.", "",
-            (0.01, 0.5, 0.01)),
-    _number("p_min", "Least", "volume", 0.1192, "Least occupancy probability that a voxel reaches.", "",
-            (0.001, 0.49, 0.001)),
-    _number("p_max", "Greatest", "volume", 0.971, "Greatest occupancy probability that a voxel reaches.", "",
-            (0.51, 0.999, 0.001)),
-    _number("p_occupied", "Occupied from", "volume", 0.5, "Occupancy probability from which a voxel is occupied.", "",
-            (0.1, 0.95, 0.01)),
-    _number("range_max", "Longest beam", "volume", 0.0,
-            "Beams are cut here and mark free voxels only; 0 is no limit.", "m", (0.0, 1000.0, 0.5)),
-    Parameter("discretise", "Discretise", "volume", "flag", True,
-              "Whether a scan has one beam to the centre of each voxel that has points, or one beam to each point."),
-    _number("half_life", "Half-life", "volume", 0.0,
-            "Time in which log-odds fall by half, so that what is not seen again is forgotten; 0 is never.", "s",
-            (0.0, 86400.0, 1.0)),
-)  # fmt: skip
+from mapper.core.parameter import check_fields, flag, number, table_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,18 +22,40 @@ class VolumeConfig:
     Raises :class:`ConfigError` for a value outside its row.
     """
 
-    resolution: float = 0.1
-    p_hit: float = 0.7
-    p_miss: float = 0.4
-    p_min: float = 0.1192
-    p_max: float = 0.971
-    p_occupied: float = 0.5
-    range_max: float = 0.0
-    discretise: bool = True
-    half_life: float = 0.0
+    # fmt: off
+    resolution: float = number("Resolution", "volume", 0.1, "Side of a voxel.", "m", 0.001, 10.0, 0.01)
+    p_hit: float = number(
+        "Hit", "volume", 0.7, "Occupancy probability of a voxel in which a beam ends.", "", 0.5, 0.99, 0.01,
+    )
+    p_miss: float = number(
+        "Miss", "volume", 0.4, "Occupancy probability of a voxel that a beam passes.", "", 0.01, 0.5, 0.01,
+    )
+    p_min: float = number(
+        "Least", "volume", 0.1192, "Least occupancy probability that a voxel reaches.", "", 0.001, 0.49, 0.001,
+    )
+    p_max: float = number(
+        "Greatest", "volume", 0.971, "Greatest occupancy probability that a voxel reaches.", "", 0.51, 0.999, 0.001,
+    )
+    p_occupied: float = number(
+        "Occupied from", "volume", 0.5, "Occupancy probability from which a voxel is occupied.", "", 0.1, 0.95, 0.01,
+    )
+    range_max: float = number(
+        "Longest beam", "volume", 0.0, "Beams are cut here and mark free voxels only; 0 is no limit.",
+        "m", 0.0, 1000.0, 0.5,
+    )
+    discretise: bool = flag(
+        "Discretise", "volume", True,
+        "Whether a scan has one beam to the centre of each voxel that has points, or one beam to each point.",
+    )
+    half_life: float = number(
+        "Half-life", "volume", 0.0,
+        "Time in which log-odds fall by half, so that what is not seen again is forgotten; 0 is never.",
+        "s", 0.0, 86400.0, 1.0,
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, VOLUME_PARAMETERS)
+        check_fields(self)
         if not self.p_min < self.p_occupied < self.p_max:
             raise ConfigError(
                 "parameter.p_occupied",
@@ -101,4 +94,4 @@ def log_odds(p: float) -> np.float32:
     return np.float32(math.log(p / (1.0 - p)))
 
 
-check_table(VolumeConfig, VOLUME_PARAMETERS)
+VOLUME_PARAMETERS = table_of(VolumeConfig)

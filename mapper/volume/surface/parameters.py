@@ -12,29 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mapper.core.errors import ConfigError
-from mapper.core.parameter import Parameter, check_fields, check_table
+from mapper.core.parameter import check_fields, choice, flag, number, table_of
 
 TRUNCATION_VOXELS = 4.0  #: the truncation, in voxels, where none is given
-
-TSDF_PARAMETERS: tuple[Parameter, ...] = (
-    Parameter("resolution", "Resolution", "tsdf", "number", 0.02, "Side of a voxel.", "m", 0.001, 10.0, 0.005),
-    Parameter("truncation", "Truncation", "tsdf", "number", 0.0,
-              "Distance from the surface, before and behind it, within which voxels are updated; 0 is four voxels.",
-              "m", 0.0, 50.0, 0.01),
-    Parameter("max_weight", "Maximum weight", "tsdf", "number", 64.0,
-              "Weight at which a voxel's mean goes on as a moving one, so that the surface can still change.", "",
-              1.0, 10000.0, 1.0),
-    Parameter("weighting", "Weight", "tsdf", "choice", "constant",
-              "Weight of one measurement: 1, or 1 / depth², as the noise of depth cameras grows with the depth.",
-              choices=("constant", "inverse_square")),
-    Parameter("drop_off", "Drop off", "tsdf", "flag", False,
-              "Whether the weight falls to 0 from one voxel behind the surface to the truncation."),
-    Parameter("carve", "Carve", "tsdf", "flag", True,
-              "Whether voxels of the map's blocks farther before the surface than the truncation are updated too, as "
-              "free, so that what is seen through goes away."),
-    Parameter("range_max", "Longest range", "tsdf", "number", 0.0,
-              "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,16 +24,38 @@ class TsdfConfig:
     Raises :class:`ConfigError` for a value outside its row and for a truncation of less than two voxels.
     """
 
-    resolution: float = 0.02
-    truncation: float = 0.0
-    max_weight: float = 64.0
-    weighting: str = "constant"
-    drop_off: bool = False
-    carve: bool = True
-    range_max: float = 0.0
+    # fmt: off
+    resolution: float = number("Resolution", "tsdf", 0.02, "Side of a voxel.", "m", 0.001, 10.0, 0.005)
+    truncation: float = number(
+        "Truncation", "tsdf", 0.0,
+        "Distance from the surface, before and behind it, within which voxels are updated; 0 is four voxels.",
+        "m", 0.0, 50.0, 0.01,
+    )
+    max_weight: float = number(
+        "Maximum weight", "tsdf", 64.0,
+        "Weight at which a voxel's mean goes on as a moving one, so that the surface can still change.",
+        "", 1.0, 10000.0, 1.0,
+    )
+    weighting: str = choice(
+        "Weight", "tsdf", "constant",
+        "Weight of one measurement: 1, or 1 / depth², as the noise of depth cameras grows with the depth.",
+        ("constant", "inverse_square"),
+    )
+    drop_off: bool = flag(
+        "Drop off", "tsdf", False, "Whether the weight falls to 0 from one voxel behind the surface to the truncation.",
+    )
+    carve: bool = flag(
+        "Carve", "tsdf", True,
+        "Whether voxels of the map's blocks farther before the surface than the truncation are updated too, as free, "
+        "so that what is seen through goes away.",
+    )
+    range_max: float = number(
+        "Longest range", "tsdf", 0.0, "Depths and ranges beyond are left out; 0 is no limit.", "m", 0.0, 1000.0, 0.5,
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, TSDF_PARAMETERS)
+        check_fields(self)
         if 0.0 < self.truncation < 2.0 * self.resolution:
             raise ConfigError(
                 "parameter.truncation",
@@ -72,4 +74,4 @@ class TsdfConfig:
         return np.float32(self.range_max or np.finfo(np.float32).max)
 
 
-check_table(TsdfConfig, TSDF_PARAMETERS)
+TSDF_PARAMETERS = table_of(TsdfConfig)

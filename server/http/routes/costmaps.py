@@ -17,6 +17,8 @@ from server.http.routes.maps import requester_of, stem_of
 from server.http.services import FileDownloads, Logs, Sessions
 from server.http.session_access import writable_session
 from server.http.uploaded_terrain import uploaded_terrain
+from server.sessions.commands import UseTerrain
+from server.stream.commands import CostmapCommand
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -62,7 +64,7 @@ async def change_footprint(sessions: Sessions, session_id: str, wanted: Footprin
     session = sessions.get(session_id)
     await _footprint(session)  # the command would begin a costmap where there is none
     footprint_of(wanted.footprint)
-    session.enqueue({"type": "costmap", "footprint": wanted.footprint})
+    session.enqueue(CostmapCommand(footprint=wanted.footprint))
     return await _footprint(session)
 
 
@@ -137,5 +139,5 @@ async def terrain(
     found = None
     if wanted.log is not None:
         found = await while_connected(request, uploaded_terrain(library, downloads, of_log.owner, wanted.log))
-    of_log.session.enqueue({"type": "use_terrain", "terrain": found})
+    of_log.session.enqueue(UseTerrain(found))
     return {"map": None if found is None else found.public()}

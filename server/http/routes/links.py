@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
+from msgspec import Struct
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mapper.core.errors import MapperError
@@ -22,6 +24,9 @@ from server.library.annotations.links import Link, LinkGoneError
 from server.library.library import Library
 from server.library.logs.errors import LogNotFoundError
 from server.sessions import LogView, SessionRegistry, costmaps_plan, log_plan
+from server.sessions.commands import ShowGivenMap, UseTerrain
+from server.stream.commands import CostmapCommand
+from server.stream.protocol import command_of
 
 if TYPE_CHECKING:
     from server.sessions import SessionHost
@@ -211,25 +216,24 @@ async def page(request: Request, library: Logs, token: str) -> Response:
     return page_of_secret(request, "logs.html", lambda: library.links.get(token), LinkGoneError)
 
 
-async def _navigation(library: Library, downloads: Downloads, link: Link) -> list[dict[str, Any]]:
+async def _navigation(library: Library, downloads: Downloads, link: Link) -> list[Struct]:
     """Return the commands that begin the costmap of a link, with the map and the terrain that it was made with.
 
     Of these, what has been deleted since is left out: the costmap is then over the log's own map, or without terrain.
     """
-    commands: list[dict[str, Any]] = []
+    commands: list[Struct] = []
     for kept in link.view.get("navigation", []):
-        command = kept
-        try:
-            if kept["type"] == "use_terrain":
+        if kept["type"] == "use_terrain":
+            with suppress(MapperError):
                 terrain = await uploaded_terrain(library, downloads, link.owner, kept["log"])
-                command = {"type": "use_terrain", "terrain": terrain}
-            elif kept["type"] == "costmap" and kept["values"].get("map") == "given":
-                given = await library.maps.get(link.owner, link.log_id)
-                commands.append({"type": "show_given_map", "map": given})
-        except MapperError:
-            if kept["type"] == "use_terrain":
-                continue
-            command = kept | {"values": kept["values"] | {"map": "belief"}}
+                commands.append(UseTerrain(terrain))
+            continue
+        command = command_of(kept)
+        if isinstance(command, CostmapCommand) and command.values.get("map") == "given":
+            try:
+                commands.append(ShowGivenMap(await library.maps.get(link.owner, link.log_id)))
+            except MapperError:
+                command.values = command.values | {"map": "belief"}
         commands.append(command)
     return commands
 

@@ -26,6 +26,7 @@ from server.library.processing.localization import (
     changed_values,
     parameter_table,
 )
+from server.sessions.commands import ShowGivenMap
 
 if TYPE_CHECKING:
     from server.library.packs.given_map import GivenMap
@@ -221,5 +222,5 @@ def _check_idle(library: Library, owner: str, log_id: str) -> None:
 
 
 def _show(session: SessionHost, given: GivenMap) -> dict[str, Any]:
-    session.enqueue({"type": "show_given_map", "map": given})
+    session.enqueue(ShowGivenMap(given))
     return {"map": given.public()}

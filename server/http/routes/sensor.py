@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 from server.http.routes.clients import while_connected
 from server.http.services import Logs, Sessions, Visitor
 from server.http.session_access import writable_session
+from server.sessions.commands import UseSensor
 from server.sessions.view import LogView
 
 router = APIRouter(prefix="/api/sessions", tags=["sessions"])
@@ -57,7 +58,7 @@ async def use(
             making.watched = lambda: library.opening(of_log.log_id)
             log = await library.load(of_log.owner, of_log.log_id, wanted.topic, cut)
             await sessions.free_bytes(log, of_log.owner)
-            of_log.session.enqueue({"type": "use_sensor", "log": log, "view": view})
+            of_log.session.enqueue(UseSensor(log, view))
 
     await while_connected(request, read())
     return {"topic": wanted.topic, "cut": cut.values}

@@ -16,6 +16,7 @@ from server.http.services import Logs, Sessions, Visitor
 from server.library.library import Library
 from server.library.logs.records import TrajectoryAnswer
 from server.sessions import SessionRegistry
+from server.sessions.commands import UpdateLog
 from server.stream.protocol import ProtocolError
 
 router = APIRouter(prefix="/api/logs", tags=["logs"])
@@ -75,4 +76,4 @@ async def update_sessions(library: Library, sessions: SessionRegistry, owner: st
         view = recording.view()
         log = await library.load(owner, log_id, view.topic, view.planar_cut)
         with suppress(ProtocolError):  # of too many commands; the next session on the log has them
-            session.enqueue({"type": "update_log", "log": log})
+            session.enqueue(UpdateLog(log))

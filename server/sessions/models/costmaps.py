@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.costmap import NO_INFORMATION
 from server.sessions.messages import NO_READINGS
@@ -13,8 +14,9 @@ from server.sessions.model import Footprint, SessionModel
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView
+from server.stream.commands import RestartCommand, SeekCommand, StepCommand, TrajectoryCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer, text
+from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from mapper.core.array_types import Int8Array
@@ -27,7 +29,7 @@ class CostmapsModel(SessionModel):
     """The costmaps of a recording: those of one topic, one after the other."""
 
     kind: ClassVar[str] = "costmaps"
-    replacing: ClassVar[frozenset[str]] = frozenset({"seek", "restart", "trajectory"})
+    replacing: ClassVar[tuple[type[Struct], ...]] = (SeekCommand, RestartCommand, TrajectoryCommand)
 
     def __init__(
         self, streams: Mapping[str, CostmapStream], *, log_id: str, title: str, topic: str | None = None, index: int = 1
@@ -172,25 +174,24 @@ class CostmapsModel(SessionModel):
         self._time = float(self._times[self._index - 1])
         self._show()
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command: seek, step, restart, or another topic (``trajectory``)."""
         count = len(self._times)
-        match command["type"]:
-            case "seek":
-                index = integer(command, "index")
+        match command:
+            case SeekCommand(index=index):
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"There are {count} costmaps; there is none after {index}.")
                 self._go_to(index)
-            case "step":
+            case StepCommand(scans=scans):
                 self.playback.playing = False
-                self._go_to(self._index + integer(command, "scans", 1))
-            case "restart":
+                self._go_to(self._index + scans)
+            case RestartCommand():
                 self._go_to(1)
                 self.playback.playing = True
-            case "trajectory":
-                self._choose(text(command, "name"))
+            case TrajectoryCommand(name=name):
+                self._choose(name)
                 result.is_new_hello = True
                 result.slot(self.messages()[0])
-            case other:
-                raise ProtocolError("command.unknown", f"A recording of costmaps has no command {other!r:.80}.")
+            case _:
+                super().handle(command, result)
         result.changed = True

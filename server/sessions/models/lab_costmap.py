@@ -32,7 +32,7 @@ from mapper.sensors.scan import RangeScan
 from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_navigation_parameters import LAYERS, PLANNED, LabParameters
 from server.sessions.models.painted_zones import SpeedZones, Stroke
-from server.sessions.models.terrain_map import TerrainCosts
+from server.sessions.parts import TerrainCosts
 from server.stream.layers import GridLayer, Layer
 
 

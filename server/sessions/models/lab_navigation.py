@@ -24,6 +24,7 @@ from server.sessions.models.navigation import Navigation
 from server.sessions.models.simulation_commands import act
 from server.sessions.tick import TickResult
 from server.sessions.view import as_pose
+from server.stream.commands import DriveCommand, GoalCommand
 
 ROWS = rows_with(
     "Which map the static layer has: the belief as it changes, the plan of the world as it was when chosen, or the "
@@ -90,8 +91,8 @@ class LabNavigation(Navigation):
         velocities = self._path.control(pose, parameters)
         if velocities is not None:
             self._steered = time
-            linear, angular = (round(v, 3) for v in velocities)
-            act(self._mapper, {"type": "drive", "linear": linear, "angular": angular}, result)
+            linear, angular = (round(float(v), 3) for v in velocities)
+            act(self._mapper, DriveCommand(linear, angular), result)
         if not self._path.drives:
             result.slot(self._path.message())  # it has arrived
 
@@ -121,9 +122,8 @@ class LabNavigation(Navigation):
         self._laid = None
         self._seen = None
 
-    def _drives(self, command: dict[str, Any]) -> bool:
-        drives = command.get("drives")
-        return self._path.drives if drives is None else bool(drives)
+    def _drives(self, command: GoalCommand) -> bool:
+        return self._path.drives if command.drives is None else command.drives
 
     def draw(self, box: CellBox | None, result: TickResult, *, whole: bool) -> None:
         """Follow what changed in the map, ``box`` or the ``whole`` of it, look at a new scan, and plan again."""

@@ -8,10 +8,9 @@ from mapper.simulation.live_map import LiveMap
 from mapper.simulation.robot import PoseTuple
 from server.sessions.models.lab_localization import LabLocalization
 from server.sessions.models.localization_message import OFF
-from server.sessions.models.simulation_commands import flag
 from server.sessions.tick import TickResult
+from server.stream.commands import LocalizeCommand
 from server.stream.layers import Layer
-from server.stream.protocol import text, values
 
 
 class LocalizationView:
@@ -34,21 +33,19 @@ class LocalizationView:
         """Return the message ``localization``."""
         return OFF if self._one is None else self._one.message()
 
-    def obey(self, command: dict[str, Any], mapper: LiveMap, result: TickResult) -> None:
+    def handle(self, command: LocalizeCommand, mapper: LiveMap, result: TickResult) -> None:
         """Begin to localize the robot in a plan of the present world, change the parameters, or end it.
 
-        Raises :class:`server.stream.protocol.ProtocolError` and :class:`mapper.core.errors.ConfigError`; nothing has
-        changed then.
+        Raises :class:`mapper.core.errors.ConfigError`; nothing has changed then.
         """
-        changed, given = values({"values": {}} | command), text({"map": "plan"} | command, "map")
-        if not flag(command, "value"):
+        if not command.value:
             self._one = None
-        elif flag(command, "keep") and self._one is not None and self._one.given == given:
-            self._one.change(changed)
+        elif command.keep and self._one is not None and self._one.given == command.map:
+            self._one.change(command.values)
         else:
             simulation = mapper.simulation
             self._one = LabLocalization(
-                simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, changed, given
+                simulation.world, simulation.sensor, simulation.mount, mapper.newest_pose, command.values, command.map
             )
         result.slot(self.message())
 

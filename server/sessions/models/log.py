@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, WorkCancelledError
@@ -35,8 +36,22 @@ from server.sessions.robot_report import RobotReport
 from server.sessions.scene_controls import Bounds, Choice, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import LogView
+from server.stream.commands import (
+    AutoCommand,
+    CancelCommand,
+    CompareCommand,
+    DriveCommand,
+    ParametersCommand,
+    RestartCommand,
+    SeekCommand,
+    SensorCommand,
+    StepCommand,
+    TeleportCommand,
+    TrajectoryCommand,
+    WorldCommand,
+)
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer, text
+from server.stream.protocol import ProtocolError, type_of
 
 FILL_S = 30.0  #: the initial speed plays a log in about this many seconds
 MAX_GAP_S = 2.0  #: longer pauses between two scans are shortened to this
@@ -84,8 +99,13 @@ class LogModel(SessionModel):
     """A log and its map."""
 
     kind: ClassVar[str] = "log"
-    replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "seek", "restart", "trajectory"})
-    resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters"}
+    replacing: ClassVar[tuple[type[Struct], ...]] = (
+        ParametersCommand,
+        SeekCommand,
+        RestartCommand,
+        TrajectoryCommand,
+    )
+    resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {ParametersCommand: "parameters"}
 
     recording: LogRecording
     comparison: LogComparison
@@ -204,18 +224,18 @@ class LogModel(SessionModel):
             playing=self.playback.playing,
             hint="Click near the path to go to that scan.",
             tables=(self.parameters.controls(),),
-            choices=(Choice("Trajectory", names, current, "trajectory"),) if len(names) > 1 else (),
+            choices=(Choice("Trajectory", names, current, TrajectoryCommand),) if len(names) > 1 else (),
             index=index,
             count=count,
             can_restart=True,
             bounds=self._path_bounds,
         )
 
-    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+    def on_scene_click(self, x: float, y: float) -> Struct:
         """Return the command to seek the scan nearest to (x, y)."""
         poses = self.recording.log.trajectory(self.recording.trajectory).poses
         gaps = (poses[:, 0] - x) ** 2 + (poses[:, 1] - y) ** 2
-        return {"type": "seek", "index": int(gaps.argmin()) + 1}
+        return SeekCommand(int(gaps.argmin()) + 1)
 
     def prefetcher(self) -> CheckpointPrefetcher | None:
         """Return the prefetcher of missing checkpoints."""
@@ -333,43 +353,43 @@ class LogModel(SessionModel):
             self.go_to(0)
         super().play()
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command. A seek only sets the target: of several in one tick the last one counts."""
         parts = (self.parameters, self._questions, self._updates, self.navigation)
-        if any(part.obey(command, result) for part in parts):
+        if any(part.handle(command, result) for part in parts):
             return
         count = self.recording.log.n_scans
-        if command["type"] in ("seek", "step", "restart", "cancel", "trajectory"):
+        if isinstance(command, SeekCommand | StepCommand | RestartCommand | CancelCommand | TrajectoryCommand):
             self._healing.leave()
-        match command["type"]:
-            case "seek":
-                index = integer(command, "index")
+        match command:
+            case SeekCommand(index=index):
                 if not 0 <= index <= count:
                     raise ProtocolError("command.index", f"The log has {count} scans; there is no map after {index}.")
                 self.go_to(index)
-            case "step":
+            case StepCommand(scans=scans):
                 self.playback.playing = False
-                self.go_to(min(max(self._target + integer(command, "scans", 1), 0), count))
-            case "restart":
+                self.go_to(min(max(self._target + scans, 0), count))
+            case RestartCommand():
                 self.go_to(0)
                 self.playback.playing = True
-            case "cancel":
+            case CancelCommand():
                 self.parameters.cancel(result)
                 self.playback.playing = False
                 self.go_to(self.recording.replay.index)
-            case "trajectory":
-                self.recording.choose(text(command, "name"))
+            case TrajectoryCommand(name=name):
+                self.recording.choose(name)
                 self._left_at = 0
                 result.new_grid = True
                 result.slot(self._trajectory_message())
-            case "compare":
+            case CompareCommand():
                 raise ProtocolError(
                     "log.compare", "The comparison of a log is set with PUT /api/sessions/{id}/compare."
                 )
-            case "teleport" | "drive" | "auto" | "world" | "sensor" as kind:
-                raise ProtocolError("log.recorded", f"A log cannot be changed: the command {kind} is for simulations.")
-            case other:
-                raise ProtocolError("command.unknown", f"A log session has no command {other!r:.80}.")
+            case TeleportCommand() | DriveCommand() | AutoCommand() | WorldCommand() | SensorCommand():
+                message = f"A log cannot be changed: the command {type_of(command)} is for simulations."
+                raise ProtocolError("log.recorded", message)
+            case _:
+                super().handle(command, result)
         result.changed = True
 
     def updated(self, result: TickResult, *, is_new: bool) -> None:

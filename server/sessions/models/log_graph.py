@@ -11,6 +11,7 @@ from mapper.core.errors import ConfigError
 from mapper.sensors.scan import ScanLog
 from server.sessions.hosting import ModelHost
 from server.sessions.models.log_recording import LogRecording
+from server.sessions.models.solved_graph import ShowGraph
 from server.sessions.parts import GraphSource
 from server.sessions.view import GraphChange
 from server.stream.whole_layers import GraphLayer
@@ -140,7 +141,7 @@ class LogGraph:
     def _give(self, solved: SolvedGraph) -> None:
         """Have the model show a graph and its poses."""
         self._newest = solved
-        self._host.enqueue({"type": "show_graph", "solved": solved})
+        self._host.enqueue(ShowGraph(solved))
 
     def forget(self) -> None:
         """Read the graph again when it is asked for next: its trajectory was replaced."""

@@ -11,6 +11,7 @@ import numpy as np
 from mapper.mapping.parameters import MappingConfig
 from server.library.packs.course import Course, read_course
 from server.library.packs.given_map import GivenMap
+from server.sessions.commands import ShowCourse
 from server.sessions.hosting import ModelHost
 from server.sessions.models.localization_message import COLUMNS, OFF
 from server.sessions.models.log_recording import LogRecording
@@ -156,7 +157,7 @@ class LogLocalization:
                 self._newest = (name, course)
             course = self._newest[1]
             if self._shown is not self._newest:
-                self._host.enqueue({"type": "show_course", "trajectory": name, "course": course})
+                self._host.enqueue(ShowCourse(name, course))
             return await self._host.on_thread(partial(series_of, course, self._recording.recorded))
 
     def forget(self) -> None:

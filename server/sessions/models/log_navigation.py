@@ -12,8 +12,10 @@ from mapper.io.maps.reading import grid_of_values
 from server.sessions.models.lab_costmap import StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, rows_with
 from server.sessions.models.navigation import Navigation
-from server.sessions.models.terrain_map import UploadedTerrain, meets
+from server.sessions.models.terrain_map import meets
+from server.sessions.parts import UploadedTerrain
 from server.sessions.tick import TickResult
+from server.stream.commands import GoalCommand
 
 if TYPE_CHECKING:
     from server.library.packs.given_map import GivenMap
@@ -66,7 +68,7 @@ class LogNavigation(Navigation):
         self._index = -1
         self._laid = None
 
-    def _drives(self, command: dict[str, Any]) -> bool:  # noqa: ARG002 - the robot of a log drives as recorded
+    def _drives(self, command: GoalCommand) -> bool:  # noqa: ARG002 - the robot of a log drives as recorded
         return False
 
     def _plan(self) -> StaticMap:

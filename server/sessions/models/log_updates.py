@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError
 from mapper.sensors.scan import ScanLog
+from server.sessions.commands import (
+    FollowPoses,
+    PosesEnded,
+    PosesSoFar,
+    ShowCourse,
+    ShowGivenMap,
+    UpdateLog,
+    UseSensor,
+    UseTerrain,
+)
 from server.sessions.models.log_graph import LogGraph
 from server.sessions.models.log_healing import LogHealing
 from server.sessions.models.log_localization import LogLocalization
 from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.log_recording import LogRecording
+from server.sessions.models.solved_graph import ShowGraph
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult, error_message
 from server.sessions.view import LogView
@@ -51,33 +63,32 @@ class LogUpdates:
     def __init__(self, model: Updated, healing: LogHealing) -> None:
         self._model, self._healing = model, healing
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+    def handle(self, command: Struct, result: TickResult) -> bool:
         """Carry out a command of the service, and return whether it is one."""
         model = self._model
-        match command["type"]:
-            case "update_log":
-                model.updated(result, is_new=model.recording.update(command["log"]))
-            case "use_sensor":
+        match command:
+            case UpdateLog(log=log):
+                model.updated(result, is_new=model.recording.update(log))
+            case UseSensor(log=log, view=view):
                 try:
-                    model.use_sensor(command["log"], command["view"], result)
+                    model.use_sensor(log, view, result)
                 except MapperError as error:
                     result.notices.append(error_message(error.code, error.message))
-            case "show_graph":
-                solved = command["solved"]
+            case ShowGraph(solved=solved):
                 model.graph.show(solved)
                 model.updated(result, is_new=model.recording.update(solved.in_log(model.recording.log)))
-            case "follow_poses":
-                self._healing.begin(command["name"])
-            case "poses_so_far":
-                self._show_poses(command["poses"], command.get("report"), result)
-            case "poses_ended":
-                self._end_poses(command["trajectory"], result)
-            case "show_given_map":
-                model.localization.show_map(command["map"])
-            case "use_terrain":
-                model.navigation.use_terrain(command["terrain"], result)
-            case "show_course":
-                model.localization.show_course(command["trajectory"], command["course"])
+            case FollowPoses(name=name):
+                self._healing.begin(name)
+            case PosesSoFar(poses=poses, report=report):
+                self._show_poses(poses, report, result)
+            case PosesEnded(trajectory=trajectory):
+                self._end_poses(trajectory, result)
+            case ShowGivenMap(map=given):
+                model.localization.show_map(given)
+            case UseTerrain(terrain=terrain):
+                model.navigation.use_terrain(terrain, result)
+            case ShowCourse(trajectory=trajectory, course=course):
+                model.localization.show_course(trajectory, course)
             case _:
                 return False
         result.changed = True

@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import Any, ClassVar
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.core.array_types import Int8Array
 from mapper.core.errors import LimitError
@@ -25,8 +26,9 @@ from server.sessions.messages import NO_READINGS
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
+from server.stream.commands import MapEditCommand, MapHistoryCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer
+from server.stream.protocol import fields_of
 from server.stream.tiles import TilePicture, picture_range
 
 MOST_CELLS = 1 << 24  #: of a map that is edited
@@ -48,14 +50,14 @@ _ZONE_SHADES = np.where((np.arange(256) > 0) & (np.arange(256) < 128), np.arange
 )
 
 
-def operation_of(command: dict[str, Any]) -> Operation:
+def operation_of(command: MapEditCommand) -> Operation:
     """Return the operation of a command ``map_edit``. Raises :class:`mapper.core.errors.ConfigError`."""
-    names = _FIELDS.get(command["op"], {})
-    given = {names[name]: value for name, value in command.items() if name in names and value is not None}
-    places = given.pop("points", None) if command["op"] == "origin" else None
+    names = _FIELDS.get(command.op, {})
+    given = {names[name]: value for name, value in fields_of(command).items() if name in names}
+    places = given.pop("points", None) if command.op == "origin" else None
     if places:
         given |= {"x": places[0][0], "y": places[0][1]}
-    return parse_operation({"op": command["op"], **given})
+    return parse_operation({"op": command.op, **given})
 
 
 class MapModel(SessionModel):
@@ -133,20 +135,19 @@ class MapModel(SessionModel):
     def advance(self, dt: float, result: TickResult) -> None:
         """Do nothing: a map stays as it is."""
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command: an edit, or a step through the edits."""
         edited = self._edited
-        match command["type"]:
-            case "map_edit":
+        match command:
+            case MapEditCommand():
                 edited.apply(operation_of(command))
-            case "map_history":
-                steps = integer(command, "steps")
+            case MapHistoryCommand(steps=steps):
                 if steps < 0:
                     edited.undo(-steps)
                 elif steps > 0:
                     edited.redo(steps)
-            case other:
-                raise ProtocolError("command.unknown", f"A map has no command {other!r:.80}.")
+            case _:
+                super().handle(command, result)
         self._is_stale = True
         result.changed = True
 

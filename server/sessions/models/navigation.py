@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from msgspec import Struct
+
 from mapper.core.array_types import Int8Array
 from mapper.costmap.nav2_parameters import costmap_of
 from mapper.costmap.nav2_writing import nav2_yaml
@@ -17,7 +19,6 @@ from server.sessions.models.lab_costmap import LabCostmap, StaticMap
 from server.sessions.models.lab_navigation_parameters import LabParameters, footprint_of, from_nav2
 from server.sessions.models.lab_path import LabPath
 from server.sessions.models.navigation_messages import (
-    COMMANDS,
     commands_of,
     cost_message,
     costmap_message,
@@ -25,8 +26,9 @@ from server.sessions.models.navigation_messages import (
 )
 from server.sessions.models.painted_zones import painted_filters, strokes_of
 from server.sessions.tick import TickResult
+from server.stream.commands import CostCommand, CostmapCommand, GoalCommand, Nav2Command
 from server.stream.layers import Layer
-from server.stream.protocol import ProtocolError, number, text, values
+from server.stream.protocol import ProtocolError, place_of
 
 _MOST_NAMES = 12  #: of parameters in one notice
 
@@ -61,7 +63,7 @@ class Navigation(ABC):
         """Have the next scan looked at by a costmap that is new."""
 
     @abstractmethod
-    def _drives(self, command: dict[str, Any]) -> bool:
+    def _drives(self, command: GoalCommand) -> bool:
         """Return whether the robot is to drive to the goal of a command."""
 
     @property
@@ -97,43 +99,40 @@ class Navigation(ABC):
             for told in self.messages():
                 result.slot(told)
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> bool:
+    def handle(self, command: Struct, result: TickResult) -> bool:
         """Carry out a command for the costmap or the path; return whether it was one.
 
         Raises :class:`ProtocolError` and :class:`ConfigError`; nothing has changed then.
         """
-        if command["type"] not in COMMANDS:
+        if not isinstance(command, CostmapCommand | GoalCommand | CostCommand | Nav2Command):
             return False
         costmap = self._costmap
-        if command["type"] == "costmap":
+        if isinstance(command, CostmapCommand):
             self._set(command, result)
         elif costmap is None:
             raise ProtocolError("costmap.off", "There is no costmap: it has to be begun first.")
-        elif command["type"] == "goal":
-            place = (number(command, "x"), number(command, "y")) if command.get("x") is not None else None
-            self._path.head_for(place, drives=self._drives(command))
+        elif isinstance(command, GoalCommand):
+            self._path.head_for(place_of(command), drives=self._drives(command))
             self._is_stale = True
-        elif command["type"] == "cost":
-            x, y = number(command, "x"), number(command, "y")
+        elif isinstance(command, CostCommand):
+            x, y = command.x, command.y
             result.answer(cost_message(x, y, costmap.why(x, y), costmap.why_speed(x, y)))
         else:
             self._exchange(costmap, command, result)
         result.changed = True
         return True
 
-    def _set(self, command: dict[str, Any], result: TickResult) -> None:
-        if not command.get("value", True):
+    def _set(self, command: CostmapCommand, result: TickResult) -> None:
+        if not command.value:
             self.end(result)
             return
         costmap = self._costmap
-        wanted = values({"values": {}} | command)
-        self._check(wanted)
+        self._check(command.values)
         first = LabParameters().with_values(self._first_values()) if costmap is None else costmap.parameters
-        parameters = first.with_values(wanted)
-        corners = command.get("footprint")
-        if corners is not None:
-            parameters = replace(parameters, footprint=footprint_of(corners))
-        strokes = None if command.get("keepout") is None else strokes_of(command["keepout"])
+        parameters = first.with_values(command.values)
+        if command.footprint is not None:
+            parameters = replace(parameters, footprint=footprint_of(command.footprint))
+        strokes = None if command.keepout is None else strokes_of(command.keepout)
         if costmap is None:
             self._costmap = costmap = LabCostmap(self._map(parameters), self._plan, parameters)
             self._forget_scans()
@@ -143,16 +142,16 @@ class Navigation(ABC):
             costmap.paint(strokes)
         self._note_change(result)
 
-    def _exchange(self, costmap: LabCostmap, command: dict[str, Any], result: TickResult) -> None:
+    def _exchange(self, costmap: LabCostmap, command: Nav2Command, result: TickResult) -> None:
         """Answer with the parameters as Nav2's yaml, or take them from one."""
-        if command.get("text") is None:
+        if command.text is None:
             masks, kind = costmap.masks, costmap.parameters.values["speed_limits"]
             filters = painted_filters(masks.get("keepout"), masks.get("speed"), kind)
             parts = nav2_yaml(replace(costmap.parameters.nav2, filters=filters), costmap.geometry.resolution)
             path = nav2_path_yaml(costmap.parameters.path)
             result.answer({"type": "nav2", "text": parts + path})
             return
-        root = parse_ros_parameters(text(command, "text").encode())
+        root = parse_ros_parameters(command.text.encode())
         read, read_path = costmap_of(root), path_of(root)
         found = from_nav2(costmap.parameters, read, read_path)
         costmap.change(found, self._map(found), self._plan)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -12,9 +11,8 @@ from mapper.planning.nav2_parameters import nav2_path_yaml
 from server.sessions.models.lab_costmap import LabCostmap
 from server.sessions.models.lab_navigation_parameters import IN_NAV2, INITIAL, LabParameters
 from server.sessions.models.lab_path import LabPath
-from server.stream.protocol import ProtocolError, decode_command
-
-COMMANDS = ("costmap", "goal", "cost", "nav2")
+from server.stream.commands import CostmapCommand, GoalCommand, Nav2Command
+from server.stream.protocol import ProtocolError, command_of, type_of
 
 
 def costmap_message(costmap: LabCostmap | None) -> dict[str, Any]:
@@ -71,10 +69,10 @@ def commands_of(costmap: LabCostmap | None, path: LabPath) -> list[dict[str, Any
     return found
 
 
-def checked_commands(given: Iterable[object]) -> Iterator[dict[str, Any]]:
+def checked_commands(given: Iterable[object]) -> Iterator[CostmapCommand | Nav2Command | GoalCommand]:
     """Yield the commands of :func:`commands_of` that a story from outside holds. Raises :class:`ProtocolError`."""
     for one in given:
-        command = decode_command(json.dumps(one))
-        if command["type"] not in ("costmap", "nav2", "goal"):
-            raise ProtocolError("story.navigation", f"A story cannot hold the command {command['type']!r:.80}.")
+        command = command_of(one)
+        if not isinstance(command, CostmapCommand | Nav2Command | GoalCommand):
+            raise ProtocolError("story.navigation", f"A story cannot hold the command {type_of(command)!r:.80}.")
         yield command

@@ -18,6 +18,7 @@ from mapper.costmap.nav2_filters import NamedFilter
 from mapper.costmap.speed_filter import ABSOLUTE, PERCENTAGE
 from mapper.grid import GridGeometry
 from server.sessions.models.lab_navigation_parameters import SPEED_LIMITS
+from server.stream.message_parts import BrushStroke
 from server.stream.protocol import ProtocolError
 
 MOST_STROKES = 100
@@ -67,15 +68,10 @@ class Stroke:
         return same and self.points[: len(before.points)] == before.points
 
 
-def strokes_of(given: Sequence[dict[str, Any]]) -> tuple[Stroke, ...]:
+def strokes_of(given: Sequence[BrushStroke]) -> tuple[Stroke, ...]:
     """Return strokes as the wire has them. Raises :class:`ProtocolError` for more than :data:`MOST_POINTS` points."""
     strokes = tuple(
-        Stroke(
-            float(one["width"]),
-            bool(one["erases"]),
-            tuple((float(x), float(y)) for x, y in one["points"]),
-            None if one.get("speed") is None else int(one["speed"]),
-        )
+        Stroke(one.width, one.erases, tuple(one.points), one.speed if isinstance(one.speed, int) else None)
         for one in given
     )
     if len(strokes) > MOST_STROKES or sum(len(stroke.points) for stroke in strokes) > MOST_POINTS:

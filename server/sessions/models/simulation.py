@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from msgspec import Struct
 
 from mapper.core.errors import ConfigError, WorkCancelledError
 from mapper.core.se2 import compose_one
 from mapper.grid import OccupancyGrid
 from mapper.mapping.parameters import LOG_ONLY, PARAMETERS, MappingConfig
-from mapper.simulation import SENSOR_PARAMETERS, WORLDS, SensorConfig, World
+from mapper.simulation import SENSOR_PARAMETERS, WORLDS, Edits, SensorConfig, World
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.second_map import Vanishing, forgetting_message
 from server.sessions.cell_questions import CellQuestions, ExplainedMap
@@ -28,7 +29,7 @@ from server.sessions.models.lab_navigation import ROWS, LabNavigation, believed_
 from server.sessions.models.lab_volume_parameters import TABLE as MAP_3D
 from server.sessions.models.localization_view import LocalizationView
 from server.sessions.models.navigation_messages import checked_commands
-from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.simulation_commands import Action, act
 from server.sessions.models.simulation_messages import world_message
 from server.sessions.models.slam_view import SlamView
 from server.sessions.models.story import SimulationStory
@@ -39,8 +40,28 @@ from server.sessions.scene_controls import Choice, ParameterTable, SceneControls
 from server.sessions.tick import TickResult
 from server.sessions.view import RobotState
 from server.sessions.why import Source
+from server.stream.commands import (
+    AutoCommand,
+    CancelCommand,
+    CompareCommand,
+    DriveCommand,
+    EditCommand,
+    FaultsCommand,
+    LocalizeCommand,
+    Map3dCommand,
+    ParametersCommand,
+    RestartCommand,
+    SeekCommand,
+    SensorCommand,
+    StepCommand,
+    TeleportCommand,
+    TerrainCommand,
+    VoxelCommand,
+    VoxelRayCommand,
+    WorldCommand,
+)
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer, text, values
+from server.stream.protocol import ProtocolError
 
 MAX_STEP_SCANS = 100
 SCANS_AT_ONCE = 10  #: of a ``step`` command that are taken in one tick
@@ -51,8 +72,11 @@ class SimulationModel(SessionModel):
     """A simulated world, its robot, and the map of its scans."""
 
     kind: ClassVar[str] = "simulation"
-    replacing: ClassVar[frozenset[str]] = frozenset({"parameters", "restart"})
-    resent_on_refusal: ClassVar[dict[str, str]] = {"parameters": "parameters", "sensor": "parameters"}
+    replacing: ClassVar[tuple[type[Struct], ...]] = (ParametersCommand, RestartCommand)
+    resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {
+        ParametersCommand: "parameters",
+        SensorCommand: "parameters",
+    }
 
     def __init__(self, host: ModelHost, mapper: LiveMap, max_story_s: float = math.inf) -> None:
         """``max_story_s`` is the longest computing time for replaying its story, seconds."""
@@ -183,14 +207,14 @@ class SimulationModel(SessionModel):
 
     def controls(self) -> SceneControls:
         """Return the parameters of the map and the sensor, and the worlds."""
-        sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), "sensor", ("sensor",))
+        sensor = ParameterTable("Sensor", SENSOR_PARAMETERS, asdict(self.sensor), SensorCommand, ("sensor",))
         return SceneControls(
             playing=self.playback.playing,
             hint="Click a voxel to ask about it."
             if self._volume.is_asked
             else "Click the floor to place the robot there.",
             tables=(self.parameters.controls(), sensor),
-            choices=(Choice("World", tuple(WORLDS), self.world.name, "world"),),
+            choices=(Choice("World", tuple(WORLDS), self.world.name, WorldCommand),),
             can_restart=True,
             bounds=self.world.bounds,
         )
@@ -200,9 +224,9 @@ class SimulationModel(SessionModel):
         """The answer about a voxel, or else what is computed."""
         return "voxel" if self._volume.is_answering else super().working_on
 
-    def on_scene_click(self, x: float, y: float) -> dict[str, Any]:
+    def on_scene_click(self, x: float, y: float) -> Struct:
         """Return the command that places the robot at (x, y)."""
-        return {"type": "teleport", "x": x, "y": y}
+        return TeleportCommand(x, y)
 
     # -- messages -------------------------------------------------------------------------------------------------
 
@@ -255,7 +279,7 @@ class SimulationModel(SessionModel):
             raise ConfigError("story.speed", f"The speed must be between {low:g} and {high:g}.")
         self.playback.speed, self.playback.playing = float(speed), bool(story.get("playing", True))
         for command in checked_commands(story.get("navigation") or ()):
-            self.obey(command, TickResult())
+            self.handle(command, TickResult())
 
     def _remake(self, config: MappingConfig, result: TickResult) -> None:
         self._mapper.remake(config)
@@ -298,48 +322,45 @@ class SimulationModel(SessionModel):
         whole, box = second.changed()
         result.changed |= self._second.update(second.grid, second.config, box, whole=whole)
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command."""
-        if self.parameters.obey(command, result) or self._questions.obey(command, result):
+        if self.parameters.handle(command, result) or self._questions.handle(command, result):
             return
-        if self._navigation.obey(command, result):
+        if self._navigation.handle(command, result):
             return
-        match command["type"]:
-            case kind if kind in ACTIONS:
+        match command:
+            case TeleportCommand() | DriveCommand() | AutoCommand() | SensorCommand() | EditCommand():
                 self._act(command, result)
-            case "localize":
-                self._localization.obey(command, self._mapper, result)
-            case "map3d" | "voxel" | "voxel_ray":
-                self._volume.obey(command, result)
-            case "terrain":
-                self._terrain.obey(command, result)
-            case "step":
-                self._step(command, result)
-            case "faults":
+            case LocalizeCommand():
+                self._localization.handle(command, self._mapper, result)
+            case Map3dCommand() | VoxelCommand() | VoxelRayCommand():
+                self._volume.handle(command, result)
+            case TerrainCommand():
+                self._terrain.handle(command, result)
+            case StepCommand(scans=scans):
+                self._step(scans, result)
+            case FaultsCommand(values=values):
                 with self._cancellable():
-                    self._mapper.set_up(self._mapper.config, self._mapper.faults.with_values(values(command)))
+                    self._mapper.set_up(self._mapper.config, self._mapper.faults.with_values(values))
                     result.new_grid = True
                 result.slot(self._parameters_message())
-            case "compare":
-                wanted = command.get("values")
+            case CompareCommand(values=wanted):
                 with self._cancellable():
-                    self._mapper.compare(None if wanted is None else values(command))
+                    self._mapper.compare(wanted)
                 result.slot(self._parameters_message())
-            case "cancel":
+            case CancelCommand():
                 self.parameters.cancel(result)
-            case "world":
-                name = text(command, "name")
+            case WorldCommand(name=name, added=added, erased=erased):
                 if name not in WORLDS:
                     raise ProtocolError("command.name", f"There is no world {name!r:.80}.")
-                self._begin(world_named(name), command, result)
-            case "restart":
-                added, erased = self._mapper.edits.as_lists()
-                self._begin(self._mapper.plan, {"added": added, "erased": erased}, result)
+                self._begin(world_named(name), Edits.of(added, erased), result)
+            case RestartCommand():
+                self._begin(self._mapper.plan, self._mapper.edits, result)
                 self.playback.playing = True
-            case "seek":
+            case SeekCommand():
                 raise ProtocolError("world.seek", "A simulation cannot seek; use restart.")
-            case other:
-                raise ProtocolError("command.unknown", f"A simulation has no command {other!r:.80}.")
+            case _:
+                super().handle(command, result)
         result.changed = True
 
     @contextmanager
@@ -348,30 +369,29 @@ class SimulationModel(SessionModel):
         with suppress(WorkCancelledError), self._host.cancellable(by_newer=False):
             yield
 
-    def _act(self, command: dict[str, Any], result: TickResult) -> None:
+    def _act(self, command: Action, result: TickResult) -> None:
         mapper, second = self._mapper, self._mapper.second
-        if command["type"] in ("edit", "sensor"):
+        if isinstance(command, EditCommand | SensorCommand):
             with self._cancellable():
                 act(mapper, command, result)
         else:
             act(mapper, command, result)
         result.changed = True
         self.parameters.adopt(mapper.config)  # another kind of sensor sets its default model
-        if command["type"] == "drive":
+        if isinstance(command, DriveCommand):
             self.playback.playing = True
-        if command["type"] in ("drive", "auto"):
+        if isinstance(command, DriveCommand | AutoCommand):
             self._navigation.stop_driving(result)
-        if command["type"] == "teleport":
+        if isinstance(command, TeleportCommand):
             self._localization.carried(mapper.newest_pose)
-        if command["type"] == "sensor":
+        if isinstance(command, SensorCommand):
             self._localization.end(result)
-        if command["type"] == "edit":
+        if isinstance(command, EditCommand):
             result.slot(world_message(self._mapper))
-        if command["type"] == "sensor" or mapper.second is not second:
+        if isinstance(command, SensorCommand) or mapper.second is not second:
             result.slot(self._parameters_message())
 
-    def _step(self, command: dict[str, Any], result: TickResult) -> None:
-        scans = integer(command, "scans", 1)
+    def _step(self, scans: int, result: TickResult) -> None:
         if not 1 <= abs(scans) <= MAX_STEP_SCANS:
             raise ProtocolError("command.scans", f"A simulation steps forward or back by 1 to {MAX_STEP_SCANS} scans.")
         self.playback.playing = False
@@ -383,12 +403,12 @@ class SimulationModel(SessionModel):
         for change in self._mapper.step(now):
             result.add(change)
         if scans > now:
-            result.unfinished = command | {"scans": scans - now}
+            result.unfinished = StepCommand(scans - now)
 
-    def _begin(self, world: World, edits: dict[str, Any], result: TickResult) -> None:
+    def _begin(self, world: World, edits: Edits, result: TickResult) -> None:
         self._localization.end(result)
         self._navigation.end(result)
-        self._mapper.begin(world, self.sensor, edits_of(edits))
+        self._mapper.begin(world, self.sensor, edits)
         self._volume.restart(result)
         result.new_grid = True
         result.slot(world_message(self._mapper))

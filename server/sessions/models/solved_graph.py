@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from mapper.core.errors import ConfigError
@@ -291,3 +292,9 @@ def _visits(scans: NDArray[np.int64]) -> list[list[int]]:
     return [
         [int(a), int(b)] for a, b in zip(scans[np.r_[0, cuts + 1]], scans[np.r_[cuts, len(scans) - 1]], strict=True)
     ]
+
+
+class ShowGraph(Struct):
+    """Map along the poses of a graph that was solved again."""
+
+    solved: SolvedGraph

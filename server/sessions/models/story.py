@@ -11,17 +11,17 @@ from mapper.core.errors import ConfigError, LimitError, MapperError, WorkCancell
 from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
-from mapper.simulation import Faults, SensorConfig
+from mapper.simulation import Edits, Faults, SensorConfig
 from mapper.simulation.healing import Corrector
 from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.live_map import LiveMap, world_named
 from mapper.simulation.robot import PoseTuple
 from server.sessions.hosting import ModelHost
-from server.sessions.models.simulation_commands import ACTIONS, act, edits_of
+from server.sessions.models.simulation_commands import Action, act
 from server.sessions.models.story_cost import story_seconds
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, command_of, type_of
 
 MAX_JOURNAL = 1000  #: most actions in a story
 MAX_STORY_S = 600.0  #: longest simulated time that is replayed, seconds
@@ -96,7 +96,8 @@ def replayed(
     if len(journal or ()) > MAX_JOURNAL or not 0 <= steps * STEP <= MAX_STORY_S:
         raise LimitError("story.long", f"A story has at most {MAX_JOURNAL} actions in {MAX_STORY_S:g} s.")
     sensor = SensorConfig().with_values(story.get("sensor") or {})
-    edits = edits_of(story.get("edits") or {})
+    given = story.get("edits") or {}
+    edits = Edits.of(given.get("added", []), given.get("erased", []))
     mapper = LiveMap(
         world_named(story["world"]),
         story["seed"],
@@ -119,7 +120,7 @@ def replayed(
         advance_to(min(at, steps))
         if not wanted():
             raise WorkCancelledError("story.unwanted", "The replay was cancelled.")
-        _replay(mapper, command)
+        act(mapper, action_of(command), TickResult())
     advance_to(steps)
     if journal is None and story.get("pose") is not None:
         mapper.teleport(*story["pose"])
@@ -137,13 +138,15 @@ def _corrector(log: ScanLog, start: PoseTuple) -> Corrector | None:
     return live_slam(log, start)
 
 
-def _replay(mapper: LiveMap, command: dict[str, Any]) -> None:
-    if command.get("type") not in ACTIONS:
-        raise ConfigError("story.action", f"A story cannot contain the action {command.get('type')!r:.80}.")
+def action_of(fields: dict[str, Any]) -> Action:
+    """Return an action of a journal. Raises :class:`MapperError` for what is none."""
     try:
-        act(mapper, command, TickResult())
+        command = command_of(fields)
     except ProtocolError as error:
         raise MapperError(error.code, error.message) from error
+    if not isinstance(command, Action):
+        raise ConfigError("story.action", f"A story cannot contain the action {type_of(command)!r:.80}.")
+    return command
 
 
 def _changed(config: MappingConfig | SensorConfig | Faults, first: object) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,34 +11,10 @@ from mapper.core.array_types import UInt8Array
 from mapper.costmap import NO_INFORMATION
 from mapper.costmap.masks import mask_costs
 from mapper.grid import GridGeometry
+from server.sessions.parts import TerrainCosts
 
 if TYPE_CHECKING:
     from server.library.packs.given_map import GivenMap
-
-
-class TerrainCosts(Protocol):
-    """Costs of a terrain on its own cells."""
-
-    @property
-    def geometry(self) -> GridGeometry:
-        """Geometry of the map."""
-
-    def costs(self) -> UInt8Array:
-        """Return the costs (rows, cols): 254 where it is unsafe, 255 where it is unknown."""
-
-    def why(self, row: int, col: int) -> str:
-        """Say in one sentence why a cell has its cost."""
-
-
-class UploadedTerrain(TerrainCosts, Protocol):
-    """Costs of a terrain of the library."""
-
-    @property
-    def log_id(self) -> str:
-        """The upload."""
-
-    def public(self) -> dict[str, Any]:
-        """Return what the HTTP interface shows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,12 +13,12 @@ from mapper.core.errors import MapperError, WorkCancelledError
 from mapper.grid import OccupancyGrid
 from mapper.terrain import Terrain
 from server.sessions.models.lab_terrain import TABLE, Assessed, TerrainParameters, assessed
-from server.sessions.models.simulation_commands import flag
 from server.sessions.models.terrain_mark import patch_mark
 from server.sessions.models.terrain_patch import first_asked, patch_at
 from server.sessions.tick import TickResult
+from server.stream.commands import TerrainCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, number, values
+from server.stream.protocol import ProtocolError, place_of
 
 if TYPE_CHECKING:
     from server.sessions.drawings import Drawing
@@ -102,20 +102,19 @@ class TerrainView:
             self._mark = marked, [] if drawn is None else [drawn]
         return self._mark[1]
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: TerrainCommand, result: TickResult) -> None:
         """Begin the terrain, change it, ask about a patch, or end it. Raises :class:`ConfigError`."""
-        if not flag({"value": True} | command, "value"):
+        if not command.value:
             self._parameters = self._found = self.grid = self._asked = self._problem = self._before = None
             result.slot(self.message())
             return
         if not self._source.count:
             raise ProtocolError("terrain.no_points", "There are no points yet: begin the 3D map first.")
-        parameters = (self._parameters or self._first).with_values(values({"values": {}} | command))
+        parameters = (self._parameters or self._first).with_values(command.values)
         if parameters != self._parameters:
             self._note_change(parameters)
             self._parameters, self._taken = parameters, -1
-        if command.get("x") is not None:
-            self._asked = number(command, "x"), number(command, "y")
+        self._asked = place_of(command) or self._asked
         result.slot(self.message())
 
     def _note_change(self, parameters: TerrainParameters) -> None:

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from msgspec import Struct
+
 from mapper.core.array_types import Float64Array
 from mapper.core.errors import ConfigError, MapperError, WorkCancelledError
 from mapper.core.limits import Limits
@@ -35,8 +37,21 @@ from server.sessions.models.volume_surface import VolumeSurface
 from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.scene_controls import SceneControls
 from server.sessions.tick import TickResult
+from server.stream.commands import (
+    CancelCommand,
+    ParametersCommand,
+    RestartCommand,
+    SeekCommand,
+    StepCommand,
+    SurfaceCommand,
+    TerrainCommand,
+    VolumeKeepCommand,
+    VolumeLookCommand,
+    VoxelCommand,
+    VoxelRayCommand,
+)
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer, values
+from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
     from server.library.packs.volume import VolumeSource
@@ -53,9 +68,17 @@ class VolumeModel(SessionModel):
     kind: ClassVar[str] = "volume"
     is_on = True
     is_asked = True
-    replacing: ClassVar[frozenset[str]] = frozenset({"seek", "step", "restart", "parameters", "surface"})
-    resent_on_refusal: ClassVar[Mapping[str, str]] = {
-        one: {"volume_look": "volume"}.get(one, one) for one in ("parameters", "volume_look", "surface")
+    replacing: ClassVar[tuple[type[Struct], ...]] = (
+        SeekCommand,
+        StepCommand,
+        RestartCommand,
+        ParametersCommand,
+        SurfaceCommand,
+    )
+    resent_on_refusal: ClassVar[Mapping[type[Struct], str]] = {
+        ParametersCommand: "parameters",
+        VolumeLookCommand: "volume",
+        SurfaceCommand: "surface",
     }
 
     def __init__(
@@ -212,48 +235,45 @@ class VolumeModel(SessionModel):
 
     # -- commands -------------------------------------------------------------------------------------------------
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Struct, result: TickResult) -> None:
         """Carry out a command."""
-        if self._is_surface and command["type"] in ("voxel", "voxel_ray"):
-            self._surface.ask(command, self._host, self._drawn.chosen, result)
-            result.changed = True
-            return
-        if self._questions.obey(command, self._map, self._rule, result):
-            result.changed = True
-            return
-        match command["type"]:
-            case "terrain":
-                self._terrain.obey(command, result)
-            case "seek":
-                index = integer(command, "index")
+        match command:
+            case VoxelCommand() | VoxelRayCommand():
+                if self._is_surface:
+                    self._surface.ask(command, self._host, self._drawn.chosen, result)
+                else:
+                    self._questions.handle(command, self._map, self._rule, result)
+            case TerrainCommand():
+                self._terrain.handle(command, result)
+            case SeekCommand(index=index):
                 if not 0 <= index <= self._map.count:
                     message = f"There are {self._map.count} scans; there is none after {index}."
                     raise ProtocolError("command.index", message)
                 self._timeline.go_to(index)
-            case "step":
+            case StepCommand(scans=scans):
                 self.playback.playing = False
-                self._timeline.go_to(self._shown.index + integer(command, "scans", 1))
-            case "restart":
+                self._timeline.go_to(self._shown.index + scans)
+            case RestartCommand():
                 self._timeline.go_to(0)
                 self.playback.playing = True
-            case "cancel":
+            case CancelCommand():
                 self._timeline.go_to(self._shown.index)
-            case "parameters":
-                self._set_config(values(command), result)
-            case "surface":
-                if self._surface.set_values(command):
+            case ParametersCommand(values=values):
+                self._set_config(values, result)
+            case SurfaceCommand(values=values):
+                if self._surface.set_values(values):
                     self._clear_voxel(result)
                 result.slot(self._surface.message())
-            case "volume_look":
-                self._set_look(values(command), result)
-            case "volume_keep":
+            case VolumeLookCommand(values=values):
+                self._set_look(values, result)
+            case VolumeKeepCommand(value=keeps):
                 self._comparison.end()
                 self._drawn.show_changes(None, self._config.resolution)
-                if command.get("value", True) is True:
+                if keeps:
                     self._comparison.keep(self._map)
                 result.slot(self._message())
-            case other:
-                raise ProtocolError("command.unknown", f"A session in 3D has no command {other!r:.80}.")
+            case _:
+                super().handle(command, result)
         result.changed = True
 
     def play(self) -> None:

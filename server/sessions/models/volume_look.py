@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.parameter import Parameter, check_fields, check_table
+from mapper.core.parameter import check_fields, choice, flag, number, table_of
 from mapper.volume.mesh.voxel_normals import directions
 
 HEIGHTS = ("cut_low", "cut_high", "band_low", "band_high")  #: rows whose bounds are those of the map
@@ -16,27 +16,8 @@ COLOURS = 24  #: of a ramp
 FARTHEST_M = 10_000.0
 
 
-def _height(name: str, label: str, initial: float, sentence: str) -> Parameter:
-    return Parameter(name, label, "look", "number", initial, sentence, "m", -FARTHEST_M, FARTHEST_M, 0.01)
-
-
-LOOK_PARAMETERS: tuple[Parameter, ...] = (
-    Parameter("show", "Show", "look", "choice", "voxels",
-              "Occupied voxels, the points that they were made of, both, or the surface by signed distances.",
-              choices=("voxels", "points", "both", "surface")),
-    Parameter("colour", "Colour by", "look", "choice", "height",
-              "What the colours show: height, occupancy probability, the side of a voxel, the direction that a surface "
-              "faces, or what the file states of its points.",
-              choices=("height", "probability", "side", "normal", "intensity", "class", "own colour")),
-    Parameter("band", "Height band", "look", "number", 0.25, "Height of one colour.", "m", 0.05, 10.0, 0.05),
-    Parameter("whole", "Unseen sides", "look", "flag", False,
-              "Whether faces towards unknown space are drawn too, which no sensor has seen. Without them a room can be "
-              "looked into from outside."),
-    _height("cut_low", "Cut below", -FARTHEST_M, "What is lower is not drawn."),
-    _height("cut_high", "Cut above", FARTHEST_M, "What is higher is not drawn."),
-    _height("band_low", "Map from", -FARTHEST_M, "Lowest height of the map from above."),
-    _height("band_high", "Map to", FARTHEST_M, "Greatest height of the map from above; equal heights are a slice."),
-)  # fmt: skip
+def _height(label: str, initial: float, sentence: str) -> float:
+    return number(label, "look", initial, sentence, "m", -FARTHEST_M, FARTHEST_M, 0.01)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,20 +27,37 @@ class Look:
     Raises :class:`ConfigError` for a value outside its row.
     """
 
-    show: str = "voxels"
-    colour: str = "height"
-    band: float = 0.25
-    whole: bool = False
-    cut_low: float = -FARTHEST_M
-    cut_high: float = FARTHEST_M
-    band_low: float = -FARTHEST_M
-    band_high: float = FARTHEST_M
+    # fmt: off
+    show: str = choice(
+        "Show", "look", "voxels",
+        "Occupied voxels, the points that they were made of, both, or the surface by signed distances.",
+        ("voxels", "points", "both", "surface"),
+    )
+    colour: str = choice(
+        "Colour by", "look", "height",
+        "What the colours show: height, occupancy probability, the side of a voxel, the direction that a surface "
+        "faces, or what the file states of its points.",
+        ("height", "probability", "side", "normal", "intensity", "class", "own colour"),
+    )
+    band: float = number("Height band", "look", 0.25, "Height of one colour.", "m", 0.05, 10.0, 0.05)
+    whole: bool = flag(
+        "Unseen sides", "look", False,
+        "Whether faces towards unknown space are drawn too, which no sensor has seen. Without them a room can be "
+        "looked into from outside.",
+    )
+    cut_low: float = _height("Cut below", -FARTHEST_M, "What is lower is not drawn.")
+    cut_high: float = _height("Cut above", FARTHEST_M, "What is higher is not drawn.")
+    band_low: float = _height("Map from", -FARTHEST_M, "Lowest height of the map from above.")
+    band_high: float = _height(
+        "Map to", FARTHEST_M, "Greatest height of the map from above; equal heights are a slice.",
+    )
+    # fmt: on
 
     def __post_init__(self) -> None:
-        check_fields(self, LOOK_PARAMETERS)
+        check_fields(self)
 
 
-check_table(Look, LOOK_PARAMETERS)
+LOOK_PARAMETERS = table_of(Look)
 
 
 def _ramp(*stops: tuple[int, int, int]) -> NDArray[np.uint8]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +29,8 @@ from server.sessions.drawings import Surface
 from server.sessions.models.volume_look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of
 from server.sessions.models.volume_messages import MOST_UPDATES
 from server.sessions.tick import TickResult
-from server.stream.protocol import number, values
+from server.stream.commands import VoxelCommand, VoxelRayCommand
+from server.stream.protocol import place_of
 
 if TYPE_CHECKING:
     from server.sessions.hosting import ModelHost
@@ -98,9 +99,8 @@ class VolumeSurface:
         """Whether chunks are to be meshed again."""
         return self._chunks.pending > 0
 
-    def set_values(self, command: dict[str, Any]) -> bool:
+    def set_values(self, wanted: Mapping[str, Any]) -> bool:
         """Use other parameters; return whether the surface has to be made again. Raises :class:`ConfigError`."""
-        wanted = values(command)
         check_names(wanted, TSDF_PARAMETERS)
         config = replace(self.config, **wanted)
         self.replayed  # noqa: B018 - raises where there is none
@@ -213,7 +213,9 @@ class VolumeSurface:
 
     # -- questions ------------------------------------------------------------------------------------------------
 
-    def ask(self, command: dict[str, Any], host: ModelHost, chosen: ChosenVoxel, result: TickResult) -> None:
+    def ask(
+        self, command: VoxelCommand | VoxelRayCommand, host: ModelHost, chosen: ChosenVoxel, result: TickResult
+    ) -> None:
         """Answer ``voxel`` and ``voxel_ray``: why a voxel of the surface has its distance."""
         key = self._key_of(command)
         if key is None:
@@ -252,14 +254,13 @@ class VolumeSurface:
             }
         )
 
-    def _key_of(self, command: dict[str, Any]) -> Int64Array | None:
+    def _key_of(self, command: VoxelCommand | VoxelRayCommand) -> Int64Array | None:
         """Return the key of the voxel that is asked about; None for none."""
         place: Float64Array | None
-        if command["type"] == "voxel_ray":
-            origin, direction = (np.array(command[name], dtype=np.float64) for name in ("origin", "direction"))
-            place = first_surface(self.replayed.volume, origin, direction)
+        if isinstance(command, VoxelRayCommand):
+            place = first_surface(self.replayed.volume, np.array(command.origin), np.array(command.direction))
         else:
-            place = None if command.get("x") is None else np.array([number(command, name) for name in "xyz"])
+            place = None if (given := place_of(command)) is None else np.array(given)
         if place is None:
             return None
         keys, inside = keys_of(place[None].astype(np.float32), self.config.resolution)

@@ -25,13 +25,12 @@ from server.sessions.models.lab_surface import LabSurface
 from server.sessions.models.lab_terrain import points_of, true_ground
 from server.sessions.models.lab_volume import LabVolume, only_in_3d
 from server.sessions.models.lab_volume_parameters import HIGHEST, VolumeParameters
-from server.sessions.models.simulation_commands import flag
 from server.sessions.models.volume_look import NORMAL_COLOURS
 from server.sessions.models.voxel_questions import VoxelQuestions
 from server.sessions.playback import Playback
 from server.sessions.tick import TickResult
+from server.stream.commands import Map3dCommand, VoxelCommand, VoxelRayCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import values
 
 MOST_POINTS = 2000  #: of the newest scan that are drawn
 SCANS_OF_PROJECTION = 2  #: scans between two projections,
@@ -131,23 +130,23 @@ class VolumeView:
 
     # -- commands -------------------------------------------------------------------------------------------------
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Map3dCommand | VoxelCommand | VoxelRayCommand, result: TickResult) -> None:
         """Begin the 3D map, change it, end it, or say why a voxel is so.
 
         Raises :class:`ConfigError`; nothing has changed then.
         """
-        if command["type"] != "map3d":
+        if not isinstance(command, Map3dCommand):
             made = self._made()
             if self._surface is not None:
                 self._surface.surface.ask(command, self._host, self._chosen, result)
                 return
-            self._questions.obey(command, made, lambda: self._rule(made), result)
+            self._questions.handle(command, made, lambda: self._rule(made), result)
             return
-        if not flag({"value": True} | command, "value"):
+        if not command.value:
             self.end(result)
             return
         before = VolumeParameters() if self._map is None else self._map.parameters
-        parameters = before.with_values(values({"values": {}} | command))
+        parameters = before.with_values(command.values)
         if self._map is None:
             self._map = LabVolume(self._mapper.simulation.world, self._mapper.seed, parameters)
             self._start_again()
@@ -327,7 +326,7 @@ class VolumeView:
         self._is_drawn = True
         surface = self._surface
         if (self._dirty if surface is None else surface.is_unmeshed) and not self._playback.playing:
-            self._host.enqueue({"type": "map3d"})  # no tick would make the faces otherwise
+            self._host.enqueue(Map3dCommand())  # no tick would make the faces otherwise
         size = made.parameters.config.resolution
         found = [one for one in flat if not isinstance(one, GridColumns)]
         found.append(

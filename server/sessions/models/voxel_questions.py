@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from mapper.volume.placed_scan import PlacedScan
 from server.sessions.models.chosen_voxel import ChosenVoxel
 from server.sessions.models.volume_messages import update_fields, voxel_message
 from server.sessions.tick import TickResult
-from server.stream.protocol import number
+from server.stream.commands import VoxelCommand, VoxelRayCommand
+from server.stream.protocol import place_of
 
 if TYPE_CHECKING:
     from server.sessions.hosting import ModelHost
@@ -50,21 +51,22 @@ class VoxelQuestions:
         self._host, self._chosen = host, chosen
         self.is_busy = False  #: whether an answer is being computed
 
-    def obey(self, command: dict[str, Any], now: AskedMap, rule: Callable[[], FaceRule], result: TickResult) -> bool:
-        """Carry out a command about a voxel of the map ``now``; return whether it was one.
+    def handle(
+        self,
+        command: VoxelCommand | VoxelRayCommand,
+        now: AskedMap,
+        rule: Callable[[], FaceRule],
+        result: TickResult,
+    ) -> None:
+        """Answer about a voxel of the map ``now``.
 
         ``rule`` returns which faces are drawn. Raises :class:`ConfigError` for a place outside of the lattice.
         """
-        match command["type"]:
-            case "voxel":
-                self._ask(_key_at(command, now), now, result)
-            case "voxel_ray":
-                origin, direction = (np.array(command[name], dtype=np.float64) for name in ("origin", "direction"))
-                key = first_face(now.volume, rule(), origin, direction)
-                self._ask(None if key is None else np.array(key), now, result)
-            case _:
-                return False
-        return True
+        if isinstance(command, VoxelCommand):
+            self._ask(_key_at(command, now), now, result)
+            return
+        key = first_face(now.volume, rule(), np.array(command.origin), np.array(command.direction))
+        self._ask(None if key is None else np.array(key), now, result)
 
     def clear(self, resolution: float, result: TickResult) -> None:
         """Choose none."""
@@ -95,11 +97,12 @@ class VoxelQuestions:
         )
 
 
-def _key_at(command: dict[str, Any], now: AskedMap) -> Int64Array | None:
+def _key_at(command: VoxelCommand, now: AskedMap) -> Int64Array | None:
     """Return the key of the voxel at the place of a command; None for a command without one."""
-    if command.get("x") is None:
+    given = place_of(command)
+    if given is None:
         return None
-    place: Float64Array = np.array([number(command, name) for name in "xyz"])
+    place: Float64Array = np.array(given)
     keys, inside = keys_of(place[None].astype(np.float32), now.config.resolution)
     if not inside[0]:
         raise ConfigError("volume.outside", f"The place {place.tolist()} lies outside of the map's lattice.")

@@ -6,6 +6,7 @@
  * table 9.2; of the other models the sources that the mapper names.
  */
 
+import { SENSOR_MODEL_INITIAL } from "../wire/constants";
 import { logOdds, probability } from "./logOdds";
 
 /** Parts of a beam. */
@@ -198,21 +199,5 @@ export function hitCells(
   return [first, last];
 }
 
-/** The table's default values, which the figure shows until those of a session are known. */
-export const INITIAL_PARAMETERS: SensorModelParameters = {
-  model: "fixed_increments",
-  range_max: 30,
-  window: 0,
-  log_odds_hit: 0.85,
-  log_odds_miss: -0.4,
-  p_free: 0.4,
-  p_occ: 0.7,
-  log_odds_prior: 0,
-  no_return: "ignore",
-  resolution: 0.05,
-  sigma: 0.03,
-  sigma_growth: 0.01,
-  opening: 0.52,
-  cone_profile: "flat",
-  prior_weight: 2,
-};
+/** The table's initial values, which the figure shows until those of a session are known. */
+export const INITIAL_PARAMETERS: SensorModelParameters = SENSOR_MODEL_INITIAL;

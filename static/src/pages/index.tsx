@@ -17,6 +17,7 @@ import { BeliefView } from "../tools/picture/BeliefView";
 import { Plate } from "../tools/picture/Plate";
 import { WorldView } from "../tools/picture/WorldView";
 import { RobotAnnouncement } from "../tools/placing/Placing";
+import { level, tableBounds } from "../tools/profile/handles";
 import { ProfileFigure, useProfileView } from "../tools/profile/Profile";
 import { profileReading } from "../tools/profile/reading";
 import { Button } from "../ui/Button";
@@ -130,10 +131,6 @@ function Legend() {
   );
 }
 
-/** The parameters of a hit and a miss. */
-const INCREMENTS = ["log_odds_hit", "log_odds_miss"] as const;
-const PROBABILITIES = ["p_occ", "p_free"] as const;
-
 /** The reading that was set by hand, metres; null while the curve follows the beam. */
 const handReading = signal<number | null>(null);
 
@@ -142,9 +139,8 @@ function Model() {
   const view = useProfileView(parameters, reading, handReading);
   const isPointed = Boolean(shown.value?.probe.value);
   const { window, range_max } = view.values.value;
-  const [hit, miss] = view.values.value.model === "step_window" ? PROBABILITIES : INCREMENTS;
-  const number = (name: string): number => Number(parameters.value[name] ?? INITIAL_PARAMETERS[name as "window"]);
-  const isProbability = hit === "p_occ";
+  const hit = level("hit", view.values.value, tableBounds);
+  const miss = level("miss", view.values.value, tableBounds);
   return (
     <div class="hero-model">
       <div class="hero-curve">
@@ -175,9 +171,7 @@ function Model() {
           sentence="Width w of the zone around the reading that counts as hit."
           value={window}
           initial={LIVE_WINDOW}
-          low={0}
-          high={2}
-          step={0.05}
+          {...tableBounds("window")}
           unit="m"
           tone="hit"
           onInput={(value) => setParameter("window", value)}
@@ -185,24 +179,20 @@ function Model() {
         <Slider
           label="Hit"
           sentence="What a cell that a beam hits gains: log-odds, or the probability of the step window."
-          value={number(hit)}
-          initial={INITIAL_PARAMETERS[hit]}
-          low={isProbability ? 0.5 : 0}
-          high={isProbability ? 0.99 : 3}
-          step={isProbability ? 0.01 : 0.05}
+          value={hit.value}
+          initial={INITIAL_PARAMETERS[hit.name]}
+          {...hit.range}
           tone="hit"
-          onInput={(value) => setParameter(hit, value)}
+          onInput={(value) => setParameter(hit.name, value)}
         />
         <Slider
           label="Miss"
           sentence="What a cell that a beam passes gains: log-odds, or the probability of the step window."
-          value={number(miss)}
-          initial={INITIAL_PARAMETERS[miss]}
-          low={isProbability ? 0.01 : -3}
-          high={isProbability ? 0.5 : 0}
-          step={isProbability ? 0.01 : 0.05}
+          value={miss.value}
+          initial={INITIAL_PARAMETERS[miss.name]}
+          {...miss.range}
           tone="miss"
-          onInput={(value) => setParameter(miss, value)}
+          onInput={(value) => setParameter(miss.name, value)}
         />
       </div>
     </div>

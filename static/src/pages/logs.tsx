@@ -1,7 +1,7 @@
 import "../style/index.css";
-import "./logs/library.css";
-import "./logs/card.css";
-import "./logs/finder.css";
+import "./logs/library/library.css";
+import "./logs/library/card.css";
+import "./logs/library/finder.css";
 import "./logs/viewer.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
@@ -15,12 +15,12 @@ import { SiteHeader } from "../ui/SiteHeader";
 import { Toasts } from "../ui/Toast";
 import { ClassLog, followLogs } from "./logs/ClassLog";
 import { CostmapViewer } from "./logs/costmaps/CostmapViewer";
-import { Guest } from "./logs/Guest";
-import { Library } from "./logs/Library";
-import { arrived, type LogRecord, openSession } from "./logs/library";
-import { linkOf } from "./logs/links";
+import { Library } from "./logs/library/Library";
+import { arrived, type LogRecord, openSession } from "./logs/library/library";
 import { MapEditor } from "./logs/mapediting/MapEditor";
 import { Opening } from "./logs/Opening";
+import { Guest } from "./logs/share/Guest";
+import { linkOf } from "./logs/share/links";
 import { Viewer } from "./logs/Viewer";
 
 const VolumeViewer = lazy(async () => (await import("./logs/volume/VolumeViewer")).VolumeViewer);

@@ -1,8 +1,9 @@
 /** What the user does with the costmap and the path: the tool of the map, the stroke being painted, the dragged goal. */
 
-import { signal } from "@preact/signals";
+import { type Signal, signal } from "@preact/signals";
 import type { BrushStroke, CostMessage, CostmapMessage, PathMessage, Point } from "../wire/protocol";
-import { Optimistic } from "./optimistic";
+import type { Optimistic } from "./optimistic";
+import type { PartState } from "./part";
 
 /** What a click on a map does while a group of the costmap is open. */
 export type MapTool = "goal" | "keepout" | "speed" | "erase" | "cost";
@@ -30,19 +31,26 @@ export class Navigation {
   /** The grid over the belief. */
   readonly over = signal<Over | null>(null);
   /** Whether the user has ended the costmap: it does not begin by itself then. */
-  readonly isEnded = signal(false);
+  readonly isEnded: Signal<boolean>;
 
   /** The newest messages; null before the first. */
-  readonly costmap = signal<CostmapMessage | null>(null);
+  readonly costmap: Signal<CostmapMessage | null>;
   readonly path = signal<PathMessage | null>(null);
   readonly cost = signal<CostMessage | null>(null);
   /** The parameter file that was asked for. */
   readonly nav2 = signal<string | null>(null);
-  readonly values = new Optimistic();
+  readonly values: Optimistic;
+  readonly #part: PartState<CostmapMessage>;
+
+  constructor(part: PartState<CostmapMessage>) {
+    this.#part = part;
+    this.costmap = part.message;
+    this.values = part.values;
+    this.isEnded = part.isEnded;
+  }
 
   take(message: CostmapMessage): void {
-    this.costmap.value = message;
-    this.values.update(message.values);
+    this.#part.take(message);
     if (!message.is_on) this.asked.value = this.cost.value = null;
   }
 }

@@ -6,17 +6,17 @@ import type { Command, Value, Values } from "../wire/protocol";
  */
 const afterFrame = (task: () => void): void => void requestAnimationFrame(() => void setTimeout(task));
 
-/** Of a change that has several parts, such as that of the costmap, the newest of each part is sent. */
-function joined(before: Command | undefined, command: Command): Command {
-  for (const type of ["costmap", "map3d", "terrain", "volume_look", "surface"] as const)
-    if (command.type === type && before?.type === type)
-      return { ...before, ...command, values: { ...before.values, ...command.values } } as Command;
-  return command;
+const valuesOf = (command: Command): Values => ("values" in command && command.values) || {};
+
+function joined(before: Command, command: Command): Command {
+  const values = { ...valuesOf(before), ...valuesOf(command) };
+  return { ...before, ...command, ...(Object.keys(values).length > 0 && { values }) } as Command;
 }
 
 /** Waiting commands: of each kind only the newest is sent, once per animation frame. */
 export class Outbox {
   readonly #waiting = new Map<string, Command>();
+  readonly #joined = new Set<string>();
   readonly #send: (command: Command) => void;
   readonly #schedule: (task: () => void) => void;
 
@@ -25,20 +25,25 @@ export class Outbox {
     this.#schedule = schedule;
   }
 
+  /** Join the commands of a type: of a change in several fields, such as that of the costmap, the newest of each is sent. */
+  join(type: string): void {
+    this.#joined.add(type);
+  }
+
   put(command: Command): void {
     const isFirst = this.#waiting.size === 0;
     // Of requests about two layers the newest for each is sent.
     const about = "layer" in command ? ` ${command.layer}` : "";
     const key = command.type + about;
     const before = this.#waiting.get(key);
-    this.#waiting.set(key, joined(before, command));
+    this.#waiting.set(key, before && this.#joined.has(command.type) ? joined(before, command) : command);
     if (isFirst) this.#schedule(() => this.flush());
   }
 
   /** Add one value to the waiting `parameters` or `sensor` command. */
   putValue(type: "parameters" | "sensor", name: string, value: Value): void {
     const waiting = this.#waiting.get(type);
-    const before: Values = (waiting && "values" in waiting && waiting.values) || {};
+    const before = waiting ? valuesOf(waiting) : {};
     this.put({ type, values: { ...before, [name]: value } });
   }
 

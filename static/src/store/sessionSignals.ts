@@ -20,6 +20,7 @@ import type {
   LocalizationMessage,
   Point,
   Pose,
+  ServerMessage,
   Trajectory,
   Values,
   VolumeMessage,
@@ -31,14 +32,12 @@ import type { DisplayedMap } from "./displayedMap";
 import { Editing } from "./editing";
 import { FilterSettings } from "./filterSettings";
 import { Layers, MAP, SECOND_MAP } from "./layers";
-import { Map3d } from "./map3d";
 import { MapEditing } from "./mapEditing";
 import { Navigation } from "./navigation";
 import { Optimistic } from "./optimistic";
 import { Outbox } from "./outbox";
+import { PartState } from "./part";
 import type { Stepping } from "./stepping";
-import { Surface } from "./surface";
-import { Terrain } from "./terrain";
 
 interface Notice {
   readonly kind: "note" | "error";
@@ -159,19 +158,13 @@ export class SessionSignals {
   /** The particle filter that the user wants in the lab. */
   readonly filter = new FilterSettings();
   /** The costmap and the path of the simulated robot. */
-  readonly navigation = new Navigation();
+  readonly navigation: Navigation;
   /** The map in 3D; null before the first message, and of other sessions. */
   readonly volume = signal<VolumeMessage | null>(null);
   /** What is shown of it, and how. */
   readonly look = new Optimistic();
   /** The voxel that is asked about. */
   readonly voxel = signal<VoxelMessage | null>(null);
-  /** The surface by signed distances of a map in 3D. */
-  readonly surface = new Surface();
-  /** The 3D map of the simulated robot. */
-  readonly map3d = new Map3d();
-  /** The terrain of its points. */
-  readonly terrain = new Terrain();
   /** What the user does with a map that is edited. */
   readonly mapEditing = new MapEditing();
   /** The grid layer that the belief shows in place of the map; null for the map. */
@@ -184,6 +177,8 @@ export class SessionSignals {
   /** The selected editing tool. */
   readonly editing = new Editing();
 
+  /** What is known of the parts of the session, by the type of their messages. */
+  protected readonly parts = new Map<string, PartState>();
   /** The layers of the session. */
   readonly layers: Layers;
   protected readonly shown: DisplayedMap;
@@ -194,6 +189,8 @@ export class SessionSignals {
   constructor(transmit: (command: Command) => boolean, outbox?: Outbox) {
     this.transmit = transmit;
     this.outbox = outbox ?? new Outbox((command) => void transmit(command));
+    this.outbox.join("volume_look");
+    this.navigation = new Navigation(this.part("costmap"));
     this.layers = new Layers((command) => void transmit(command));
     this.shown = this.layers.grid(MAP);
     this.map = this.shown.map;
@@ -254,6 +251,14 @@ export class SessionSignals {
       const second = this.second.value?.map.value;
       return second ? around(own, extent(second.geometry)) : own;
     });
+  }
+
+  /** The state of the part whose messages have a type, and its commands with values the same. */
+  part<T extends ServerMessage["type"]>(type: T): PartState<Extract<ServerMessage, { type: T }>> {
+    const part = this.parts.get(type) ?? new PartState();
+    this.parts.set(type, part);
+    this.outbox.join(type);
+    return part as unknown as PartState<Extract<ServerMessage, { type: T }>>;
   }
 
   /** The cell of the displayed map at a point; null outside the grid. */

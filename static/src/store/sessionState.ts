@@ -129,12 +129,6 @@ export class SessionState extends SessionSignals implements Receiver {
       case "costmap":
         this.navigation.take(message);
         return;
-      case "map3d":
-        this.map3d.take(message);
-        return;
-      case "terrain":
-        this.terrain.take(message);
-        return;
       case "path":
         this.navigation.path.value = message;
         return;
@@ -150,12 +144,6 @@ export class SessionState extends SessionSignals implements Receiver {
       case "volume":
         this.look.update(message.look.values);
         this.volume.value = message;
-        return;
-      case "surface":
-        this.surface.take(message);
-        return;
-      case "surface_voxel":
-        this.surface.voxel.value = message;
         return;
       case "voxel":
         this.voxel.value = message;
@@ -185,12 +173,14 @@ export class SessionState extends SessionSignals implements Receiver {
         // A request about a map that was replaced meanwhile: not an error of the user, and sent again for the new map.
         if (message.code === "command.epoch") return;
         for (const values of [this.mapping, this.sensor, this.robot, this.look]) values.refuse();
-        for (const part of [this.navigation, this.map3d, this.terrain, this.surface]) part.values.refuse();
+        for (const part of this.parts.values()) part.values.refuse();
         this.mapEditing.drop();
         this.notice.value = { kind: "error", code: message.code, message: message.message };
         return;
       case "pong":
         return;
+      default:
+        this.part(message.type).take(message);
     }
   }
 

@@ -1,7 +1,7 @@
 /** The store of a page that displays a session: every component reads and changes it, and none depends on another. */
 
 import { batch, signal } from "@preact/signals";
-import type { BrushStroke, Command, Edits, Parameter, Point, Value, Values } from "../wire/protocol";
+import type { BrushStroke, Command, Edits, Parameter, Point, ServerMessage, Value, Values } from "../wire/protocol";
 import { type ActiveFaults, NO_ACTIVE_FAULTS } from "./activeFaults";
 import { NO_EDITS } from "./editing";
 import { History } from "./history";
@@ -9,6 +9,10 @@ import { SessionState } from "./sessionState";
 
 const initialOf = (table: readonly Parameter[]): Values =>
   Object.fromEntries(table.map((row) => [row.name, row.initial]));
+
+/** The parts that have parameters: their messages and their commands have one type, and both have values. */
+type PartType = Extract<ServerMessage, { readonly values: Values }>["type"] &
+  Extract<Command, { readonly values?: Values }>["type"];
 
 /** The changes of the user, with undo and redo. */
 export class Store extends SessionState {
@@ -41,15 +45,11 @@ export class Store extends SessionState {
     );
   }
 
-  /** Set a parameter of the costmap or the path. */
-  setNavigation(values: Values): void {
-    const now = this.navigation.values.values.peek();
+  /** Set parameters of a part; begins it if it is off. */
+  setPart(type: PartType, values: Values): void {
+    const now = this.part(type).values.values.peek();
     const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
-    this.#change(
-      `costmap ${Object.keys(values).join(" ")}`,
-      [{ type: "costmap", values: old }],
-      [{ type: "costmap", values }],
-    );
+    this.#change(`${type} ${Object.keys(values).join(" ")}`, [{ type, values: old }], [{ type, values }]);
   }
 
   /** Begin to localize the lab's robot, from anywhere. */
@@ -72,28 +72,6 @@ export class Store extends SessionState {
       `localize ${Object.keys(values).join(" ")}`,
       [{ ...command, values: old }],
       [{ ...command, values: next }],
-    );
-  }
-
-  /** Set a parameter of the 3D sensor or of its map; begins the map if there is none. */
-  setMap3d(values: Values): void {
-    const now = this.map3d.values.values.peek();
-    const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
-    this.#change(
-      `map3d ${Object.keys(values).join(" ")}`,
-      [{ type: "map3d", values: old }],
-      [{ type: "map3d", values }],
-    );
-  }
-
-  /** Set a parameter of the terrain. */
-  setTerrain(values: Values): void {
-    const now = this.terrain.values.values.peek();
-    const old = Object.fromEntries(Object.keys(values).map((name) => [name, now[name] ?? false]));
-    this.#change(
-      `terrain ${Object.keys(values).join(" ")}`,
-      [{ type: "terrain", values: old }],
-      [{ type: "terrain", values }],
     );
   }
 
@@ -208,15 +186,12 @@ export class Store extends SessionState {
         target.set(name, value);
         this.outbox.putValue(command.type, name, value);
       }
-    } else if (command.type === "costmap") {
-      for (const [name, value] of Object.entries(command.values ?? {})) this.navigation.values.set(name, value);
-      this.sendSoon(command);
     } else if (command.type === "localize") {
       this.filter.note(command);
       this.sendSoon(command);
-    } else if (command.type === "map3d" || command.type === "terrain") {
-      const { values } = command.type === "map3d" ? this.map3d : this.terrain;
-      for (const [name, value] of Object.entries(command.values ?? {})) values.set(name, value);
+    } else if (this.parts.has(command.type)) {
+      const { values } = command as { readonly values?: Values };
+      for (const [name, value] of Object.entries(values ?? {})) this.parts.get(command.type)?.values.set(name, value);
       this.sendSoon(command);
     } else if (command.type === "teleport") this.sendSoon(command);
     else {

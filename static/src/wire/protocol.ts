@@ -52,8 +52,6 @@ export type {
   SurfaceMessage,
   SurfaceVoxelMessage,
   Table,
-  TerrainMessage,
-  TerrainPatch,
   Trajectory,
   Value,
   Values,

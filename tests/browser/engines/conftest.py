@@ -16,7 +16,6 @@ from tests.browser.engines.driver import Driver
 from tests.browser.engines.firefox import running_firefox
 from tests.browser.engines.tab import DESKTOP, Tab
 from tests.browser.engines.webkit import running_webkit
-from tests.programs import MissingProgramError
 from tests.server.service import Service, running, settings_for
 
 WATCH = Path(__file__).with_name("watch.js")
@@ -57,16 +56,13 @@ def tab(request: pytest.FixtureRequest, service: Service) -> Iterator[Tab]:
     The test fails at its end if anything went wrong on a page: an error, a request that failed.
     """
     name, address = request.param, f"http://127.0.0.1:{service.port}"
-    try:
-        # What an engine writes while it ends is no fault, and its sockets need a short path.
-        with (
-            tempfile.TemporaryDirectory(prefix=f"{name}-", ignore_cleanup_errors=True) as folder,
-            ENGINES[name](Path(folder), dark=name == "webkit") as driver,
-        ):
-            tab = Tab(driver, address)
-            driver.resize(*DESKTOP)
-            yield tab
-            assert tab.problems() == []
-            tab.end_sessions()
-    except MissingProgramError as error:
-        pytest.skip(str(error))
+    # What an engine writes while it ends is no fault, and its sockets need a short path.
+    with (
+        tempfile.TemporaryDirectory(prefix=f"{name}-", ignore_cleanup_errors=True) as folder,
+        ENGINES[name](Path(folder), dark=name == "webkit") as driver,
+    ):
+        tab = Tab(driver, address)
+        driver.resize(*DESKTOP)
+        yield tab
+        assert tab.problems() == []
+        tab.end_sessions()

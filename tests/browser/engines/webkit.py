@@ -19,6 +19,9 @@ from tests.browser.running import free_port
 
 # Without it the buttons of MiniBrowser make its window wider than a phone.
 _NARROW = "* { padding: 0; margin: 0; min-width: 0; min-height: 0; font-size: 4px; border: none }\n"
+# WebKit paints with the CPU. Its fences of GPU painting are deleted without a current context, without which libepoxy
+# cannot resolve eglDestroySync at its first call: "No provider of eglDestroySync found", and the web process aborts.
+_SOFTWARE = {"WEBKIT_SKIA_ENABLE_CPU_RENDERING": "1"}
 _STILL = "[Settings]\ngtk-enable-animations=0\n"  # pages are told to move less
 _ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  #: the key of a reference to an element, in the standard
 _RUN = """const done = arguments[1];
@@ -120,7 +123,7 @@ def running_webkit(folder: Path, *, dark: bool) -> Iterator[WebKit]:
         "args": ["--automation", *(["--dark-mode"] if dark else [])],
     }
     with _screen(programs["Xvfb"], folder) as display:
-        environment = environment_of(folder) | {"DISPLAY": display, "GDK_BACKEND": "x11"}
+        environment = environment_of(folder) | {"DISPLAY": display, "GDK_BACKEND": "x11"} | _SOFTWARE
         log, port = folder / "webkit.log", free_port()
         command: list[str | Path] = [programs["WebKitWebDriver"], f"--port={port}"]
         with process_group(command, log, environment) as process:

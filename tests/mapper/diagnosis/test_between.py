@@ -46,7 +46,7 @@ def stated(lidars: tuple[ScanLog, ScanLog], error: tuple[float, float, float]) -
 
 
 def between(log: JointLog) -> list[Finding]:
-    return check_between(log, "true", [[], []], lambda: True)
+    return check_between(log.parts, "true", [[], []], lambda: True)
 
 
 @pytest.mark.parametrize("error", [(0.1, 0.0, 0.0), (0.0, -0.08, math.radians(1.5)), (0.15, 0.1, math.radians(-6.0))])
@@ -81,9 +81,9 @@ def test_sensors_with_findings_that_spoil_it_are_left_out_and_it_can_be_cancelle
     lidars: tuple[ScanLog, ScanLog],
 ) -> None:
     log = stated(lidars, (0.1, 0.0, 0.0))
-    assert check_between(log, "true", [[], [Finding("mount.turned", "", "", 0.9)]], lambda: True) == []
+    assert check_between(log.parts, "true", [[], [Finding("mount.turned", "", "", 0.9)]], lambda: True) == []
     with pytest.raises(WorkCancelledError):
-        check_between(log, "true", [[], []], lambda: False)
+        check_between(log.parts, "true", [[], []], lambda: False)
 
 
 def test_the_examination_and_a_verdict_name_both(lidars: tuple[ScanLog, ScanLog]) -> None:

@@ -44,7 +44,7 @@ def test_nav2():
     assert found.ignored == ("base_frame_id", "initial_pose")
     assert found.config == LocalizationConfig(
         alpha1=0.1, laser_likelihood_max_dist=1.5, laser_model_type="likelihood_field", laser_max_beams=90,
-        max_particles=3000, robot_model_type="omni", recovery_alpha_fast=0.1, recovery_alpha_slow=0.001,
+        max_particles=3000, robot_model_type="omni", recovery_alpha_fast=0.1, recovery_alpha_slow=0.001, z_short=0.05,
     )  # fmt: skip
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
-from server.settings import Settings
+from server.settings import Settings, unknown_setting
 
 ROOT = Path(__file__).parents[3]
 
@@ -23,6 +24,21 @@ def test_serve_refuses_invalid_settings(run, tmp_path):
         assert (status, out) == (2, "")
         assert words in err
         assert "Traceback" not in err
+
+
+def test_serve_names_a_setting_that_is_misspelt(run, monkeypatch):
+    monkeypatch.setenv("GRIDBLOOM_MAX_SESSION", "4")
+    status, out, err = run("serve", "--port", 0)
+    assert (status, out) == (2, "")
+    assert "GRIDBLOOM_MAX_SESSION is no setting; GRIDBLOOM_MAX_SESSIONS is one." in " ".join(err.split())
+
+
+def test_variables_that_tests_and_benchmarks_read_are_not_misspelt():
+    files = [ROOT / "Makefile", ROOT / "static" / "vite.config.ts", *(ROOT / "tests").rglob("*.py")]
+    texts = [file.read_text() for file in files if file != Path(__file__)]
+    names = {name for text in texts for name in re.findall(r"\bGRIDBLOOM_[A-Z0-9_]*[A-Z0-9]\b", text)}
+    assert len(names) > 20
+    assert unknown_setting(names) is None
 
 
 def test_serve_passes_its_options_to_the_service(run, tmp_path, monkeypatch):

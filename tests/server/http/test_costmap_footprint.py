@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from server.library.logs.sample import SAMPLE_ID
+from server.stream.protocol import command_of
 from tests.server.service import Service, running, settings_for
 
 PADDING = 0.01  # Nav2's footprint_padding, metres
@@ -27,7 +28,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 def session(request: pytest.FixtureRequest, service: Service) -> str:
     if request.param == "log":
         begun = service.begin(kind="log", log=SAMPLE_ID, playing=False)
-        service.state.sessions.get(begun).enqueue({"type": "seek", "index": 20})
+        service.state.sessions.get(begun).enqueue(command_of({"type": "seek", "index": 20}))
         return begun
     return service.begin(kind="simulation", world="room", seed=3)
 
@@ -47,7 +48,7 @@ def put(service: Service, session: str, footprint: Any) -> httpx.Response:
 
 def test_the_footprint_of_a_costmap_is_changed_and_its_costs_with_it(service: Service, session: str) -> None:
     http, costs = service.http, f"/api/sessions/{session}/costmap/costmap.pgm"
-    service.state.sessions.get(session).enqueue({"type": "costmap"})
+    service.state.sessions.get(session).enqueue(command_of({"type": "costmap"}))
     first = http.get(address(session)).json()
     assert len(first["footprint"]) == 6
     before = http.get(costs).content
@@ -72,7 +73,7 @@ def test_what_is_no_footprint_changes_nothing(service: Service, session: str) ->
     assert refusal(service.http.get(address(session))) == (409, "costmap.off")
     assert refusal(put(service, session, SQUARE)) == (409, "costmap.off")
     assert refusal(service.http.get(address(session))) == (409, "costmap.off"), "a refused request begins none"
-    service.state.sessions.get(session).enqueue({"type": "costmap"})
+    service.state.sessions.get(session).enqueue(command_of({"type": "costmap"}))
     first = service.http.get(address(session)).json()
     circle = [[math.cos(0.2 * k), math.sin(0.2 * k)] for k in range(30)]
     for footprint, code in (

@@ -22,6 +22,7 @@ from mapper.sensors.scan import ScanLog
 from server.library.packs.course import read_course
 from server.library.processing import given_maps, localization
 from server.sessions.parts import Recording
+from server.stream.protocol import command_of
 from tests.mapper.localization.rooms import office, two_lidars
 from tests.server.cli.test_slam import carmen as written
 from tests.server.library.processing import slam_stand_ins as stand_ins
@@ -98,14 +99,14 @@ def test_a_map_of_the_library_is_the_terrain_of_the_costmap(service: Service, se
     once_read(http, map_id)
     made = http.put(address, json={"log": map_id})
     assert (made.status_code, made.json()["map"]["title"]) == (200, "slopes.yaml")
-    service.state.sessions.get(session).enqueue({"type": "costmap"})
+    service.state.sessions.get(session).enqueue(command_of({"type": "costmap"}))
     until(lambda: "terrain_layer" in layers(service, session))
     assert http.put(address, json={"log": None}).json() == {"map": None}
     until(lambda: "terrain_layer" not in layers(service, session))
     refused = http.put(address, json={"log": recording_of(service, session).log_id})
     assert (refused.status_code, refused.json()["code"]) == (422, "terrain.no_map")
     assert http.put(address, json={"log": "none"}).status_code == 404
-    service.state.sessions.get(session).enqueue({"type": "costmap", "value": False})
+    service.state.sessions.get(session).enqueue(command_of({"type": "costmap", "value": False}))
 
 
 def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Service, session: str) -> None:
@@ -128,7 +129,7 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
     np.testing.assert_allclose(found["origin"][:2], at - 2.0, atol=0.01)
 
     only = dict.fromkeys(("static_layer", "obstacle_layer", "dynamic_layer", "inflation_layer"), False)
-    host.enqueue({"type": "costmap", "values": only | {"terrain_layer": True}})
+    host.enqueue(command_of({"type": "costmap", "values": only | {"terrain_layer": True}}))
     until(lambda: host.model.costed.present_costs() is not None)
     wall, free = at + np.array([1.0, 0.5]), at + np.array([-1.0, 0.5])
 
@@ -148,7 +149,7 @@ def test_a_cloud_is_the_terrain_of_the_costmap_and_of_a_link_to_it(service: Serv
     until(lambda: bare.model.costed.present_costs() is not None)
     assert "terrain_layer" not in [layer.name for layer in bare.model.layers]
     http.put(address, json={"log": None})
-    host.enqueue({"type": "costmap", "value": False})
+    host.enqueue(command_of({"type": "costmap", "value": False}))
 
 
 def test_a_log_is_localized_in_map_files(service: Service, session: str, files: Path, drive: ScanLog) -> None:
@@ -197,7 +198,7 @@ def test_a_log_is_localized_in_map_files(service: Service, session: str, files: 
         (next(one for one in recording.log.trajectories if one != "localized"), False),
         ("localized", True),
     ):
-        service.state.sessions.get(session).enqueue({"type": "trajectory", "name": name})
+        service.state.sessions.get(session).enqueue(command_of({"type": "trajectory", "name": name}))
         until(partial(lambda name: recording.trajectory == name, name))
         assert model.localization.message()["is_on"] is is_on
 

@@ -23,7 +23,8 @@ from server.library.packs.given_map import GivenMap
 from server.sessions.models.map_editing import MapModel, operation_of
 from server.sessions.models.painted_zones import painted_filters
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError
+from server.stream.commands import MapEditCommand
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.service import Service, once_read, running, settings_for, until
 
 
@@ -73,7 +74,7 @@ def test_commands_are_the_operations_of_the_editor() -> None:
     shown, edited = model(), EditedMap(GridGeometry(0.1, 20, 30), np.zeros((20, 30), np.int8))
     for command, operation in zip(COMMANDS, OPERATIONS, strict=True):
         result = TickResult()
-        shown.obey({"type": "map_edit"} | command, result)
+        shown.handle(command_of({"type": "map_edit"} | command), result)
         shown.draw(result)
         edited.apply(parse_operation(operation))
         assert result.slots["map_edits"]["last"][-1] == edited.operations[-1].phrase
@@ -89,9 +90,9 @@ def test_commands_are_the_operations_of_the_editor() -> None:
     assert (edited.speed == 40).any()
     assert map_layer.picture.geometry == edited.geometry  # type: ignore[attr-defined]
     result = TickResult()
-    shown.obey({"type": "map_history", "steps": -9}, result)
+    shown.handle(command_of({"type": "map_history", "steps": -9}), result)
     assert (shown.messages()[0]["n"], shown.messages()[0]["undone"]) == (0, 8)
-    shown.obey({"type": "map_history", "steps": 3}, result)
+    shown.handle(command_of({"type": "map_history", "steps": 3}), result)
     assert (shown.messages()[0]["n"], shown.messages()[0]["notes"]) == (3, ["A note."])
 
 
@@ -120,11 +121,11 @@ def test_a_large_map_is_edited_and_drawn_in_slices(command: dict[str, Any], pass
     host = Host(1 << 27)
     shown = MapModel(host, given, log_id="hall")  # type: ignore[arg-type]
     for _ in range(3):
-        shown.obey({"type": "map_edit", "op": "fill", "state": "unknown", "points": ALL}, TickResult())
-    shown.obey({"type": "map_history", "steps": -2 if command.get("steps") == 2 else 0}, TickResult())
+        shown.handle(command_of({"type": "map_edit", "op": "fill", "state": "unknown", "points": ALL}), TickResult())
+    shown.handle(command_of({"type": "map_history", "steps": -2 if command.get("steps") == 2 else 0}), TickResult())
     host.yielded = 0
     result = TickResult()
-    shown.obey(command, result)
+    shown.handle(command_of(command), result)
     shown.draw(result)
     assert host.yielded >= (passes + 2) * n * n // BAND_CELLS
 
@@ -138,14 +139,14 @@ def test_what_a_map_refuses() -> None:
         ({"op": "rotate"}, "lacks angle"),
     ):
         with pytest.raises(ConfigError, match=said):
-            operation_of(command)
-    with pytest.raises(ProtocolError, match="A map has no command 'seek'"):
-        shown.obey({"type": "seek", "index": 0}, TickResult())
+            operation_of(MapEditCommand(**command))
+    with pytest.raises(ProtocolError, match="A map session has no command 'seek'"):
+        shown.handle(command_of({"type": "seek", "index": 0}), TickResult())
     with pytest.raises(LimitError, match="30 × 20 cells; here one of at most 500 cells"):
         model(most=4000)
     tight = model(most=8 * 700)
     with pytest.raises(LimitError, match="larger than the limit of 700 cells"):
-        tight.obey({"type": "map_edit", "op": "rotate", "angle": 0.785}, TickResult())
+        tight.handle(command_of({"type": "map_edit", "op": "rotate", "angle": 0.785}), TickResult())
     assert tight.messages()[0]["n"] == 0
 
 
@@ -171,7 +172,7 @@ def test_the_map_of_a_world_is_kept_edited_and_kept_again(service: Service) -> N
     assert http.get(f"{address}/else").json()["code"] == "map.no_file"
 
     edit = {"type": "map_edit", "op": "paint", "state": "occupied", "width": 1.0, "points": [[2.0, 2.0]]}
-    service.state.sessions.get(opened["id"]).post(edit)
+    service.state.sessions.get(opened["id"]).post(command_of(edit))
     until(lambda: http.get(f"{address}/edits.json").status_code == 200)
     edits = http.get(f"{address}/edits.json").json()
     assert (edits["source"]["map"], edits["edits"][0]["width"]) == ("Office", 1.0)
@@ -190,11 +191,11 @@ def test_costs_and_painted_zones_are_files(service: Service, tmp_path: Path) -> 
     assert http.get(f"{address}/costmap.pgm").json()["code"] == "costmap.off"
     assert http.get(f"{address}/else.pgm").json()["code"] == "costmap.no_file"
     session = service.state.sessions.get(world)
-    session.post({"type": "costmap"})
+    session.post(command_of({"type": "costmap"}))
     until(lambda: http.get(f"{address}/costmap.yaml").status_code == 200)
     assert http.get(f"{address}/keepout.pgm").json()["code"] == "costmap.no_zones"
     zone = {"width": 0.5, "erases": False, "points": [[2.0, 2.0]]}
-    session.post({"type": "costmap", "keepout": [zone, zone | {"points": [[4.0, 2.0]], "speed": 30}]})
+    session.post(command_of({"type": "costmap", "keepout": [zone, zone | {"points": [[4.0, 2.0]], "speed": 30}]}))
     until(lambda: http.get(f"{address}/keepout.yaml").status_code == 200)
     for name in (
         "costmap.pgm",

@@ -29,6 +29,7 @@ from server.sessions.drawings import (
     Points,
     Segments,
 )
+from server.stream.commands import TeleportCommand
 from tests.server.begin import new_simulation
 from tests.server.scenes.conftest import Service
 from tests.server.scenes.viser_client import Client, viser_client
@@ -241,7 +242,7 @@ async def test_a_moved_gizmo_becomes_a_command(service: Service, monkeypatch: py
         monkeypatch.setattr(
             session.model,
             "on_gizmo_moved",
-            lambda name, position, wxyz: {"type": "teleport", "x": position[0], "y": position[1]},
+            lambda name, position, wxyz: TeleportCommand(position[0], position[1]),
         )
         props = (await client.until(named("TransformControlsMessage", "/goal/handles")))["props"]
         assert (props["active_axes"], props["disable_rotations"], props["disable_axes"]) == (

@@ -25,6 +25,7 @@ from mapper.simulation import SENSOR_PARAMETERS, WORLDS, sample_log
 from server.scenes import Scenes
 from server.scenes.proxy import SUBPROTOCOL
 from server.sessions import SessionHost, SessionRegistry
+from server.stream.protocol import command_of
 from tests.server.begin import new_log, new_simulation
 from tests.server.listening import listening_ports
 from tests.server.scenes.conftest import Service
@@ -81,7 +82,7 @@ async def test_a_slider_moves_the_parameter_and_the_parameter_the_slider(
         await changed(session, lambda view: view.config.log_odds_hit == 1.5)
         # Nothing answers a choice that the session took: an echo would fight with the hand on the slider.
         await asyncio.sleep(0.5)
-        session.post({"type": "parameters", "values": {"log_odds_hit": 2.0}})
+        session.post(command_of({"type": "parameters", "values": {"log_odds_hit": 2.0}}))
         moved = await client.until(lambda m: m["type"] == "GuiUpdateMessage" and m["uuid"] == uuid)
         assert moved["updates"] == {"value": 2.0}
         assert view_of(session).config.log_odds_hit == 2.0
@@ -102,7 +103,7 @@ async def test_a_click_on_the_floor_teleports(service: Service) -> None:
     session = await new_simulation(service.sessions, "ann", "room", seed=1)
     async with viser_client(service.port, session.id) as client:
         await client.until(lambda m: m["type"] == "ScenePointerEnableMessage")
-        session.post({"type": "auto", "value": False})
+        session.post(command_of({"type": "auto", "value": False}))
         target = next(
             (x, y) for x, y in ((5.0, 4.0), (2.0, 2.0), (8.0, 2.0), (5.0, 6.0)) if WORLDS["room"].is_free((x, y), 0.5)
         )
@@ -130,7 +131,7 @@ async def test_play_and_pause(service: Service) -> None:
 async def test_a_log_has_its_path_and_a_slider_over_its_scans(service: Service) -> None:
     log = sample_log(n_scans=40)
     session = await new_log(service.sessions, "ann", log)
-    session.post({"type": "pause"})
+    session.post(command_of({"type": "pause"}))
     async with viser_client(service.port, session.id) as client:
         await client.until(lambda m: m.get("name") == "/trajectory")
         scans = await client.control("Scans in the map")

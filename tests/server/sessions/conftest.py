@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from server.sessions import SessionHost, SessionRegistry
+from server.stream.protocol import command_of
 from tests.server.begin import between_ticks
 from tests.server.service import eventually, settings_for
 
@@ -43,7 +44,7 @@ def one_tick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 async def obeyed(session: SessionHost, **command: Any) -> None:
     """Give a command and wait until it was carried out."""
-    session.enqueue(command)
+    session.enqueue(command_of(command))
     await eventually(lambda: not session.has_queued_commands)
     await between_ticks(session)  # the tick that took it is over
 

@@ -19,6 +19,7 @@ from mapper.simulation.live_map import LiveMap
 from mapper.simulation.second_map import Vanishing
 from server.sessions import SessionRegistry
 from server.sessions.models.simulation import SimulationModel
+from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 
@@ -63,9 +64,9 @@ async def test_a_command_that_is_cancelled_changes_nothing(
     state = (asdict(model.config), asdict(model._mapper.faults), model._mapper.second, model.progress)
     client.take()
     held = Held(monkeypatch)
-    session.enqueue(command, client)
+    session.enqueue(command_of(command), client)
     assert await asyncio.to_thread(held.held.wait, PATIENCE_S)
-    session.enqueue({"type": "cancel"}, client)
+    session.enqueue(command_of({"type": "cancel"}), client)
     held.released.set()
     await eventually(lambda: not session.has_queued_commands)
     await between_ticks(session)
@@ -99,9 +100,9 @@ async def test_an_edit_whose_second_map_is_cancelled_leaves_the_world(
     name = next(one for one in solid_ids(mapper.plan, mapper.edits) if _is_seen(mapper, one))
     journal, solids = len(mapper.journal), len(model.world.solids)
     held = Held(monkeypatch)
-    session.enqueue({"type": "edit", "added": [], "erased": [name], "watch": True})
+    session.enqueue(command_of({"type": "edit", "added": [], "erased": [name], "watch": True}))
     assert await asyncio.to_thread(held.held.wait, PATIENCE_S)
-    session.enqueue({"type": "cancel"})
+    session.enqueue(command_of({"type": "cancel"}))
     held.released.set()
     await eventually(lambda: not session.has_queued_commands)
     assert (len(mapper.journal), len(model.world.solids), mapper.second, mapper.vanishing) == (

@@ -8,6 +8,7 @@ import pytest
 
 from server.sessions import SessionRegistry
 from server.sessions.models.simulation import SimulationModel
+from server.stream.protocol import command_of
 from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, eventually
 
@@ -29,11 +30,11 @@ async def test_only_commands_end_the_pause_of_a_model_that_catches_up(
     monkeypatch.setattr(SimulationModel, "is_catching_up", property(lambda _: ticks < N_TICKS))
     monkeypatch.setattr(SimulationModel, "catch_up_pause_s", property(lambda _: pause_s))
     for number in range(N_COMMANDS):
-        session.enqueue({"type": "auto", "value": False})
+        session.enqueue(command_of({"type": "auto", "value": False}))
         await session.carried_out()
         assert ticks == number + 1
     pause_s = 0.0
-    session.enqueue({"type": "auto", "value": False})
+    session.enqueue(command_of({"type": "auto", "value": False}))
     await eventually(lambda: ticks == N_TICKS)
     async with session.settled():
         assert ticks == N_TICKS

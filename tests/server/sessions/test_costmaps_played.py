@@ -13,6 +13,7 @@ from mcap_ros2.decoder import DecoderFactory
 from mapper.io.costmaps import open_costmaps
 from server.sessions.models.costmaps import CostmapsModel
 from server.sessions.tick import TickResult
+from server.stream.protocol import command_of
 
 TOPIC = "/local_costmap/costmap"
 
@@ -31,7 +32,7 @@ def test_each_costmap_of_a_recording_is_played_cell_for_cell(data_file: Callable
                 model.playback.playing = True
                 model.advance(steps[index] + 1e-9, TickResult())
                 assert model.progress[0] >= index + 1
-            model.obey({"type": "seek", "index": index + 1}, TickResult())
+            model.handle(command_of({"type": "seek", "index": index + 1}), TickResult())
             now, meta = model.present_costs(), message.metadata
             assert now.costs.shape == (meta.size_y, meta.size_x)
             assert now.costs.tobytes() == bytes(message.data)

@@ -14,7 +14,7 @@ from server.sessions import SessionRegistry
 from server.sessions.models.lab_localization import MOST_SHOWN, LabLocalization
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
 
 FEW = {"global_particles": 4000}
@@ -106,7 +106,7 @@ async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:
     model: SimulationModel = session.model
     async with session.locked():
         result = TickResult()
-        model.obey({"type": "localize", "value": True, "values": {"global_particles": 500}}, result)
+        model.handle(command_of({"type": "localize", "value": True, "values": {"global_particles": 500}}), result)
         assert [layer.name for layer in model.layers] == ["map", "particles", "likelihood_field"]
         before = model.footprint.cells
         message = message_of(model)
@@ -114,14 +114,14 @@ async def test_a_session_begins_and_ends_it(registry: SessionRegistry) -> None:
         assert message["values"] == {"global_particles": 500}
         for values in ({"sigma_hit": -1.0}, {"speed": 1.0}):
             with pytest.raises(ConfigError):
-                model.obey({"type": "localize", "value": True, "values": values}, result)
+                model.handle(command_of({"type": "localize", "value": True, "values": values}), result)
         with pytest.raises(ProtocolError):
-            model.obey({"type": "localize", "value": True, "values": 3}, result)
+            model.handle(command_of({"type": "localize", "value": True, "values": 3}), result)
         assert message_of(model) == message  # what was refused changed nothing
-        model.obey({"type": "teleport", "x": 8.0, "y": 6.0}, result)
+        model.handle(command_of({"type": "teleport", "x": 8.0, "y": 6.0}), result)
         model.draw(result)
         assert message_of(model)["error_m"] > 0.5
-        model.obey({"type": "localize", "value": False}, result)
+        model.handle(command_of({"type": "localize", "value": False}), result)
         assert [layer.name for layer in model.layers] == ["map"]
         assert not message_of(model)["is_on"]
         assert model.footprint.cells < before
@@ -132,8 +132,8 @@ async def test_another_world_ends_it(registry: SessionRegistry) -> None:
     model: SimulationModel = session.model
     async with session.locked():
         result = TickResult()
-        model.obey({"type": "localize", "value": True, "values": FEW}, result)
-        model.obey({"type": "world", "name": "maze"}, result)
+        model.handle(command_of({"type": "localize", "value": True, "values": FEW}), result)
+        model.handle(command_of({"type": "world", "name": "maze"}), result)
         assert len(model.layers) == 1
 
 

@@ -21,7 +21,7 @@ from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
 from tests.server.service import eventually
 from tests.server.sessions.conftest import obeyed
@@ -51,7 +51,7 @@ class Lab:
 
     def do(self, **command: Any) -> dict[str, Any]:
         result = TickResult()
-        self.model.obey(command, result)
+        self.model.handle(command_of(command), result)
         self.model.draw(result)
         self.answers = [answer for _, answer in result.answers]
         self.notices = [notice["code"] for notice in result.notices]

@@ -6,6 +6,7 @@ from mapper.grid import OccupancyGrid
 from server.sessions import SessionRegistry
 from server.sessions.tick import TickResult
 from server.stream.layers import GridLayer
+from server.stream.protocol import command_of
 from tests.server.begin import new_simulation
 
 
@@ -19,7 +20,7 @@ async def test_the_picture_after_many_ticks_is_that_of_the_whole_map(registry: S
         for tick in range(60):
             result = TickResult()
             if tick == 30:
-                model.obey({"type": "teleport", "x": 6.2, "y": 7.0, "yaw": 0.0}, result)
+                model.handle(command_of({"type": "teleport", "x": 6.2, "y": 7.0, "yaw": 0.0}), result)
             model.advance(0.25 if tick % 7 == 0 else 0.1, result)  # several scans in some of the ticks
             listed += bool(result.cells) and not result.new_grid
             model.draw(result)

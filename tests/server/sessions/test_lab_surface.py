@@ -15,6 +15,7 @@ from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from server.sessions import SessionRegistry
 from server.sessions.drawings import Segments, Surface, Voxels
 from server.sessions.models import lab_volume
+from server.stream.protocol import fields_of
 from tests.server.begin import new_simulation
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
 
@@ -135,7 +136,7 @@ async def test_a_voxel_of_the_surface_is_asked_about(lab: Lab) -> None:
     lab.catch_up()
     command = lab.model.on_scene_ray((LOW_TABLE[0], LOW_TABLE[1], 1.0), (0.0, 0.0, -1.0))
     assert command is not None
-    why = next(one for one in lab.do(**command).slots.values() if one["type"] == "surface_voxel")
+    why = next(one for one in lab.do(**fields_of(command)).slots.values() if one["type"] == "surface_voxel")
     assert 0.1 < why["centre"][2] < 0.4
     assert why["total"] == len(why["updates"]) > 0
     volume = surface_of(lab)

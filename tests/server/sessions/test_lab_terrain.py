@@ -20,7 +20,8 @@ from server.sessions.models.lab_terrain import TABLE, TerrainParameters, assesse
 from server.sessions.models.terrain_patch import first_asked, patch_at
 from server.sessions.models.terrain_view import TerrainView
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError
+from server.stream.commands import TerrainCommand
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_simulation
 from tests.server.sessions.test_lab_volume import LOW_TABLE, Lab
 
@@ -148,7 +149,7 @@ async def test_the_terrain_of_the_3d_map_is_shown_asked_about_and_driven_on(lab:
     assert hit > 20
     assert (costmap.costs == 254).sum() > (costs == 254).sum()  # of a patch many cells
     result = TickResult()
-    lab.model.obey({"type": "nav2"}, result)
+    lab.model.handle(command_of({"type": "nav2"}), result)
     written = result.answers[0][1]["text"]
     assert "gridbloom::TerrainLayer" in written
     lab.do(type="costmap", values={"terrain_layer": False})
@@ -176,7 +177,7 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     assert view.table[1]["name"] == "patch"
     assert view.table[1]["initial"] == first_patch(points[:, :2]) == 1.5
     result = TickResult()
-    view.obey({"type": "terrain", "values": {"patch": 5.0}}, result)
+    view.handle(TerrainCommand(values={"patch": 5.0}), result)
     view.draw(result)
     message = result.slots["terrain"]
     assert message["points"] == len(points)
@@ -186,8 +187,8 @@ def test_a_cloud_begins_with_patches_of_ten_points_and_costs_of_the_library() ->
     assert message["safe"] == pytest.approx(expected.counts()["safe"], abs=0.1 * expected.counts()["safe"])
     nothing = TerrainView(CloudPoints(None, low, high))
     with pytest.raises(ProtocolError, match="no points"):
-        nothing.obey({"type": "terrain"}, TickResult())
-    view.obey({"type": "terrain", "values": {"patch": 0.1}}, result)
+        nothing.handle(TerrainCommand(), TickResult())
+    view.handle(TerrainCommand(values={"patch": 0.1}), result)
     view.draw(result)
     assert "take greater ones" in str(result.slots["terrain"]["problem"])
 
@@ -276,11 +277,11 @@ def test_the_terrain_of_a_file_begins_with_an_unsafe_patch_that_is_explained() -
     first = TerrainParameters().with_values({"filter": False, "patch": 1.0})
     for asks_first in (True, False):
         view, result = TerrainView(Points(), first, asks_first=asks_first), TickResult()
-        view.obey({}, result)
+        view.handle(TerrainCommand(), result)
         view.draw(result)
         patch = view.message()["patch"]
         assert (patch and (patch["x"], patch["y"], patch["state"])) == ((4.5, 4.5, "unsafe") if asks_first else None)
-        view.obey({"x": 8.5, "y": 8.5}, result)
+        view.handle(TerrainCommand(x=8.5, y=8.5), result)
         assert view.message()["patch"]["state"] == "safe"
 
 
@@ -325,10 +326,10 @@ def test_the_patch_that_is_asked_about_is_marked_in_3d() -> None:
         "pcd", points.astype(np.float32), np.array([0, len(points)]), none, np.zeros(1, np.int64), np.zeros(3)
     )
     view, result = TerrainView(CloudPoints(scans, low, high)), TickResult()
-    view.obey({"type": "terrain", "values": {"filter": False}}, result)
+    view.handle(TerrainCommand(values={"filter": False}), result)
     view.draw(result)
     assert view.drawings() == []
-    view.obey({"type": "terrain", "x": 11.0, "y": 2.5}, result)
+    view.handle(TerrainCommand(x=11.0, y=2.5), result)
     (mark,) = view.drawings()
     patch = result.slots["terrain"]["patch"]
     assert isinstance(mark, Segments)
@@ -342,9 +343,9 @@ def test_the_patch_that_is_asked_about_is_marked_in_3d() -> None:
     mine = points[(np.abs(points[:, :2] - (cx, cy)) < half).all(axis=1)]
     assert upper[:, 2].min() > mine[:, 2].max()
     assert view.drawings()[0] is mark  # it is not sent again
-    view.obey({"type": "terrain", "x": 2.0, "y": 5.0}, result)
+    view.handle(TerrainCommand(x=2.0, y=5.0), result)
     assert view.drawings()[0].points[:, :, 0].max() < 3.0  # type: ignore[attr-defined]
-    view.obey({"type": "terrain", "x": 900.0, "y": 5.0}, result)
+    view.handle(TerrainCommand(x=900.0, y=5.0), result)
     assert view.drawings() == []
-    view.obey({"type": "terrain", "value": False}, result)
+    view.handle(TerrainCommand(value=False), result)
     assert view.drawings() == []

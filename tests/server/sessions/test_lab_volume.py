@@ -24,6 +24,8 @@ from server.sessions.models import lab_volume
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.models.volume_look import normal_colors
 from server.sessions.tick import TickResult
+from server.stream.commands import TeleportCommand
+from server.stream.protocol import command_of, fields_of
 from tests.server.begin import new_simulation
 
 LOW_TABLE = (4.0, 3.0)
@@ -39,7 +41,7 @@ class Lab:
 
     def do(self, **command: Any) -> TickResult:
         result = TickResult()
-        self.model.obey(command, result)
+        self.model.handle(command_of(command), result)
         return self._end(result)
 
     def pass_time(self, seconds: float) -> None:
@@ -243,20 +245,20 @@ async def test_voxels_have_the_colours_of_their_normals(lab: Lab) -> None:
 
 
 async def test_a_click_is_answered_by_the_scans_that_made_the_voxel_so(lab: Lab) -> None:
-    assert lab.model.on_scene_ray((4.0, 3.0, 2.0), (0.0, 0.0, -1.0)) == {"type": "teleport", "x": 4.0, "y": 3.0}
+    assert lab.model.on_scene_ray((4.0, 3.0, 2.0), (0.0, 0.0, -1.0)) == TeleportCommand(4.0, 3.0)
     with pytest.raises(ConfigError, match="no 3D map"):
         lab.do(type="voxel", x=4.0, y=3.0, z=0.24)
     lab.do(type="map3d", values={"half_life": 20.0})
     lab.look_around()
     # Straight down on the board of the low table, from below its drawn surroundings' ceiling.
     lab.do(type="map3d", values={"click": "places_the_robot"})
-    assert lab.model.on_scene_ray((4.0, 3.0, 2.0), (0.0, 0.0, -1.0)) == {"type": "teleport", "x": 4.0, "y": 3.0}
+    assert lab.model.on_scene_ray((4.0, 3.0, 2.0), (0.0, 0.0, -1.0)) == TeleportCommand(4.0, 3.0)
     assert "place the robot" in (lab.model.controls().hint or "")
     lab.do(type="map3d", values={"click": "asks_a_voxel"})
     assert "ask about it" in (lab.model.controls().hint or "")
     command = lab.model.on_scene_ray((4.02, 3.02, 1.0), (0.0, 0.0, -1.0))
     assert command is not None
-    why = next(one for one in lab.do(**command).slots.values() if one["type"] == "voxel")
+    why = next(one for one in lab.do(**fields_of(command)).slots.values() if one["type"] == "voxel")
     value = float(lab.map.volume.log_odds_at([why["centre"]])[0])
     assert why["state"] == "occupied"
     assert 0.2 <= why["centre"][2] <= 0.4

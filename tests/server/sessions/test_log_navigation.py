@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import Struct
 
 from mapper.core.errors import ConfigError
 from mapper.costmap import LETHAL, cost_of_distance
@@ -13,12 +14,13 @@ from mapper.grid import GridGeometry
 from mapper.sensors.scan import ScanLog
 from server.library.packs.given_map import GivenMap
 from server.sessions import SessionRegistry
+from server.sessions.commands import UseTerrain
 from server.sessions.models import log_navigation
 from server.sessions.models.lab_navigation_parameters import LabParameters
 from server.sessions.models.log import LogModel
 from server.sessions.models.terrain_map import TerrainMap
 from server.sessions.tick import TickResult
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import new_log
 
 STATIC_ONLY = {"obstacle_layer": False, "dynamic_layer": False}
@@ -33,8 +35,11 @@ class Log:
         self.notices: list[str] = []
 
     def do(self, **command: Any) -> dict[str, Any]:
+        return self.take(command_of(command))
+
+    def take(self, command: Struct) -> dict[str, Any]:
         result = TickResult()
-        self.model.obey(command, result)
+        self.model.handle(command, result)
         while self.model.is_catching_up:
             self.model.advance(0.0, result)
         self.model.draw(result)
@@ -151,7 +156,7 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     values = np.random.default_rng(5).choice(np.array([0, 100, -1, 50], np.int8), geometry.shape)
     only = STATIC_ONLY | {"static_layer": False, "inflation_layer": False, "terrain_layer": True}
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
-    log.do(type="use_terrain", terrain=TerrainMap("slopes", GivenMap("slopes.yaml", geometry, values)))
+    log.take(UseTerrain(TerrainMap("slopes", GivenMap("slopes.yaml", geometry, values))))
     log.do(type="costmap", values=only | {"track_unknown_space": True})
     assert log.notices == []
     own = log.model.grid.geometry
@@ -170,9 +175,9 @@ async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:
     assert (log.costs == 254).any()
     assert log.model.navigation.commands()[-1] == {"type": "use_terrain", "log": "slopes"}
     far = GivenMap("far.yaml", GridGeometry(0.4, 5, 6, (9e3, 9e3, 0.0)), values)
-    log.do(type="use_terrain", terrain=TerrainMap("far", far))
+    log.take(UseTerrain(TerrainMap("far", far)))
     assert log.notices == ["terrain.elsewhere"]
-    log.do(type="use_terrain", terrain=None)
+    log.take(UseTerrain(None))
     assert not (log.costs == 254).any()
     assert "terrain_layer" not in [layer.name for layer in log.model.layers]
 

@@ -21,6 +21,7 @@ from server.sessions.models.lab_navigation import LabNavigation
 from server.sessions.models.log_navigation import LogNavigation
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.models.volume_view import VolumeView
+from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
@@ -41,7 +42,7 @@ async def test_a_long_computation_shows_how_far_it_is_until_it_is_over(
     monkeypatch.setattr(SimulationModel, "_remake", slow)
     session = await new_simulation(registry, "me", "room", seed=1, playing=False)
     client = session.join()
-    session.enqueue({"type": "parameters", "values": {"window": 0.5}})
+    session.enqueue(command_of({"type": "parameters", "values": {"window": 0.5}}))
 
     def working() -> dict[str, Any]:
         message: dict[str, Any] = json.loads(session.hub.slots.get("working", "{}"))
@@ -79,9 +80,9 @@ async def test_newer_parameters_cancel_a_map(
     client = session.join()
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
-    session.enqueue({"type": "parameters", "values": {"window": 0.41, "log_odds_hit": 1.5}}, client)
+    session.enqueue(command_of({"type": "parameters", "values": {"window": 0.41, "log_odds_hit": 1.5}}), client)
     await asyncio.to_thread(parts.held.wait, PATIENCE_S)
-    session.enqueue({"type": "parameters", "values": {"window": 0.42}}, client)
+    session.enqueue(command_of({"type": "parameters", "values": {"window": 0.42}}), client)
     parts.released.set()
     await eventually(lambda: session.model.config.window == 0.42)
     await between_ticks(session)
@@ -101,9 +102,9 @@ async def test_continuous_commands_do_not_prevent_every_map_from_being_finished(
     session = await new_log(registry, "me", office_log, playing=False)
     await obey(session, type="seek", index=office_log.n_scans)
     parts = Parts(monkeypatch)
-    session.enqueue({"type": "parameters", "values": {"window": 0.41}})
+    session.enqueue(command_of({"type": "parameters", "values": {"window": 0.41}}))
     await asyncio.to_thread(parts.held.wait, PATIENCE_S)
-    session.enqueue({"type": "parameters", "values": {"window": 0.42}})
+    session.enqueue(command_of({"type": "parameters", "values": {"window": 0.42}}))
     parts.released.set()
     await eventually(lambda: session.model.config.window == 0.42)
     assert parts.windows.count(0.41) == parts.windows.count(0.42) > 1
@@ -116,9 +117,9 @@ async def test_a_newer_seek_cancels_a_seek(
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     parts = Parts(monkeypatch)
-    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    session.enqueue(command_of({"type": "seek", "index": office_log.n_scans}))
     await asyncio.to_thread(parts.held.wait, PATIENCE_S)
-    session.enqueue({"type": "seek", "index": 2})
+    session.enqueue(command_of({"type": "seek", "index": 2}))
     parts.released.set()
     await obey(session, type="pause")
     await eventually(lambda: session.model.progress[0] == 2)
@@ -153,7 +154,7 @@ async def test_a_long_seek_shows_the_map_on_the_way(
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     slices = Slices(monkeypatch)
-    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    session.enqueue(command_of({"type": "seek", "index": office_log.n_scans}))
     for _ in range(3):
         slices.allowed.release()
     shown = session.model.layers[0].picture.cells
@@ -182,10 +183,10 @@ async def test_a_long_seek_can_be_cancelled_where_it_is(
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     slices = Slices(monkeypatch)
-    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    session.enqueue(command_of({"type": "seek", "index": office_log.n_scans}))
     slices.allowed.release()
     await eventually(lambda: session.model.progress[0] > 0)
-    session.enqueue({"type": "cancel"})
+    session.enqueue(command_of({"type": "cancel"}))
     slices.allowed.release()
     index = await settled_index(session)
     assert 0 < index < office_log.n_scans
@@ -203,9 +204,9 @@ async def test_new_parameters_can_be_cancelled(
     before = view_of(session).log_odds.copy()
     client.take()
     parts = Parts(monkeypatch)
-    session.enqueue({"type": "parameters", "values": {"window": 0.41}}, client)
+    session.enqueue(command_of({"type": "parameters", "values": {"window": 0.41}}), client)
     await asyncio.to_thread(parts.held.wait, PATIENCE_S)
-    session.enqueue({"type": "cancel"}, client)
+    session.enqueue(command_of({"type": "cancel"}), client)
     parts.released.set()
     await eventually(lambda: not session.has_queued_commands)
     await between_ticks(session)
@@ -226,8 +227,8 @@ async def test_the_progress_says_what_is_computed(
         assert released.wait(PATIENCE_S)
 
     monkeypatch.setattr(LabNavigation, "draw", slow)
-    monkeypatch.setattr(VolumeView, "obey", slow)
-    monkeypatch.setattr(LogNavigation, "obey", slow)
+    monkeypatch.setattr(VolumeView, "handle", slow)
+    monkeypatch.setattr(LogNavigation, "handle", slow)
     lab = await new_simulation(registry, "me", "room", seed=1, playing=False)
     log = await new_log(registry, "me", office_log, playing=False)
     for session, command, subject in (
@@ -236,7 +237,7 @@ async def test_the_progress_says_what_is_computed(
         (log, {"type": "costmap"}, "costmap"),
     ):
         released.clear()
-        session.enqueue(command)
+        session.enqueue(command_of(command))
 
         def is_told(session: SessionHost = session, subject: str = subject) -> bool:
             told = json.loads(session.hub.slots.get("working", "{}"))
@@ -255,14 +256,14 @@ async def test_what_nobody_waits_for_stands_aside_for_a_long_seek(
     session = await new_log(registry, "me", office_log, playing=False)
     session.join()
     slices = Slices(monkeypatch)
-    session.enqueue({"type": "seek", "index": office_log.n_scans})
+    session.enqueue(command_of({"type": "seek", "index": office_log.n_scans}))
     await eventually(lambda: "working" in session.hub.slots)  # its progress is shown
     is_open = session.in_background()
     asked = asyncio.ensure_future(asyncio.to_thread(is_open))
     slices.allowed.release()
     await eventually(lambda: session.model.progress[0] > 0)
     assert not asked.done()
-    session.enqueue({"type": "cancel"})
+    session.enqueue(command_of({"type": "cancel"}))
     for _ in range(office_log.n_scans):
         slices.allowed.release()
     assert await asked is True

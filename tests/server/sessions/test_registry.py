@@ -14,6 +14,7 @@ import pytest
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionBudgetError, SessionNotFoundError, SessionRegistry
 from server.sessions.models.simulation import SimulationModel
+from server.stream.protocol import command_of
 from tests.server.begin import between_ticks, new_log, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 
@@ -116,7 +117,7 @@ async def test_all_grids_together_are_bounded(make_registry: Make, office_log: S
     assert third.model.config.resolution > 0.05  # what room is left is for a coarser map
     third.join()
     assert sum(s.cells for s in registry.all()) <= 2.5 * size
-    third.enqueue({"type": "parameters", "values": {"resolution": 0.05}})
+    third.enqueue(command_of({"type": "parameters", "values": {"resolution": 0.05}}))
     await eventually(lambda: not third.has_queued_commands)
     await between_ticks(third)
     assert sum(s.cells for s in registry.all()) <= 2.5 * size

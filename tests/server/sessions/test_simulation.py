@@ -20,6 +20,9 @@ from mapper.replay import Replay
 from mapper.simulation import WORLDS, Faults, SensorConfig
 from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
+from server.sessions.tick import error_message
+from server.stream.commands import ParametersCommand, SeekCommand
+from server.stream.protocol import ProtocolError, command_of
 from tests.server.begin import between_ticks, new_simulation
 from tests.server.service import PATIENCE_S, eventually
 from tests.server.view import view_of
@@ -249,7 +252,7 @@ async def test_of_many_parameters_only_the_newest_is_made(
 
     monkeypatch.setattr(LiveMap, "remake", counted)
     for i in range(100):
-        session.enqueue({"type": "parameters", "values": {"window": 0.01 * i}})
+        session.enqueue(command_of({"type": "parameters", "values": {"window": 0.01 * i}}))
     await obey(session, type="parameters", values={"log_odds_hit": 1.5})
     assert made == [0.99]
     assert view_of(session).config.window == 0.99
@@ -294,7 +297,10 @@ async def test_a_refused_command_changes_nothing(
     before, config, sensor = view_of(session), session.model.config, session.model.sensor
     client = session.join()
     client.take()
-    session.enqueue(command, client)
+    try:
+        session.enqueue(command_of(command), client)
+    except ProtocolError as error:  # as the socket refuses it
+        client.send(error_message(error.code, error.message))
     await obey(session, type="pause")
     answers = "".join(str(message) for message in client.take())
     assert '"type":"error"' in answers
@@ -332,8 +338,8 @@ async def test_a_defect_pauses_the_session_and_is_reported(
 
 async def test_commands_may_be_queued_from_any_thread(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", seed=4)
-    await asyncio.to_thread(session.post, {"type": "parameters", "values": {"window": 0.5}})
-    await asyncio.to_thread(session.post, {"type": "nonsense"})
+    await asyncio.to_thread(session.post, ParametersCommand({"window": 0.5}))
+    await asyncio.to_thread(session.post, SeekCommand(3))
     await eventually(lambda: session.model.config.window == 0.5)
 
 

@@ -16,7 +16,7 @@ from server.sessions.host import SessionHost
 from server.sessions.models.simulation import SimulationModel
 from server.sessions.tick_pace import MAX_TICK_S
 from server.stream.hub import STALLED_S
-from server.stream.protocol import ProtocolError
+from server.stream.protocol import ProtocolError, command_of
 from server.work.scheduler import JobOwner, Scheduler
 from tests.server.service import eventually
 
@@ -47,7 +47,7 @@ async def test_nothing_is_computed_for_a_client_that_is_stalled() -> None:
         assert seen == [True, False]
         await eventually(lambda: not host.is_busy)
         before = host.hub.frame_number
-        host.enqueue({"type": "auto", "value": False}, client)  # commands are carried out all the same
+        host.enqueue(command_of({"type": "auto", "value": False}), client)  # commands are carried out all the same
         await eventually(lambda: host.hub.frame_number > before)
         assert host.hub.frame_number == before + 1
         host.acknowledge(client, struct.unpack_from("<BBHIII", sent[-1])[4])
@@ -62,12 +62,12 @@ async def test_questions_of_followers_do_not_refuse_the_lecturers_commands() -> 
         lecturer, followers = host.join(), [host.join(follows=True) for _ in range(3)]
         for client, most in ((followers, MAX_QUEUED_OF_FOLLOWERS), ([lecturer], MAX_QUEUED)):
             for k in range(most):  # the event loop carries out none of them meanwhile
-                host.enqueue({"type": "inspect", "row": 1, "col": 1, "epoch": 1}, client[k % len(client)])
+                host.enqueue(command_of({"type": "inspect", "row": 1, "col": 1, "epoch": 1}), client[k % len(client)])
             with pytest.raises(ProtocolError) as caught:
-                host.enqueue({"type": "inspect", "row": 1, "col": 1, "epoch": 1}, client[0])
+                host.enqueue(command_of({"type": "inspect", "row": 1, "col": 1, "epoch": 1}), client[0])
             assert caught.value.code == "session.busy"
         await eventually(lambda: not host.has_queued_commands)
-        host.enqueue({"type": "auto", "value": False}, followers[0])
+        host.enqueue(command_of({"type": "auto", "value": False}), followers[0])
         await host.close()
 
 

@@ -20,9 +20,10 @@ from mapper.simulation.live_map import LiveMap
 from server.sessions import SessionRegistry
 from server.sessions.models import story as story_module
 from server.sessions.models.simulation_commands import act
-from server.sessions.models.story import replayed, story_of
+from server.sessions.models.story import action_of, replayed, story_of
 from server.sessions.models.story_cost import check_story, story_seconds
 from server.sessions.tick import TickResult
+from server.stream.protocol import command_of
 from tests.server.begin import new_simulation
 from tests.server.service import PATIENCE_S, Service, eventually, running, settings_for, until
 
@@ -89,7 +90,7 @@ def test_the_map_that_is_made_at_the_end_is_the_one_that_grew_scan_by_scan() -> 
         {"type": "auto", "value": True},
     )
     for command in acts:
-        act(live, command, TickResult())
+        act(live, action_of(command), TickResult())
         live.advance(1.3)
     told = replayed(json.loads(json.dumps(story_of(live))))
     assert told.config == live.config
@@ -124,10 +125,10 @@ def test_the_cost_of_nonsense_is_a_number(story: dict[str, Any]) -> None:
 
 async def test_a_story_contains_what_was_asked_of_the_session_before(registry: SessionRegistry) -> None:
     session = await new_simulation(registry, "me", "room", 1, playing=False)
-    session.enqueue({"type": "faults", "values": {"drift": True}})
+    session.enqueue(command_of({"type": "faults", "values": {"drift": True}}))
     assert (await session.model.story.current())["faults"] == {"drift": True}
-    session.enqueue({"type": "step", "scans": 30})  # in three ticks
-    session.enqueue({"type": "play"})
+    session.enqueue(command_of({"type": "step", "scans": 30}))  # in three ticks
+    session.enqueue(command_of({"type": "play"}))
     closing = asyncio.create_task(session.model.story.current())
     await registry.close(session.id)
     assert (await closing)["world"] == "room"  # of a session that has ended nothing is waited for

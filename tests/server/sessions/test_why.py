@@ -14,7 +14,7 @@ from mapper.mapping import textbook, textbook_deskew
 from mapper.sensors.scan import ScanLog
 from server.sessions import SessionRegistry
 from server.sessions.why import MAX_CONTRIBUTIONS, STRETCHES, thinned
-from server.stream.protocol import encode_text
+from server.stream.protocol import command_of, encode_text
 from tests.mapper.mapping.sweeping import swept
 from tests.server.begin import new_log, new_simulation
 
@@ -23,7 +23,7 @@ async def answer(obey: Callable[..., Any], session: Any, **question: Any) -> dic
     """Ask a session and return what it says: a ``why`` or an ``error``."""
     client = session.join()
     client.take()
-    session.enqueue({"type": "why", "epoch": session.model.layers[0].epoch} | question, client)
+    session.enqueue(command_of({"type": "why", "epoch": session.model.layers[0].epoch} | question), client)
     await obey(session, type="pause")
     said = [json.loads(message) for message in client.take() if isinstance(message, str)]
     session.leave(client)
@@ -167,9 +167,7 @@ async def test_earlier_contributions_can_be_requested(
         ({"row": -1, "col": 0}, "command.cell"),
         ({"row": 0, "col": 10**6}, "command.cell"),
         ({"row": 0, "col": 0, "epoch": 99}, "command.epoch"),
-        ({"row": 0.5, "col": 0}, "command.row"),
         ({"row": 0, "col": 0, "until": 0}, "command.until"),
-        ({"row": 0, "col": 0, "until": "all"}, "command.until"),
     ],
 )
 async def test_a_question_that_has_no_answer(
@@ -187,12 +185,12 @@ async def test_of_many_questions_the_last_is_answered(registry: SessionRegistry,
     await obey(session, type="pause")
     epoch = session.model.layers[0].epoch
     for col in range(20):
-        session.enqueue({"type": "why", "row": 0, "col": col, "epoch": epoch}, None)
+        session.enqueue(command_of({"type": "why", "row": 0, "col": col, "epoch": epoch}), None)
     assert (await answer(obey, session, row=3, col=5))["col"] == 5
     client = session.join()
     client.take()
     for col in range(20):
-        session.enqueue({"type": "why", "row": 0, "col": col, "epoch": epoch}, client)
+        session.enqueue(command_of({"type": "why", "row": 0, "col": col, "epoch": epoch}), client)
     await obey(session, type="pause")
     said = [json.loads(message) for message in client.take() if isinstance(message, str)]
     assert [message["col"] for message in said if message["type"] == "why"] == [19]

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -18,8 +19,9 @@ from server.sessions.drawings import Drawing, Mesh
 from server.sessions.kind import Kind, Plan, Resources, SessionRequest
 from server.sessions.model import Footprint, SessionModel
 from server.sessions.tick import TickResult
+from server.stream.commands import StepCommand
 from server.stream.layers import GridLayer, Layer
-from server.stream.protocol import ProtocolError, integer
+from server.stream.protocol import ProtocolError
 from server.stream.whole_layers import TableLayer
 
 GEOMETRY = GridGeometry(0.25, 80, 120)  #: cells of 0.25 m, 80 rows and 120 columns, from the origin of the map frame
@@ -76,15 +78,15 @@ class WavesModel(SessionModel):
         x = self._floats_x
         self._floats.set([x, np.full_like(x, 10.0), self.height(x)])
 
-    def obey(self, command: dict[str, Any], result: TickResult) -> None:
+    def handle(self, command: Struct, result: TickResult) -> None:
         """Go forward or back by some steps."""
-        if command["type"] != "step":
-            super().obey(command, result)
-        scans = integer(command, "scans", 1)
-        if abs(scans) > 100:
+        if not isinstance(command, StepCommand):
+            super().handle(command, result)
+            return
+        if abs(command.scans) > 100:
             raise ProtocolError("command.scans", "The wave goes by 1 to 100 steps, forward or back.")
         self.playback.playing = False
-        self.time_s += scans * STEP_S
+        self.time_s += command.scans * STEP_S
         result.changed = True
 
     def frame(self) -> dict[str, Any]:

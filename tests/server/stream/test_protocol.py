@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from server.stream.commands import GoalCommand, ParametersCommand, VoxelCommand
 from server.stream.protocol import (
     ProtocolError,
+    command_of,
     decode_command,
     encode_text,
-    integer,
-    number,
-    text,
-    values,
+    place_of,
 )
 
 
@@ -46,17 +46,41 @@ def test_invalid_commands_are_refused(sent: str | bytes, code: str) -> None:
 
 
 @given(st.recursive(st.none() | st.booleans() | st.floats() | st.integers() | st.text(), st.lists))
-def test_helpers_return_the_stated_type_or_refuse(value: Any) -> None:
-    command = {"type": "x", "key": value, "values": value}
-    for read, kind in ((number, float), (integer, int), (text, str)):
+def test_a_field_has_its_type_or_the_command_is_refused_by_its_name(value: Any) -> None:
+    for kind, field, of in (
+        ("speed", "value", float),
+        ("seek", "index", int),
+        ("trajectory", "name", str),
+        ("auto", "value", bool),
+        ("parameters", "values", dict),
+    ):
         try:
-            assert type(read(command, "key")) is kind
+            read = getattr(command_of({"type": kind, field: value}), field)
         except ProtocolError as error:
-            assert error.code == "command.key"  # noqa: PT017 - either is right
-    try:
-        assert isinstance(values(command), dict)
-    except ProtocolError as error:
-        assert error.code == "command.values"  # noqa: PT017 - either is right
+            assert error.code == f"command.{field}"  # noqa: PT017 - either is right
+        else:
+            assert type(read) is of
+            assert read == value
+            assert not isinstance(read, float) or math.isfinite(read)
+
+
+def test_a_refusal_says_what_is_expected() -> None:
+    with pytest.raises(ProtocolError) as refused:
+        command_of({"type": "why", "row": 0, "col": 0, "epoch": 1, "until": "all"})
+    assert refused.value.code == "command.until"
+    assert refused.value.message.endswith("Expected a whole number or null, got a string.")
+
+
+def test_wrong_values_are_left_to_the_table_of_parameters() -> None:
+    given: Any = {"window": None, "model": [3], "resolution": 2**70}
+    assert command_of({"type": "parameters", "values": given}) == ParametersCommand(given)
+
+
+def test_a_place_has_all_of_its_coordinates() -> None:
+    assert place_of(VoxelCommand()) is None
+    assert place_of(VoxelCommand(x=1.0, y=2.0, z=3.0)) == (1.0, 2.0, 3.0)
+    with pytest.raises(ProtocolError, match='needs a "y"'):
+        place_of(GoalCommand(x=1.0))
 
 
 def test_values_that_json_cannot_represent_are_a_defect() -> None:

@@ -46,17 +46,14 @@ from mapper.io.logs.containers.mcap_records import (
 )
 from mapper.io.logs.names import printable
 from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.recording.transcoding import Transcoding
 from mapper.io.logs.ros import foxglove
-from mapper.io.logs.ros.foxglove import Transcoder, transcoder
-from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import plain_type
 
 MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = {"cdr": True, "ros1": False}  #: of messages → whether it is CDR
 #: Encodings of schemas with messages of ROS. Some writers leave the schema empty: its name says which type it is.
 SCHEMA_ENCODINGS = frozenset({"ros2msg", "ros2idl", "ros1msg", "omgidl", ""})
-BESIDE = 1 << 16  #: added to a channel's id, of 16 bits: the transforms beside its messages
-TF_TOPIC = "/tf"
 
 MAX_SUMMARY_BYTES = 1 << 24
 MAX_COMPRESSION_NAME = 100  #: bytes
@@ -64,12 +61,11 @@ READ_WHOLE = 1 << 18  #: bytes of a plain chunk up to which it is read in one pi
 
 
 class _Mcap:
-    def __init__(self, stream: ByteStream, recording: MessageSink, limits: Limits) -> None:
+    def __init__(self, stream: ByteStream, recording: Transcoding, limits: Limits) -> None:
         self.stream = stream
         self.recording = recording
         self.limits = limits
         self.schemas: dict[int, tuple[str, str]] = {}  #: id → name, encoding
-        self.transcoders: dict[int, Transcoder] = {}  #: of channels with messages of Foxglove's
         self.channels: set[int] = set()  #: of which a note was made, if there was any to make
         self.knows_all_channels = False  #: whether the file's summary was taken
         self.expanded = 0
@@ -334,7 +330,7 @@ class _Mcap:
                 raise DamagedError
             key, _, time, _ = MESSAGE.unpack_from(data, start)
             at = start + MESSAGE.size
-            self._message(key, time, data[at:end] if self.recording.wants(key) else b"", end - at)
+            self.recording.take(key, time, data[at:end] if self.recording.wants(key) else b"", size=end - at)
         elif opcode == Opcode.SCHEMA:
             # Only its name is of use: what it defines is known, or not read (see ros_messages).
             schema = decoded(Schema.read, data[start:end])
@@ -342,34 +338,12 @@ class _Mcap:
         elif opcode == Opcode.CHANNEL:
             self._channel(decoded(Channel.read, data[start:end]))
 
-    def _message(self, key: int, time: int, data: bytes, size: int) -> None:
-        found = self.transcoders.get(key)
-        if found is None or not data:
-            self.recording.take(key, time, data, size=size)
-            return
-        try:
-            for is_beside, message in found.messages(data):
-                self.recording.take(key + BESIDE if is_beside else key, time, message, size=size)
-        except BadMessageError:
-            self.recording.take(key, time, data, size=size)  # which refuses it, and counts it
-
     def _channel(self, channel: Channel) -> None:
         key, topic, encoding = channel.id, channel.topic, channel.message_encoding
         schema, stated = self.schemas.get(channel.schema_id, ("", ""))
-        found = transcoder(topic, schema, encoding)
         is_new = key not in self.channels
         self.channels.add(key)
-        if found is not None:
-            self.transcoders[key] = found
-            if found.kind == foxglove.TF and topic.rpartition("/")[2] not in ("tf", "tf_static"):
-                topic = TF_TOPIC
-            self.recording.channel(key, topic, found.kind, cdr=True)
-            if found.kind in (foxglove.SCAN, foxglove.CLOUD):
-                self.recording.channel(key + BESIDE, TF_TOPIC, foxglove.TF, cdr=True)
-            if is_new:
-                self._note(
-                    f"{schema} messages in {encoding} on {printable(channel.topic)!s:.100} are read as {found.kind}."
-                )
+        if self.recording.foxglove_channel(key, topic, schema, encoding):
             return
         other = encoding if encoding not in ENCODINGS else stated if stated not in SCHEMA_ENCODINGS else None
         self.recording.channel(key, topic, schema, cdr=ENCODINGS.get(encoding, True), readable=other is None)
@@ -378,7 +352,7 @@ class _Mcap:
             part = "messages are" if other is encoding else "schema is"
             self._note(
                 f"{what} on {printable(topic)!s:.100}: the {part} encoded as {other!r:.40}, which is not read: ros1 "
-                "and cdr are, and Foxglove's scans, clouds, transforms and poses in json and protobuf."
+                "and cdr are, and Foxglove's scans, clouds, transforms and poses also in json and protobuf."
             )
 
     def _note_checksum(self, head: ChunkHead) -> None:
@@ -399,7 +373,7 @@ def take_mcap(file: Source, recording: MessageSink, limits: Limits, progress: Pr
     Raises :class:`ReadError` where nothing could be, and :class:`LimitError`.
     """
     with byte_stream(file, limits, progress) as stream:
-        mcap = _Mcap(stream, recording, limits)
+        mcap = _Mcap(stream, Transcoding(recording), limits)
         with opened(file) as raw:
             mcap.look_ahead(raw)
         mcap.read()

@@ -44,6 +44,7 @@ from mapper.io.logs.containers.bag_records import (
 )
 from mapper.io.logs.containers.container import Container
 from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.recording.transcoding import Transcoding
 
 MAGIC = b"#ROSBAG V"
 MAX_HEADER_BYTES = 1 << 20
@@ -300,7 +301,7 @@ def take_ros1_bag(file: Source, recording: MessageSink, limits: Limits, progress
     Raises :class:`ReadError` for one of another version or encrypted, and :class:`LimitError`.
     """
     with byte_stream(file, limits, progress) as stream:
-        bag = _Bag(stream, recording, limits)
+        bag = _Bag(stream, Transcoding(recording), limits)
         with opened(file) as raw:
             bag.look_ahead(raw)
         bag.read()

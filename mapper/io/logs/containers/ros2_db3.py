@@ -30,6 +30,7 @@ from mapper.io.logs.archives.unpacking import PIECE, Progress, opened
 from mapper.io.logs.containers.container import MAX_NOTES, Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.recording.transcoding import Transcoding
 
 MAGIC = b"SQLite format 3\0"
 TABLES = {"topics": {"id", "name", "type", "serialization_format"}, "messages": {"topic_id", "timestamp", "data"}}
@@ -51,7 +52,7 @@ def take_ros2_db3(file: Source, recording: MessageSink, limits: Limits, progress
                 "The SQLite file keeps a write-ahead log: if the recorder was not closed, what it wrote last is in the "
                 "file next to it that ends in -wal, which is not read, and is missing here."
             )
-        _take_all(connection, recording, limits, progress)
+        _take_all(connection, Transcoding(recording), limits, progress)
     except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for names of columns and in errors
         if recording.taken == before:
             raise _unreadable(error) from error

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.errors import MapperError, ReadError
+from mapper.io.logs.grouping.scan_groups import ScanGroup, scan_groups
 from mapper.io.logs.recording.cutting import FLOOR_M, IMAGE
 from mapper.io.logs.recording.mounting import Mounting, mounting_of
 from mapper.io.logs.recording.pose_sources import StatedPoses, odometry_among, trajectories_at
 from mapper.io.logs.recording.robot_poses import RobotPoses
-from mapper.io.logs.recording.scan_groups import ScanGroup, scan_groups
 from mapper.io.logs.recording.sensor_scans import SensorScans
 from mapper.io.logs.recording.taken import MAX_FRAME_NAME, SONAR, Taken
 from mapper.io.logs.recording.transforms import FrameTree
@@ -150,7 +150,7 @@ class RecordedLog:
             if stream.left_out.total
         ]
         notes += more_notes
-        groups, more = scan_groups(sensor, self._limits)
+        groups, more = scan_groups(sensor.stated, self._limits)
         notes += more
         if sensor.kind == "sensor_msgs/MultiEchoLaserScan":
             notes.append("Of each beam's echoes the first is taken.")
@@ -297,7 +297,7 @@ class RecordedLog:
         return (*sorted(sensors, key=lambda one: -one.count), *others)
 
     def _described(self, sensor: SensorScans, chosen: bool) -> Topic:
-        _, increment, _, _, n = sensor.usual
+        _, increment, _, _, n = sensor.stated.usual
         stamps = np.sort(np.frombuffer(sensor.stamps, dtype=np.int64))
         step = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
         tree = self._taken.tf.tree_of(sensor.topic, sensor.frame)

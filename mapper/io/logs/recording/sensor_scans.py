@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 from array import array
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
 from mapper.io.logs.recording.clocks import Clock
 from mapper.io.logs.recording.stream import Stream
 from mapper.io.logs.recording.timeline import Moments
 from mapper.io.logs.ros.ros_messages import Beams
-from mapper.sensors.scan import MAX_STATED_S
-
-
-class Beaming(NamedTuple):
-    """What a message states of its beams: radians, metres, their number."""
-
-    angle_min: float
-    angle_increment: float
-    range_min: float
-    range_max: float
-    beams: int
+from mapper.sensors.planar.options import is_cut
 
 
 class SensorScans:
@@ -63,11 +53,6 @@ class SensorScans:
         return self.stream.kind
 
     @property
-    def time_increments(self) -> NDArray[np.float32]:
-        """Stated times between two beams (n_scans,), seconds, which may be anything."""
-        return np.frombuffer(self._time_increments, dtype=np.float32)
-
-    @property
     def scan_time(self) -> float:
         """Median of the stated times between two scans, seconds; 0 where none is stated."""
         return median_seconds(np.frombuffer(self._scan_times, dtype=np.float32))
@@ -90,27 +75,13 @@ class SensorScans:
         return len(self.stamps)
 
     @property
-    def beamings(self) -> list[Beaming]:
-        """What the messages state of their beams, each once."""
-        return list(self._numbers)
-
-    @property
-    def beaming_of_scan(self) -> NDArray[np.int64]:
-        """Index of each scan's beaming in :attr:`beamings` (n_scans,)."""
-        return np.frombuffer(self._of_scan, dtype=np.int64)
-
-    @property
-    def usual(self) -> Beaming:
-        """The beams that most scans have."""
-        return self.beamings[int(np.argmax(np.bincount(self.beaming_of_scan)))]
-
-    @property
-    def readings(self) -> NDArray[np.float32]:
-        """The readings of all scans, one scan after the other."""
-        return np.frombuffer(self._ranges, dtype=np.float32)
-
-
-def median_seconds(stated: NDArray[np.float32]) -> float:
-    """Return the median of the stated times that are finite and not absurd, else 0."""
-    good = stated[np.abs(stated) <= MAX_STATED_S]  # false for NaN
-    return float(np.median(good)) if len(good) else 0.0
+    def stated(self) -> StatedScans:
+        """The scans with what each message states."""
+        return StatedScans(
+            self.topic,
+            list(self._numbers),
+            np.frombuffer(self._of_scan, dtype=np.int64),
+            np.frombuffer(self._ranges, dtype=np.float32),
+            np.frombuffer(self._time_increments, dtype=np.float32),
+            is_cut(self.kind),
+        )

@@ -1,4 +1,4 @@
-"""Foxglove's messages of scans, clouds, transforms and poses, in JSON or Protocol Buffers, as messages of ROS 2.
+"""Foxglove's messages of scans, clouds, transforms and poses, in JSON, Protocol Buffers or ROS' own, as ROS 2's.
 
 A scan or a cloud may state a pose of its origin in its frame: it becomes a transform to a frame of its own.
 Source: the schemas of foxglove-sdk (LaserScan, PointCloud, FrameTransform, FrameTransforms, PoseInFrame).
@@ -18,15 +18,19 @@ from typing import Any
 import numpy as np
 
 from mapper.io.logs.ros.cdr_writer import SECOND, CdrWriter
-from mapper.io.logs.ros.message_fields import BadMessageError
+from mapper.io.logs.ros.message_fields import BadMessageError, MessageFields
 from mapper.io.logs.ros.protobuf import Field, Table, decoded
+from mapper.io.logs.ros.ros_messages import plain_type
 
-ENCODINGS = ("json", "protobuf")
+ENCODINGS = ("json", "protobuf", "cdr", "ros1")
+PACKAGES = ("foxglove", "foxglove_msgs")  #: of the schemas, in MCAP files and in ROS
 SCAN, CLOUD = "sensor_msgs/LaserScan", "sensor_msgs/PointCloud2"
 TF, POSE = "tf2_msgs/TFMessage", "geometry_msgs/PoseStamped"
 #: foxglove.PackedElementField's types of numbers → sensor_msgs/PointField's.
 NUMBERS = {1: 2, 2: 1, 3: 4, 4: 3, 5: 6, 6: 5, 7: 7, 8: 8}
 MOST_FIELDS, MOST_TRANSFORMS = 256, 1 << 14
+LEAST_OF_A_PART = 9  #: bytes of an element of an array of messages
+_IN_ROS = {"double": ("d", 8), "fixed32": ("I", 4), "int": ("B", 1)}  #: of a message of ROS: code, and bytes
 LAST_SECOND = 2**31 - 1  #: ROS 2 counts seconds in 32 bits
 _XYZ = {1: Field("x", "double"), 2: Field("y", "double"), 3: Field("z", "double")}
 _QUATERNION = {**_XYZ, 4: Field("w", "double")}
@@ -52,7 +56,7 @@ Written = tuple[bytes | None, bytes]  #: a transform that comes first, and the m
 
 @dataclass(frozen=True, slots=True)
 class Transcoder:
-    """Makes the ROS messages of a topic's messages of one schema, which are ``encoding`` "json" or "protobuf"."""
+    """Makes the ROS messages of a topic's messages of one schema, whose ``encoding`` is one of :data:`ENCODINGS`."""
 
     topic: str
     kind: str
@@ -66,9 +70,7 @@ class Transcoder:
         Raises :class:`BadMessageError`.
         """
         try:
-            values = decoded(data, self.table) if self.encoding == "protobuf" else json.loads(data)
-            if not isinstance(values, dict):
-                raise BadMessageError
+            values = self._values(data)
             beside, message = self.write(self.topic, values)
         except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, struct.error):
             raise BadMessageError from None
@@ -76,10 +78,22 @@ class Transcoder:
             yield True, beside
         yield False, message
 
+    def _values(self, data: bytes) -> Values:
+        if self.encoding == "protobuf":
+            return decoded(data, self.table)
+        values = json.loads(data) if self.encoding == "json" else _of_ros(data, self.table, cdr=self.encoding == "cdr")
+        if not isinstance(values, dict):
+            raise BadMessageError
+        return values
+
 
 def transcoder(topic: str, schema: str, encoding: str) -> Transcoder | None:
-    """Return what reads a topic's messages; None for another schema or encoding."""
-    found = _SCHEMAS.get(schema)
+    """Return what reads a topic's messages; None for another schema or encoding.
+
+    ``schema`` is a name as ``foxglove.LaserScan`` or, of ROS, ``foxglove_msgs/msg/LaserScan``.
+    """
+    package, _, name = plain_type(schema.replace(".", "/")).partition("/")
+    found = _SCHEMAS.get(name) if package in PACKAGES else None
     if found is None or encoding not in ENCODINGS:
         return None
     kind, table, write = found
@@ -89,6 +103,39 @@ def transcoder(topic: str, schema: str, encoding: str) -> Transcoder | None:
 def is_of_use(kind: str) -> bool:
     """Return whether messages of a type, as ``sensor_msgs/LaserScan``, would be read in another serialisation."""
     return kind.rpartition("/")[2].rpartition(".")[2] in _USEFUL
+
+
+def _of_ros(data: bytes, table: Table, *, cdr: bool) -> dict[str, Any]:
+    """Return the values of a message of foxglove_msgs; what newer releases append to it is passed over."""
+    return _fields_of_ros(MessageFields(data, cdr=cdr), table)
+
+
+def _fields_of_ros(fields: MessageFields, table: Table) -> dict[str, Any]:
+    """Return the next fields of a message of ROS, which are those of the table in its order."""
+    values: dict[str, Any] = {}
+    for number in sorted(table):
+        field = table[number]
+        kind = field.kind
+        if kind is _TIME:
+            seconds, nanoseconds = fields.unpack("iI" if fields.cdr else "II", 4)
+            values[field.name] = {"sec": int(seconds), "nsec": int(nanoseconds)}
+        elif not isinstance(kind, str):
+            if not field.repeated:
+                values[field.name] = _fields_of_ros(fields, kind)
+                continue
+            n = fields.count(LEAST_OF_A_PART)
+            values[field.name] = [_fields_of_ros(fields, kind) for _ in range(n)]
+        elif kind == "string":
+            values[field.name] = fields.string()
+        elif kind == "bytes":
+            values[field.name] = bytes(fields.bytes())
+        elif field.repeated:
+            n = fields.count(8)
+            values[field.name] = fields.unpack(f"{n}d", 8) if n else ()
+        else:
+            code, size = _IN_ROS[kind]
+            values[field.name] = fields.unpack(code, size)[0]
+    return values
 
 
 def _laser_scan(topic: str, values: Values) -> Written:
@@ -185,7 +232,7 @@ def _stamp(value: str | dict[str, int] | None) -> int:
 
 
 _SCHEMAS: dict[str, tuple[str, Table, Callable[[str, Values], Written]]] = {
-    "foxglove.LaserScan": (
+    "LaserScan": (
         SCAN,
         {
             **_HEAD,
@@ -195,7 +242,7 @@ _SCHEMAS: dict[str, tuple[str, Table, Callable[[str, Values], Written]]] = {
         },
         _laser_scan,
     ),
-    "foxglove.PointCloud": (
+    "PointCloud": (
         CLOUD,
         {
             **_HEAD,
@@ -205,7 +252,7 @@ _SCHEMAS: dict[str, tuple[str, Table, Callable[[str, Values], Written]]] = {
         },
         _point_cloud,
     ),
-    "foxglove.FrameTransform": (TF, _TRANSFORM, _frame_transform),
-    "foxglove.FrameTransforms": (TF, {1: Field("transforms", _TRANSFORM, repeated=True)}, _frame_transforms),
-    "foxglove.PoseInFrame": (POSE, _HEAD, _pose_in_frame),
+    "FrameTransform": (TF, _TRANSFORM, _frame_transform),
+    "FrameTransforms": (TF, {1: Field("transforms", _TRANSFORM, repeated=True)}, _frame_transforms),
+    "PoseInFrame": (POSE, _HEAD, _pose_in_frame),
 }

@@ -15,7 +15,8 @@ seconds, metres, radians::
 A FLASER line states neither angles nor range (:func:`mapper.io.logs.text.carmen_beams.front_laser_beams`). The poses of
 RAWLASER1 to RAWLASER4 are those of the ODOM or TRUEPOS lines at their times. Readings of 80 m or more are the SICK's
 "no return" (81.83 m: its 13-bit readings from 8183 on are codes). Words that are not listed here are ignored and
-counted in the notes.
+counted in the notes. Lines of one sensor may state different beams and maximum ranges: each scan is read as its line
+states it (:func:`mapper.io.logs.grouping.scan_groups.scan_groups`).
 """
 
 from __future__ import annotations
@@ -35,12 +36,15 @@ from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.io.logs.archives.archive import Source
 from mapper.io.logs.archives.unpacking import Progress
+from mapper.io.logs.grouping.scan_groups import ScanGroup, scan_groups
+from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans
 from mapper.io.logs.selection import Selection
 from mapper.io.logs.text import fields
 from mapper.io.logs.text.carmen_beams import Beams, front_laser_beams, robot_laser_beams
 from mapper.io.logs.text.interpolation import poses_at_scans, restarts, without_restarts
 from mapper.io.logs.text.lines import TextLines, take_lines
 from mapper.io.logs.text.packing import ScanStack, note_on_largest_reading
+from mapper.sensors.joint_log import JointLog
 from mapper.sensors.robot_log import RobotLog
 from mapper.sensors.scan import ScanLog, Topic, Trajectory
 from mapper.sensors.timed_poses import OdometryRecords, TimedPoses
@@ -87,7 +91,6 @@ class CarmenReader:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.sensors: dict[str, ScanStack] = {}
-        self.beams: dict[str, Beams] = {}
         self.odometry = _Messages()
         self.truth = _Messages()
         self.parameters: dict[str, float] = {}
@@ -127,7 +130,7 @@ class CarmenReader:
 
     def _stack(self, word: str) -> ScanStack:
         if word not in self.sensors:
-            self.sensors[word] = ScanStack(word, self.limits)
+            self.sensors[word] = ScanStack(word, self.limits, vary=True)
         return self.sensors[word]
 
     @property
@@ -183,13 +186,7 @@ class CarmenReader:
             robot = fields.pose(rest[3:6], line, word, "the robot's", self.limits)
         stamp = fields.stamp(rest[more], line, word)
         beams = robot_laser_beams(n, fields.numbers(tokens[2:6], line, word), line, word)
-        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before)
-        if self.beams.setdefault(word, beams) != beams:
-            raise ReadError(
-                "log.beams_vary",
-                f"Line {line}: this {word} line states other angles or another maximum range than line "
-                f"{self.sensors[word].first_line}; a log's scans must have the same beams.",
-            )
+        self._stack(word).add(line, readings, (laser, robot), stamp, self._messages_before, beams)
 
     def _take_odometry(self, tokens: list[str], line: int) -> None:
         if len(tokens) < 8:
@@ -229,25 +226,37 @@ class CarmenReader:
         for other, stack in self.sensors.items():
             if other != word:
                 notes.append(f"Took the {sensor.n_scans} {word} scans and left out {stack.n_scans} {other} scans.")
-        beams = self._beams(word)
-        stated = beams.range_max
-        range_max = stated if stated is not None else self._parameter(word, "max")
-        ranges, notes_on_ranges = sensor.clean_ranges(NO_RETURN if range_max is None else range_max)
+        of_kinds = [self._beams(word, kind) for kind in range(len(sensor.kinds))]
+        greatest = [NO_RETURN if one.range_max is None else one.range_max for one in of_kinds]
+        counts = np.array([n for n, _ in sensor.kinds])[sensor.kind_of_scan]
+        readings, notes_on_ranges = sensor.clean_readings(np.repeat(np.array(greatest)[sensor.kind_of_scan], counts))
         notes += notes_on_ranges
-        if range_max is None:
-            notes += note_on_largest_reading(ranges)
-        notes += beams.notes
+        if of_kinds[0].range_max is None:
+            notes += note_on_largest_reading(readings)
+        usual = sensor.usual_kind
+        notes += of_kinds[usual].notes
         notes += sensor.notes_on_time()
+        is_even = len(of_kinds) == 1
+        groups: list[ScanGroup] = []
+        if not is_even:
+            beamings = [
+                Beaming(one.angle_min, one.angle_increment, 0.0, limit, n)
+                for one, limit, (n, _) in zip(of_kinds, greatest, sensor.kinds, strict=True)
+            ]
+            times = np.zeros(sensor.n_scans, dtype=np.float32)
+            stated = StatedScans(word, beamings, sensor.kind_of_scan, readings, times)
+            groups, notes_on_groups = scan_groups(stated, self.limits)
+            notes += notes_on_groups
         mount = self._mount(sensor, notes)
         if self.ignored:
             notes.append("Ignored " + ", ".join(f"{n} {other}" for other, n in self.ignored.most_common()) + " lines.")
         trajectories = self._trajectories(sensor, mount)
-        return ScanLog(
-            ranges=ranges,
-            angle_min=beams.angle_min,
-            angle_increment=beams.angle_increment,
+        whole = ScanLog(
+            ranges=readings.reshape(sensor.n_scans, -1) if is_even else np.empty((sensor.n_scans, 0), np.float32),
+            angle_min=of_kinds[usual].angle_min,
+            angle_increment=of_kinds[usual].angle_increment,
             range_min=0.0,
-            range_max=NO_RETURN if range_max is None else range_max,
+            range_max=greatest[usual],
             stamps_ns=sensor.stamps_ns,
             trajectories=trajectories,
             mount=mount,
@@ -259,6 +268,19 @@ class CarmenReader:
             odometry=self._odometry(sensor, trajectories),
             limits=self.limits,
         )
+        if is_even:
+            return whole
+        parts = [
+            replace(
+                whole.take(group.scans),
+                ranges=group.ranges,
+                angle_min=group.angle_min,
+                angle_increment=group.angle_increment,
+                range_max=group.range_max,
+            )
+            for group in groups
+        ]
+        return parts[0] if len(parts) == 1 else JointLog.of(parts)
 
     def _odometry(self, sensor: ScanStack, trajectories: Mapping[str, Trajectory]) -> OdometryRecords | None:
         """Return the ODOM messages around the scans of a sensor, in the order of the log; None where there is none.
@@ -293,7 +315,7 @@ class CarmenReader:
         found = []
         for word, stack in sorted(self.sensors.items(), key=lambda item: -item[1].n_scans):
             step = float(np.median(np.diff(np.sort(stack.stamps)))) if stack.n_scans > 1 else 0.0
-            view = math.degrees(abs(self._beams(word).angle_increment)) * (stack.n_beams - 1)
+            view = math.degrees(abs(self._beams(word, stack.usual_kind).angle_increment)) * (stack.n_beams - 1)
             found.append(
                 Topic(
                     word,
@@ -313,16 +335,20 @@ class CarmenReader:
         side = "front" if word in FRONT else "rear" if word in REAR else "other"
         return self.parameters.get(f"{side}_{which}")
 
-    def _beams(self, word: str) -> Beams:
-        """Return the beams of a sensor: as its lines state them, or else by their number and the parameters."""
-        if word not in PLAIN:
-            return self.beams[word]
+    def _beams(self, word: str, kind: int) -> Beams:
+        """Return the beams of some of a sensor's scans: as they are stated, or else by their number and the parameters.
+
+        ``kind`` is an index in the sensor's :attr:`ScanStack.kinds`.
+        """
+        n_beams, stated = self.sensors[word].kinds[kind]
+        if isinstance(stated, Beams):
+            return stated
         fov, resolution = self._parameter(word, "fov"), self._parameter(word, "resolution")
         # Programs write the field of view in degrees or radians; of both it is less than one turn.
         in_radians = None if fov is None else fov if fov <= 2.0 * math.pi + 0.01 else math.radians(fov)
         step = None if resolution is None else math.radians(resolution)
-        first, increment, notes = front_laser_beams(self.sensors[word].n_beams, word, in_radians, step)
-        return Beams(first, increment, notes=tuple(notes))
+        first, increment, notes = front_laser_beams(n_beams, word, in_radians, step)
+        return Beams(first, increment, self._parameter(word, "max"), tuple(notes))
 
     def _mount(self, sensor: ScanStack, notes: list[str]) -> tuple[float, float, float]:
         """Return ``T_base_laser``: what PARAM states, else the difference of a line's two poses, if always the same."""

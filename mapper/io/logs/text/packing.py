@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from collections.abc import Hashable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +17,18 @@ DAY_S = 86_400.0  #: seconds: a longer step between two scans is noted
 class ScanStack:
     """The scans of one sensor of a log, as they come.
 
-    Raises :class:`ReadError` for a scan with another number of beams, :class:`LimitError` for more scans or readings
-    than ``limits`` allow.
+    Raises :class:`ReadError` for a scan with another number of beams, unless they may ``vary``, and
+    :class:`LimitError` for more scans or readings than ``limits`` allow.
     """
 
-    def __init__(self, word: str, limits: Limits) -> None:
+    def __init__(self, word: str, limits: Limits, *, vary: bool = False) -> None:
         self.word = word  #: the name of the sensor's lines
         self.limits = limits
-        self.n_beams = 0
         self.n_scans = 0
         self.first_line = 0
+        self._vary = vary
+        self._kinds: dict[tuple[int, Hashable], int] = {}
+        self._kind_of_scan = array("q")
         self._ranges = bytearray()
         self._laser = array("d")
         self._robot = array("d")
@@ -40,32 +43,56 @@ class ScanStack:
         laser_and_robot: tuple[list[float], list[float]],
         stamp: float,
         messages_before: tuple[int, int] = (0, 0),
+        beams: Hashable = None,
     ) -> None:
         """Append one scan: metres, radians, seconds, the laser's pose and the robot's.
 
-        ``messages_before`` counts the odometry messages and those with the true pose that were read so far.
+        ``messages_before`` counts the odometry messages and those with the true pose that were read so far; ``beams``
+        is what the line states of its beams.
         """
+        kind = (len(readings), beams)
         if self.n_scans == 0:
-            self.n_beams, self.first_line = len(readings), line
-        elif len(readings) != self.n_beams:
+            self.first_line = line
+        elif kind not in self._kinds and not self._vary:
             raise ReadError(
                 "log.beams_vary",
                 f"Line {line}: this {self.word} line has {len(readings)} beams, but line {self.first_line} has "
                 f"{self.n_beams}; a log's scans must have the same number of beams.",
             )
-        if self.n_scans >= self.limits.max_scans or (self.n_scans + 1) * self.n_beams > self.limits.max_readings:
+        if self.n_scans >= self.limits.max_scans or len(self._ranges) // 4 + kind[0] > self.limits.max_readings:
             raise LimitError(
                 "log.too_many_scans",
                 f"Line {line}: the log has more than {self.n_scans} {self.word} scans of {self.n_beams} beams; "
                 f"the limits are {self.limits.max_scans} scans and {self.limits.max_readings} readings.",
             )
         self.n_scans += 1
+        self._kind_of_scan.append(self._kinds.setdefault(kind, len(self._kinds)))
         self._ranges += array("f", readings)  # what is too large for 32 bits becomes inf
         self._laser.extend(laser_and_robot[0])
         self._robot.extend(laser_and_robot[1])
         self._stamps.append(stamp)
         self._odometry_before.append(messages_before[0])
         self._truth_before.append(messages_before[1])
+
+    @property
+    def n_beams(self) -> int:
+        """Beams of the scans, where they vary those of most scans."""
+        return self.kinds[self.usual_kind][0] if self._kinds else 0
+
+    @property
+    def kinds(self) -> list[tuple[int, Hashable]]:
+        """The numbers of beams that scans have, each with what its lines state of them."""
+        return list(self._kinds)
+
+    @property
+    def kind_of_scan(self) -> NDArray[np.int64]:
+        """Index of each scan's beams in :attr:`kinds` (n_scans,)."""
+        return np.frombuffer(self._kind_of_scan, dtype=np.int64)
+
+    @property
+    def usual_kind(self) -> int:
+        """Index in :attr:`kinds` of the beams that most scans have."""
+        return int(np.argmax(np.bincount(self.kind_of_scan)))
 
     @property
     def laser_poses(self) -> NDArray[np.float64]:
@@ -104,7 +131,12 @@ class ScanStack:
 
         At or beyond ``range_max`` metres is no return, +inf; zero, negative and NaN are no measurement, NaN.
         """
-        ranges = np.frombuffer(self._ranges, dtype=np.float32).reshape(self.n_scans, self.n_beams)
+        ranges, notes = self.clean_readings(range_max)
+        return ranges.reshape(self.n_scans, self.n_beams), notes
+
+    def clean_readings(self, range_max: float | NDArray[np.float64]) -> tuple[NDArray[np.float32], list[str]]:
+        """Return :meth:`clean_ranges` of all readings, one scan after another, with a ``range_max`` for each or all."""
+        ranges = np.frombuffer(self._ranges, dtype=np.float32)
         notes = []
         with np.errstate(invalid="ignore"):
             invalid = np.isnan(ranges) | (ranges <= 0.0)

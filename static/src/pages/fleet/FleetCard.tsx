@@ -1,6 +1,6 @@
 import { Icon } from "../../ui/Icon";
 import { ProgressBar } from "../../ui/ProgressBar";
-import { LogPicture } from "../logs/LogPicture";
+import { LogPicture } from "../logs/library/LogPicture";
 import type { Facts, FleetLog } from "./fleetLogs";
 
 const metres = (cells: number, resolution: number): string => `${Math.max(1, Math.round(cells * resolution))}`;

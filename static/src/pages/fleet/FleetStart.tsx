@@ -1,9 +1,9 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Button } from "../../ui/Button";
-import { run } from "../logs/describeLog";
-import { LogPicture } from "../logs/LogPicture";
-import type { LogRecord } from "../logs/library";
+import { run } from "../logs/library/describeLog";
+import { LogPicture } from "../logs/library/LogPicture";
+import type { LogRecord } from "../logs/library/library";
 import { ask } from "../logs/request";
 
 const SAMPLE = "sample-office";

@@ -23,7 +23,8 @@ const SlamGroup = lazy(async () => (await import("../../tools/lab/SlamGroup")).S
 const Map3dGroup = lazy(async () => (await import("../../tools/map3d/Map3dGroup")).Map3dGroup);
 const ClickChoice = lazy(async () => (await import("../../tools/map3d/ClickChoice")).ClickChoice);
 const SurfacePanel = lazy(async () => (await import("./surface/SurfacePanel")).SurfacePanel);
-const TerrainGroup = lazy(async () => (await import("./terrain/TerrainGroup")).TerrainGroup);
+const TerrainGroup = lazy(async () => (await import("../../tools/terrain/TerrainGroup")).TerrainGroup);
+const AskedPatch = lazy(async () => (await import("../../lessons/terrain/AskedPatch")).AskedPatch);
 const Scene = lazy(async () => (await import("../../tools/scene/Scene")).Scene);
 
 /** What the groups show. */
@@ -159,7 +160,7 @@ const GROUPS: readonly Group[] = [
     title: "3D map",
     section: "3D",
     purpose: "An octree or a surface, made by a 3D sensor while the robot drives",
-    badge: ({ store }) => (store.map3d.message.value?.is_on ? "on" : null),
+    badge: ({ store }) => (store.part("map3d").message.value?.is_on ? "on" : null),
     content: ({ store, session }) => (
       <Map3dGroup store={store} session={session} surface={<SurfacePanel store={store} />} />
     ),
@@ -169,7 +170,7 @@ const GROUPS: readonly Group[] = [
     title: "Terrain",
     section: "3D",
     purpose: "Patches of the 3D map's points: planes, and where it is safe to drive",
-    content: ({ store }) => <TerrainGroup store={store} />,
+    content: ({ store }) => <TerrainGroup store={store} asked={(message) => <AskedPatch message={message} />} />,
   },
   {
     id: "3d",

@@ -94,7 +94,7 @@ export function visibleState(store: Store): VisibleState {
             field: store.underlay.peek() === LIKELIHOOD_FIELD,
           }
         : null,
-    map3d: store.map3d.message.peek()?.is_on === true ? store.map3d.values.values.peek() : null,
+    map3d: store.part("map3d").message.peek()?.is_on === true ? store.part("map3d").values.values.peek() : null,
   };
 }
 

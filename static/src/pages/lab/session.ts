@@ -105,7 +105,7 @@ export function keepAddress(id: string, store: Store): () => void {
     if (store.viewHeld.value) void store.view.value;
     void [store.pinned.value, store.explainedPoint.value, store.selectedUpdate.value, store.compared.value];
     void [store.localization.value?.is_on, store.filter.values.value, store.filter.map.value, store.underlay.value];
-    void [store.map3d.message.value?.is_on, store.map3d.values.values.value];
+    void [store.part("map3d").message.value?.is_on, store.part("map3d").values.values.value];
     if (!store.isReady.value) return;
     clearTimeout(timer);
     timer = setTimeout(() => void write(), SETTLE_MS);

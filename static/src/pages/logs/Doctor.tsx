@@ -20,8 +20,8 @@ import {
   wellLabel,
 } from "./doctor";
 import "./doctor.css";
-import { trajectoryLabel } from "./describeLog";
 import { standsStill } from "./heal/standsStill";
+import { trajectoryLabel } from "./library/describeLog";
 
 type State =
   | { readonly kind: "idle" }

@@ -1,7 +1,7 @@
 /** A choice of one of the visitor's other logs, and of its sensor where it has several. */
 
 import { useEffect } from "preact/hooks";
-import { type LogRecord, logs, watchAll } from "./library";
+import { type LogRecord, logs, watchAll } from "./library/library";
 
 export interface ChosenLog {
   readonly log: string;

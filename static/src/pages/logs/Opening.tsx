@@ -1,7 +1,7 @@
 import { Button } from "../../ui/Button";
 import { ProgressBar } from "../../ui/ProgressBar";
 import { progressText } from "../../ui/Working";
-import { opening } from "./library";
+import { opening } from "./library/library";
 
 /** Shown in place of a log's view until it has loaded: what the server does for it, how far it is, and since when. */
 export function Opening({ onCancel }: { readonly onCancel?: () => void }) {

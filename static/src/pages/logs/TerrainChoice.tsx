@@ -33,7 +33,7 @@ export function TerrainChoice({ store, session }: TerrainChoiceProps) {
       const answer = await request<{ map: Chosen | null }>(address, "PUT", { log: next?.log ?? null });
       chosen.value = next;
       found.value = answer.map;
-      store.setNavigation({ terrain_layer: next !== null });
+      store.setPart("costmap", { terrain_layer: next !== null });
     } catch (error) {
       failure.value = (error as Error).message;
     }

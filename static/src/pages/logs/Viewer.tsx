@@ -26,7 +26,7 @@ import { useNotes } from "./notes/useNotes";
 import { TimelinePlots } from "./plots/TimelinePlots";
 import { useTimelinePlots } from "./plots/timelinePlots";
 import { useSensor } from "./sensor/useSensor";
-import { applySharedView, type GuestOfLink, sharedViewOf } from "./sharedView";
+import { applySharedView, type GuestOfLink, sharedViewOf } from "./share/sharedView";
 import { Transport } from "./Transport";
 import { ErrorPaths } from "./trajectories/ErrorPaths";
 import type { TrajectoryErrors } from "./trajectories/errors";

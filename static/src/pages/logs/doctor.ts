@@ -4,7 +4,7 @@ import { DOCTOR_LEAST_SCANS } from "../../wire/constants";
 import type { LogEvent } from "../../wire/messages";
 import type { LogInfo, Value } from "../../wire/protocol";
 import { followMaking, type Making, newName } from "../making";
-import { SENSOR_SEPARATOR } from "./describeLog";
+import { SENSOR_SEPARATOR } from "./library/describeLog";
 
 export interface Finding {
   readonly check: string;

@@ -1,7 +1,7 @@
 /** Requests to the service. */
 
 import type { Answers } from "../../wire/http";
-import { AWAY, sentence } from "./library";
+import { AWAY, sentence } from "./library/library";
 
 /** The names in the braces of an address. */
 type Names<A extends string> = A extends `${string}{${infer Name}}${infer Rest}` ? Name | Names<Rest> : never;

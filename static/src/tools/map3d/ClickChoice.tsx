@@ -8,7 +8,7 @@ import { useMap3dRows } from "./Sensor3d";
 
 export function ClickChoice({ store }: { readonly store: Store }) {
   const rows = useMap3dRows(store, "click_3d");
-  const set = useMemo(() => (name: string, value: Value) => store.setMap3d({ [name]: value }), [store]);
-  if (store.map3d.message.value?.is_on !== true) return null;
-  return <ParameterRows rows={rows} values={store.map3d.values.values} set={set} />;
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("map3d", { [name]: value }), [store]);
+  if (store.part("map3d").message.value?.is_on !== true) return null;
+  return <ParameterRows rows={rows} values={store.part("map3d").values.values} set={set} />;
 }

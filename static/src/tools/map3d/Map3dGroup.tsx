@@ -35,7 +35,8 @@ interface GroupProps {
 }
 
 export function Map3dGroup({ store, session, surface }: GroupProps) {
-  const { map3d, layers } = store;
+  const { layers } = store;
+  const map3d = store.part("map3d");
   const message = map3d.message.value;
   const isOn = message?.is_on === true;
   const isEnded = map3d.isEnded.value;
@@ -43,7 +44,7 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
   const map = useMap3dRows(store, "map_3d");
   const view = useMap3dRows(store, "view_3d");
   const band = useMap3dRows(store, "band_3d");
-  const set = useMemo(() => (name: string, value: Value) => store.setMap3d({ [name]: value }), [store]);
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("map3d", { [name]: value }), [store]);
   useEffect(() => {
     if (!isOn && !isEnded && map3d.message.peek()) store.send({ type: "map3d" });
   }, [store, isOn, isEnded, message === null]);
@@ -81,7 +82,7 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
       <div class="map3d-settings">
         <ParameterRows rows={map} values={values} set={set} />
       </div>
-      <Memory message={message} surface={isSurface ? store.surface.message.value : null} />
+      <Memory message={message} surface={isSurface ? store.part("surface").message.value : null} />
       <h3>What is drawn</h3>
       <div class="map3d-settings">
         <ParameterRows rows={view} values={values} set={set} />
@@ -107,12 +108,12 @@ export function Map3dGroup({ store, session, surface }: GroupProps) {
 }
 
 function Begin({ store }: { readonly store: Store }) {
-  if (!store.map3d.isEnded.value) return <p class="map3d-note">Starting the 3D map …</p>;
+  if (!store.part("map3d").isEnded.value) return <p class="map3d-note">Starting the 3D map …</p>;
   return (
     <Button
       kind="primary"
       onClick={() => {
-        store.map3d.isEnded.value = false;
+        store.part("map3d").isEnded.value = false;
       }}
     >
       Begin a 3D map
@@ -122,7 +123,7 @@ function Begin({ store }: { readonly store: Store }) {
 
 /** What the 3D map has that the 2D map lacks, and where to see it. */
 function Difference({ store }: { readonly store: Store }) {
-  const message = store.map3d.message.value;
+  const message = store.part("map3d").message.value;
   if (!message) return null;
   const { only_in_3d: cells, problem } = message;
   const isElsewhere = store.world.value?.name !== LEVELS;
@@ -154,7 +155,7 @@ function CostmapChoice({ store }: { readonly store: Store }) {
       checked={isOn}
       onChange={(wanted) => {
         if (wanted) navigation.isEnded.value = false;
-        store.setNavigation({ map: wanted ? "map_3d" : "belief" });
+        store.setPart("costmap", { map: wanted ? "map_3d" : "belief" });
       }}
     />
   );

@@ -25,8 +25,8 @@ export function useMap3dRows(store: Store, ...groups: readonly string[]) {
 
 export function Sensor3d({ store }: { readonly store: Store }) {
   const rows = useMap3dRows(store, "sensor_3d");
-  const set = useMemo(() => (name: string, value: Value) => store.setMap3d({ [name]: value }), [store]);
-  const { map3d } = store;
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("map3d", { [name]: value }), [store]);
+  const map3d = store.part("map3d");
   const isOn = map3d.message.value?.is_on === true;
   return (
     <>
@@ -39,7 +39,7 @@ export function Sensor3d({ store }: { readonly store: Store }) {
         onChange={(value) => {
           map3d.isEnded.value = value === NONE;
           if (value === NONE) store.send({ type: "map3d", value: false });
-          else store.setMap3d({ sensor: value });
+          else store.setPart("map3d", { sensor: value });
         }}
       />
       {isOn && <ParameterRows rows={rows} values={map3d.values.values} set={set} />}

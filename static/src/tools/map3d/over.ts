@@ -23,11 +23,11 @@ const OVER: Palette = {
 PALETTES[ONLY_IN_3D] = () => OVER;
 
 export function map3dOver(store: Store): readonly Layer[] {
-  const map = store.map3d.isOver.peek() ? store.layers.grid(ONLY_IN_3D).map.peek() : null;
+  const map = store.part("map3d").isOver.peek() ? store.layers.grid(ONLY_IN_3D).map.peek() : null;
   return map ? [{ map, palette: OVER, blends: true }] : [];
 }
 
 /** Read every signal that is painted here. */
 export function watchMap3d(store: Store): void {
-  if (store.map3d.isOver.value) void store.layers.grid(ONLY_IN_3D).version.value;
+  if (store.part("map3d").isOver.value) void store.layers.grid(ONLY_IN_3D).version.value;
 }

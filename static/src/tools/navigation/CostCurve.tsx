@@ -19,7 +19,7 @@ export function CostCurve({ store }: { readonly store: Store }) {
         cost_scaling_factor: Number(values.cost_scaling_factor),
       }}
       ranges={{ inflation_radius: row("inflation_radius"), cost_scaling_factor: row("cost_scaling_factor") }}
-      onChange={(name, value) => store.setNavigation({ [name]: value })}
+      onChange={(name, value) => store.setPart("costmap", { [name]: value })}
     />
   );
 }

@@ -40,7 +40,7 @@ export function CostmapGroup({ store, children }: CostmapGroupProps) {
   const rows = useRows(store, ROWS);
   const inflation = useRows(store, INFLATION);
   const set = useMemo(
-    () => (name: string, value: number | string | boolean) => store.setNavigation({ [name]: value }),
+    () => (name: string, value: number | string | boolean) => store.setPart("costmap", { [name]: value }),
     [store],
   );
   const { values } = store.navigation.values;

@@ -24,7 +24,7 @@ export function PathGroup({ store }: { readonly store: Store }) {
   useCostmap(store);
   const rows = useRows(store, ROWS);
   const set = useMemo(
-    () => (name: string, value: number | string | boolean) => store.setNavigation({ [name]: value }),
+    () => (name: string, value: number | string | boolean) => store.setPart("costmap", { [name]: value }),
     [store],
   );
   if (store.navigation.costmap.value?.is_on !== true) return <Begin store={store} />;

@@ -198,7 +198,7 @@ function Stack({ store, names }: { readonly store: Store; readonly names: readon
                 onPointerLeave={leave}
                 onFocus={show}
                 onBlur={leave}
-                onClick={() => store.setNavigation({ [name]: !isOn(name) })}
+                onClick={() => store.setPart("costmap", { [name]: !isOn(name) })}
               >
                 {LAYER_NAMES[name]}
               </button>

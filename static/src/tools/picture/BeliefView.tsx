@@ -22,14 +22,9 @@ import { reducedMotion } from "../../ui/reducedMotion";
 import { KINDS } from "../../wire/kinds";
 import type { Point } from "../../wire/protocol";
 import type { Comparison } from "../compare/comparison";
-import { paintScanPair } from "../heal/paint";
 import { GIVEN_MAP } from "../localization/model";
-import { paintGivenPose, paintLocalization } from "../localization/paint";
-import { map3dOver, watchMap3d } from "../map3d/over";
-import { costsOver, paintNavigation, watchNavigation } from "../navigation/paint";
+import { OVERLAYS } from "../overlays";
 import { paintSteps } from "../steps/paint";
-import { paintPatch, watchPatch } from "../terrain/paint";
-import { paintWhy } from "../why/paint";
 import { crossed, paintBeamCells } from "./beamCells";
 import { LinkedPicture } from "./LinkedPicture";
 import { mapSurface } from "./mapSurface";
@@ -71,7 +66,7 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
           invalidate,
           () => {
             const below = underlay(store) ?? comparison?.layers() ?? [{ map: store.map.peek(), hasHighlights: true }];
-            return [...below, ...costsOver(store), ...map3dOver(store)];
+            return [...below, ...OVERLAYS.flatMap((overlay) => overlay.layers?.(store) ?? [])];
           },
           (brush, now) => paintOverlay(store, brush, fade, now, comparison?.ownPart() ?? [0, 1]),
         );
@@ -90,16 +85,9 @@ export function BeliefView({ store, onTap, takesTap, onPicture, comparison }: Be
             void store.cell.value;
             void store.inspectedBeam.value;
             void store.draggedTo.value;
-            void store.explainedCell.value;
-            void store.selectedContribution.value;
             void store.stepping.value;
             void store.inspected.value;
-            void store.scanPair.value;
-            void store.localization.value;
-            watchNavigation(store);
-            watchMap3d(store);
-            watchPatch(store);
-            void store.givenPose.value;
+            for (const overlay of OVERLAYS) overlay.watch(store);
             const under = store.underlay.value;
             if (under) void store.layers.grid(under).version.value;
             void pictureColours.value;
@@ -141,12 +129,7 @@ function paintOverlay(
   const hasRobot = KINDS[store.hello.peek()?.kind ?? ""]?.hasRobot ?? true;
   const moves = hasRobot && paintScan(store, brush, fade, now);
   ctx.restore();
-  paintLocalization(store, brush);
-  paintNavigation(store, brush);
-  paintGivenPose(store, brush);
-  paintScanPair(store, brush);
-  paintWhy(store, brush);
-  paintPatch(store, brush);
+  for (const overlay of OVERLAYS) overlay.paint?.(store, brush);
   const cell = store.cell.peek();
   const map = store.map.peek();
   if (cell && map) {

@@ -1,35 +1,20 @@
 import { batch, effect, type ReadonlySignal, type Signal, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useMemo, useRef } from "preact/hooks";
-import { cellIndexAt, isCone, type SensorModelParameters } from "../../grid/sensorModel";
+import { cellIndexAt, isCone } from "../../grid/sensorModel";
 import { toValue } from "../../render/chart/scale";
 import { Button } from "../../ui/Button";
 import { lazy } from "../../ui/lazy";
-import type { Range } from "../../ui/numbers";
 import { useSize } from "../../ui/useSize";
 import { zoomOf } from "../../ui/zoom";
 import { Beam } from "./Beam";
 import { Curve } from "./Curve";
 import { controlsFor } from "./controls";
 import { Formula, InWords } from "./Formula";
-import type { Bounds } from "./handles";
+import { tableBounds } from "./handles";
 import "./profile.css";
 import { cellText, Strip } from "./Strip";
 import { ProfileView } from "./view";
-
-/** Bounds and steps as the mapper's table has them; a session's own table replaces them. */
-const TABLE: Partial<Record<keyof SensorModelParameters, Range>> = {
-  range_max: { low: 0.5, high: 100, step: 0.1 },
-  window: { low: 0, high: 2, step: 0.05 },
-  log_odds_hit: { low: 0, high: 3, step: 0.05 },
-  log_odds_miss: { low: -3, high: 0, step: 0.05 },
-  p_free: { low: 0.01, high: 0.99, step: 0.01 },
-  p_occ: { low: 0.01, high: 0.99, step: 0.01 },
-  sigma: { low: 0.005, high: 0.5, step: 0.005 },
-  opening: { low: 0.01, high: 1.57, step: 0.01 },
-  prior_weight: { low: 0.1, high: 50, step: 0.1 },
-};
-const ANY: Range = { low: -100, high: 100, step: 0.01 };
 
 const Cone = lazy(async () => (await import("./Cone")).Cone);
 const ConeCells = lazy(async () => (await import("./Cone")).ConeCells);
@@ -95,8 +80,7 @@ interface ProfileFigureProps {
 export function ProfileFigure({ view, setParameter, beamName, fits = false, children }: ProfileFigureProps) {
   const { reading } = view;
   const controls = useMemo(() => {
-    const bounds: Bounds = (name) => TABLE[name] ?? ANY;
-    return controlsFor(view, bounds, setParameter);
+    return controlsFor(view, tableBounds, setParameter);
   }, [view, setParameter]);
   const frame = useRef<HTMLDivElement>(null);
   const measured = useSize(frame, 720);

@@ -3,6 +3,7 @@
 import { logOdds, probability } from "../../grid/logOdds";
 import { INITIAL_PARAMETERS, type SensorModelParameters } from "../../grid/sensorModel";
 import { keyed, type Range, snap } from "../../ui/numbers";
+import { SENSOR_MODEL_BOUNDS } from "../../wire/constants";
 
 /** A parameter and its new value. */
 export interface Setting {
@@ -12,6 +13,12 @@ export interface Setting {
 
 /** The bounds of a parameter, from the mapper's table. */
 export type Bounds = (name: keyof SensorModelParameters) => Range;
+
+const BOUNDS: Partial<Record<keyof SensorModelParameters, Range>> = SENSOR_MODEL_BOUNDS;
+const ANY: Range = { low: -100, high: 100, step: 0.01 };
+
+/** Bounds and steps of the mapper's table. */
+export const tableBounds: Bounds = (name) => BOUNDS[name] ?? ANY;
 
 /** Bounds of a level of the step window, so that p_free ≤ prior ≤ p_occ. */
 function coupled(name: "p_free" | "p_occ", values: SensorModelParameters, bounds: Bounds): Range {

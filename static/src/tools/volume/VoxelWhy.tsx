@@ -12,7 +12,7 @@ const coordinates = (place: readonly number[]): string => place.map((one) => wri
 /** Why the chosen voxel is as it is: what each scan did to it. */
 export function VoxelWhy({ store }: { readonly store: Store }) {
   const now = store.voxel.value;
-  const ofSurface = store.surface.voxel.value;
+  const ofSurface = store.part("surface_voxel").message.value;
   const isComputing = store.working.value?.what === "voxel";
   return (
     <Panel title="Why is this voxel so?">

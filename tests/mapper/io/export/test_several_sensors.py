@@ -104,3 +104,20 @@ def test_sonars_of_several_topics_are_range_messages_on_theirs(tmp_path: Path, o
     assert [one.range for _, one in found["/left"]] == single.ranges[:, 0].tolist()
     assert found["/left"][0][1].header.frame_id == "left"
     assert found["/ring_2"][0][1].header.frame_id == "ring_2"
+
+
+def test_a_lidar_that_was_switched_stays_one_sensor(tmp_path: Path, two: JointLog) -> None:
+    first = replace(two.parts[0], topic="/scan", frame_id="laser")
+    late = replace(
+        first, ranges=first.ranges[:, ::2].copy(), angle_increment=2.0 * first.angle_increment,
+        stamps_ns=first.stamps_ns + 1_000,
+    )  # fmt: skip
+    log = JointLog.of([first, late])
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        write_mcap(file, log, None, "true")
+    again = open_robot_log(path)
+    assert set(again.sensors) == {"/scan"}
+    assert isinstance(again.first, JointLog)
+    assert sorted(part.n_beams for part in again.first.parts) == [late.n_beams, first.n_beams]
+    assert again.first.n_scans == log.n_scans

@@ -288,11 +288,18 @@ _PLAIN = {
 }
 
 
+_FOXGLOVE = {
+    "timestamp": "builtin_interfaces/msg/Time",
+    "transforms": "foxglove_msgs/msg/FrameTransform",
+    "fields": "foxglove_msgs/msg/PackedElementField",
+}
+
+
 def _made(ros: int, kind: str, fields: dict[str, Any]) -> Any:
     """rosbags' message object of ``kind``, its parts made by name."""
     values: dict[str, Any] = {}
     for name, value in fields.items():
-        part = _PLAIN.get(name)
+        part = (_PLAIN | _FOXGLOVE if kind.startswith("foxglove_msgs/") else _PLAIN).get(name)
         if ros == 1 and kind.endswith("CameraInfo") and len(name) == 1:
             values[name.upper()] = value
             continue

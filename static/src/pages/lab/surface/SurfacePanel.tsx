@@ -10,8 +10,8 @@ import "./surfacePanel.css";
 
 export function SurfacePanel({ store }: { readonly store: Store }) {
   const rows = useMap3dRows(store, "tsdf_3d");
-  const set = useMemo(() => (name: string, value: Value) => store.setMap3d({ [name]: value }), [store]);
-  const { values } = store.map3d.values;
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("map3d", { [name]: value }), [store]);
+  const { values } = store.part("map3d").values;
   return (
     <section class="surface-panel" aria-label="The same beam, two beliefs">
       <h3>The same beam, two beliefs</h3>
@@ -29,7 +29,7 @@ export function SurfacePanel({ store }: { readonly store: Store }) {
 }
 
 function Facts({ store }: { readonly store: Store }) {
-  const now = store.surface.message.value;
+  const now = store.part("surface").message.value;
   if (!now) return <p class="map3d-note">The surface is being made …</p>;
   if (now.problem !== null) return <p role="alert">{now.problem}</p>;
   const many = (count: number): string => count.toLocaleString("en");

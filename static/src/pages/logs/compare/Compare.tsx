@@ -11,8 +11,8 @@ import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
 import { ToggleOf } from "../../../ui/Toggle";
 import type { Compared, LogInfo } from "../../../wire/protocol";
-import { trajectoryLabel } from "../describeLog";
 import { LogChoice } from "../LogChoice";
+import { trajectoryLabel } from "../library/describeLog";
 import { compareWith, differing, endComparison, type Kind, kindOf, type Other } from "./sides";
 
 interface CompareProps {

@@ -3,7 +3,7 @@
 import { readable } from "../../../tools/parameters/parameters";
 import { written } from "../../../ui/numbers";
 import type { Compared, Parameter, Value, Values } from "../../../wire/protocol";
-import { trajectoryLabel } from "../describeLog";
+import { trajectoryLabel } from "../library/describeLog";
 
 /** How the other map differs: saved parameters, other poses, or another log. */
 export type Kind = "settings" | "poses" | "log";

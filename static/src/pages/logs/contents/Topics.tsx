@@ -1,7 +1,7 @@
 import { Button } from "../../../ui/Button";
 import { bytes, clock } from "../../../ui/numbers";
 import type { LogInfo } from "../../../wire/protocol";
-import { SENSOR_SEPARATOR } from "../describeLog";
+import { SENSOR_SEPARATOR } from "../library/describeLog";
 import { SensorProgress } from "../sensor/SensorProgress";
 import type { SensorState } from "../sensor/useSensor";
 import { type Contents, rateLabel, type TopicContents } from "./contents";

@@ -9,7 +9,7 @@ import { Dock } from "../../../ui/Dock";
 import { Icon } from "../../../ui/Icon";
 import { Panel } from "../../../ui/Panel";
 import { GuestNote } from "../Head";
-import { applySharedView, type GuestOfLink, sharedViewOf } from "../sharedView";
+import { applySharedView, type GuestOfLink, sharedViewOf } from "../share/sharedView";
 import { Transport } from "../Transport";
 import { viewOf } from "./address";
 import { CostReadout } from "./CostReadout";

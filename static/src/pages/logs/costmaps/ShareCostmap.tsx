@@ -1,6 +1,6 @@
 import type { SharedView } from "../../../render/view";
 import type { Store } from "../../../store/store";
-import { ShareLinks } from "../ShareLinks";
+import { ShareLinks } from "../share/ShareLinks";
 import { fragmentOf } from "./address";
 
 const TEXT =

@@ -8,7 +8,7 @@ import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
 import { ProgressBar } from "../../../ui/ProgressBar";
 import { compareWith } from "../compare/sides";
-import { trajectoryLabel } from "../describeLog";
+import { trajectoryLabel } from "../library/describeLog";
 import { ParameterDetails } from "../ParameterDetails";
 import type { SlamStatus } from "./api";
 import { Graph } from "./Graph";

@@ -6,7 +6,7 @@ import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
-import { trajectoryLabel } from "../describeLog";
+import { trajectoryLabel } from "../library/describeLog";
 import { type PoseScore, scorePoses } from "./api";
 
 interface Row {

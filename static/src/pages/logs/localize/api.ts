@@ -2,9 +2,9 @@
 
 import type { LocalizationStatus } from "../../../wire/http";
 import type { Pose, Values } from "../../../wire/protocol";
-import { AWAY, sentence } from "../library";
+import { AWAY, sentence } from "../library/library";
+import { tarred } from "../library/tar";
 import { ask, request } from "../request";
-import { tarred } from "../tar";
 
 export type { LocalizationStatus };
 

@@ -3,7 +3,7 @@ import type { Store } from "../../../store/store";
 import { mapAddress } from "../../../tools/mapediting/EditMap";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
-import type { LogRecord } from "../library";
+import type { LogRecord } from "../library/library";
 import { ask } from "../request";
 
 interface SavingProps {

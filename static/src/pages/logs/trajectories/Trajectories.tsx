@@ -6,7 +6,7 @@ import { written } from "../../../ui/numbers";
 import { Panel } from "../../../ui/Panel";
 import { fetchJson } from "../contents/contents";
 import { Plot } from "../contents/LazyPlot";
-import { trajectoryLabel } from "../describeLog";
+import { trajectoryLabel } from "../library/describeLog";
 import { AddTrajectory } from "./AddTrajectory";
 import { courseOf, rowsOf, STATISTICS, type TrajectoryErrors } from "./errors";
 import { TrajectoryChoice } from "./TrajectoryChoice";

@@ -2,7 +2,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import type { Store } from "../../../store/store";
 import { Choice } from "../../../ui/Choice";
 import { Panel } from "../../../ui/Panel";
-import { sentence, trajectoryLabel } from "../describeLog";
+import { sentence, trajectoryLabel } from "../library/describeLog";
 
 /** The choice of the poses that the map is made with. */
 export function TrajectoryChoice({ store }: { readonly store: Store }) {

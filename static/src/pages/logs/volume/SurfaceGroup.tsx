@@ -8,7 +8,7 @@ import type { Value } from "../../../wire/protocol";
 
 /** The surface by truncated signed distances: its parameters, and what one beam does with them. */
 export function SurfaceGroup({ store }: { readonly store: Store }) {
-  const now = store.surface.message.value;
+  const now = store.part("surface").message.value;
   if (!now) return null;
   if (now.table.length === 0) {
     return (
@@ -17,9 +17,9 @@ export function SurfaceGroup({ store }: { readonly store: Store }) {
       </p>
     );
   }
-  const values = store.surface.values.values;
+  const values = store.part("surface").values.values;
   const set = (name: string, value: Value): void => {
-    store.surface.values.set(name, value);
+    store.part("surface").values.set(name, value);
     store.sendSoon({ type: "surface", values: { [name]: value } });
   };
   const isShown = store.look.values.value.show === "surface";

@@ -4,7 +4,7 @@ import type { Store } from "../../../store/store";
 import { Button } from "../../../ui/Button";
 import { Panel } from "../../../ui/Panel";
 import type { VolumeMessage } from "../../../wire/protocol";
-import type { LogRecord } from "../library";
+import type { LogRecord } from "../library/library";
 
 interface VolumeCompareProps {
   readonly store: Store;

@@ -6,7 +6,7 @@ import { Panel } from "../../../ui/Panel";
 /** The map as an octree and from above. */
 export function VolumeDownloads({ store, session }: { readonly store: Store; readonly session: string }) {
   const address = (name: string): string => `/api/sessions/${encodeURIComponent(session)}/${name}`;
-  const hasSurface = (store.surface.message.value?.table.length ?? 0) > 0;
+  const hasSurface = (store.part("surface").message.value?.table.length ?? 0) > 0;
   return (
     <Panel title="Download">
       <div class="actions downloads">

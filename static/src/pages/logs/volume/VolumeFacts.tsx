@@ -7,7 +7,7 @@ const many = (n: number): string => n.toLocaleString("en");
 export function VolumeFacts({ store }: { readonly store: Store }) {
   const now = store.volume.value;
   if (!now) return <p class="quiet">…</p>;
-  const surface = store.surface.message.value;
+  const surface = store.part("surface").message.value;
   const isSurface = surface !== null && store.look.values.value.show === "surface";
   const size = now.high.map((high, axis) => high - (now.low[axis] ?? 0));
   return (

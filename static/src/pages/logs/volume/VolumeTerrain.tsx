@@ -1,7 +1,8 @@
 import { useEffect } from "preact/hooks";
+import { AskedPatch } from "../../../lessons/terrain/AskedPatch";
 import type { Store } from "../../../store/store";
 import { BeliefView } from "../../../tools/picture/BeliefView";
-import { TerrainGroup } from "../../lab/terrain/TerrainGroup";
+import { TerrainGroup } from "../../../tools/terrain/TerrainGroup";
 
 /** The terrain of a file's points: the map from above in the colours of its patches, and their parameters. */
 export function VolumeTerrain({ store }: { readonly store: Store }) {
@@ -19,7 +20,7 @@ export function VolumeTerrain({ store }: { readonly store: Store }) {
       <div class="volume-above-map">
         <BeliefView store={store} />
       </div>
-      <TerrainGroup store={store} isFile />
+      <TerrainGroup store={store} isFile asked={(message) => <AskedPatch message={message} />} />
     </div>
   );
 }

@@ -29,7 +29,7 @@ export function VolumeViewer({ session, log, onClose, onGone, onCompare, onUp }:
   const openGroup = useSignal("look");
   const hello = store.hello.value;
   useSignalEffect(() => {
-    if (store.voxel.value?.centre || store.surface.voxel.value?.centre) openGroup.value = "why";
+    if (store.voxel.value?.centre || store.part("surface_voxel").message.value?.centre) openGroup.value = "why";
   });
   if (status.value === "gone") {
     return (

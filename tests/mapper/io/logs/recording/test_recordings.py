@@ -210,11 +210,11 @@ def test_scans_with_other_beams_keep_their_own(tmp_path):
 
 def test_scans_whose_beams_are_all_different_count_at_the_nearest_of_the_usual_ones(tmp_path):
     said = [scan(T0 + i, [1.0, 2.0, 3.0, 4.0], angles=(0.0, 0.5)) for i in range(3)]
-    said += [scan(T0 + 3 + i, [7.0, 8.0, 9.0], angles=(0.5 + 0.01 * i - 2 * math.pi, 0.45)) for i in range(9)]
+    said += [scan(T0 + 3 + i, [7.0, 8.0, 9.0], angles=(0.5 + 0.002 * i - 2 * math.pi, 0.45)) for i in range(66)]
     log = open_log(written(tmp_path, said, "bag"))
-    assert (log.n_scans, log.n_beams) == (12, 4)
+    assert (log.n_scans, log.n_beams) == (69, 4)
     np.testing.assert_array_equal(log.ranges[3], np.array([np.nan, 7, 8, 9], dtype=np.float32))
-    assert any("9 of the 12 scans on /scan have other beams" in note for note in log.notes)
+    assert any("66 of the 69 scans on /scan have other beams" in note for note in log.notes)
 
 
 def test_scans_without_a_time_of_their_own_get_that_of_their_recording(tmp_path):

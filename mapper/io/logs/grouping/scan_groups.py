@@ -1,0 +1,266 @@
+"""The scans of one sensor in groups that have the same beams and limits, so that each message speaks for itself.
+
+A lidar that is switched to another resolution or range, or whose driver states other limits now and then, has a few
+groups. Limits that change with every message are applied to that message's readings; angles that change with every
+message are put on the beams that most have.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mapper.core.errors import LimitError
+from mapper.core.limits import Limits
+from mapper.core.se2 import wrap_angle
+from mapper.io.logs.grouping.range_limits import counted, notes_on_limits, usable_limits
+from mapper.io.logs.grouping.stated_scans import Beaming, StatedScans, median_seconds
+from mapper.sensors.scan import MAX_STATED_S
+
+MOST_GROUPS = 64  #: of one sensor
+MOST_COMPARED = 100  #: different angles of one sensor
+MOST_TOLD = 4  #: groups that a note describes
+MOST_STEPS = 4  #: times between beams
+SAME_ANGLE = 2e-5  #: radians: angles in 32 bits that differ by less are one
+STEP_APART = 1.25  #: times between beams that differ by this factor are of different groups
+LIMIT_FOLLOWS = 0.9  #: share of scans whose largest reading is their range_max, which then is no limit
+CODE_SHARE = 0.002  #: of the readings: where more are exactly range_max, that is a code
+CODE_LEAST = 20  #: readings that a code has at least
+
+Int64Array = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class ScanGroup:
+    """Scans with the same beams: ``scans`` (n,) are their indices, ``ranges`` (n, n_beams) float32 their readings.
+
+    Angles are radians in the sensor's frame, limits metres, ``time_increment`` seconds from one beam to the next.
+    """
+
+    scans: Int64Array
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    time_increment: float
+
+
+def scan_groups(sensor: StatedScans, limits: Limits) -> tuple[list[ScanGroup], list[str]]:
+    """Return the groups of a sensor's scans, that with most scans first, and what is to be noted about them.
+
+    Raises :class:`LimitError` where there would be too many readings.
+    """
+    return _Grouping(sensor, limits).groups()
+
+
+class _Grouping:
+    def __init__(self, sensor: StatedScans, limits: Limits) -> None:
+        self.sensor, self.limits = sensor, limits
+        self.beamings, self.of_scan = sensor.beamings, sensor.beaming_of_scan
+        counts = np.bincount(self.of_scan, minlength=len(self.beamings)).tolist()
+        self.usable = [usable_limits(one.range_min, one.range_max)[:2] for one in self.beamings]
+        self.angles = _same_angles(self.beamings)
+        self.notes: list[str] = []
+        stated: Counter[tuple[float, float]] = Counter()
+        for one, count in zip(self.beamings, counts, strict=True):
+            stated[one.range_min, one.range_max] += count
+        if not sensor.is_cut:
+            self.notes += notes_on_limits(sensor.topic, sensor.n_scans, stated)
+
+    def groups(self) -> tuple[list[ScanGroup], list[str]]:
+        ranges = self._padded()
+        largest = np.array([limit[1] for limit in self.usable])[self.of_scan]
+        steps = _steps(self.sensor.time_increments)
+        angles = np.array(self.angles)[self.of_scan]
+        limits = _numbered(self.usable)[self.of_scan]
+        if self._limits_follow_readings(ranges, largest):
+            limits = np.zeros_like(limits)
+        else:
+            ranges = self._without_codes(ranges, largest)
+        keys = np.column_stack([angles, limits, steps])
+        if len(np.unique(keys, axis=0)) > MOST_GROUPS:
+            keys[:, 2] = 0
+        if len(np.unique(keys, axis=0)) > MOST_GROUPS and np.ptp(limits):
+            ranges = self._within_own_limits(ranges, largest)
+            keys[:, 1] = 0
+        if len(np.unique(keys, axis=0)) > MOST_GROUPS:
+            ranges = self._on_usual_beams(ranges)
+            keys[:, 0] = 0
+        _, group_of_scan = np.unique(keys, axis=0, return_inverse=True)
+        group_of_scan = group_of_scan.reshape(-1)
+        counts = np.bincount(group_of_scan)
+        found = [self._group(np.flatnonzero(group_of_scan == k), ranges) for k in np.argsort(-counts, kind="stable")]
+        if len(found) > 1:
+            self.notes.append(self._note_on_groups(found))
+        return found, self.notes
+
+    def _padded(self) -> NDArray[np.float32]:
+        """Return all readings (n_scans, most beams), NaN behind the last of a scan with fewer."""
+        flat = self.sensor.readings
+        counts = np.array([one.beams for one in self.beamings], dtype=np.int64)
+        n, most = self.sensor.n_scans, int(counts.max())
+        if (counts == most).all():
+            return flat.reshape(n, most)
+        if n * most > self.limits.max_readings:
+            raise LimitError(
+                "log.too_many_scans",
+                f"{n} scans of {most} beams on {self.sensor.topic} are more than {self.limits.max_readings} readings.",
+            )
+        out = np.full((n, most), np.nan, dtype=np.float32)
+        out[np.arange(most) < counts[self.of_scan][:, np.newaxis]] = flat
+        return out
+
+    def _group(self, scans: Int64Array, ranges: NDArray[np.float32]) -> ScanGroup:
+        own = Counter(self.of_scan[scans].tolist())
+        usual = self.beamings[max(own, key=lambda k: own[k])]
+        beams = max(self.beamings[k].beams for k in own) if len(set(np.array(self.angles)[list(own)])) == 1 else 0
+        readings = ranges[scans] if len(scans) < len(ranges) else ranges
+        return ScanGroup(
+            scans,
+            readings[:, : beams or usual.beams],
+            usual.angle_min,
+            usual.angle_increment,
+            min(self.usable[k][0] for k in own),
+            max(self.usable[k][1] for k in own),
+            median_seconds(self.sensor.time_increments[scans]),
+        )
+
+    def _limits_follow_readings(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> bool:
+        """Return whether range_max is the largest reading of each message, and so no limit of the sensor."""
+        if len(np.unique(largest)) < 3 or ranges.shape[1] < 2:
+            return False
+        found = np.where(np.isfinite(ranges), ranges, -np.inf).max(axis=1)
+        some = np.isfinite(found)
+        if not some.any() or np.mean(found[some] == largest[some]) < LIMIT_FOLLOWS:
+            return False
+        self.notes.append(
+            f"range_max on {self.sensor.topic} is the largest reading of each message, {largest.min():.2f} to "
+            f"{largest.max():.2f} m, not the sensor's limit: every reading counts in the message that holds it."
+        )
+        return True
+
+    def _without_codes(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return the readings without those that are exactly range_max, +inf instead, where they are many."""
+        is_code = np.isfinite(ranges) & (ranges == largest[:, np.newaxis].astype(np.float32))
+        n = int(np.count_nonzero(is_code))
+        measured = int(np.count_nonzero(np.isfinite(ranges)))
+        scans = int(np.count_nonzero(is_code.any(axis=1)))
+        if n < max(CODE_LEAST, CODE_SHARE * measured) or (n < 2 * scans and ranges.shape[1] > 1):
+            return ranges
+        limit = largest[np.argmax(is_code.any(axis=1))]
+        self.notes.append(
+            f"{n} readings on {self.sensor.topic} ({100.0 * n / measured:.1f} %) are exactly range_max, {limit:g} m: "
+            "simulators and some drivers say no return so. They are taken for no return, not for walls at that "
+            "distance."
+        )
+        return np.where(is_code, np.float32(np.inf), ranges)
+
+    def _within_own_limits(self, ranges: NDArray[np.float32], largest: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return the readings that lie within the limits of their own message.
+
+        What is farther is no return, which is left out of scans whose limit is less than others': up to which distance
+        it clears cells, one number for all could not say.
+        """
+        least = np.array([limit[0] for limit in self.usable])[self.of_scan]
+        with np.errstate(invalid="ignore"):
+            out = np.where(ranges < least[:, np.newaxis], np.float32(-np.inf), ranges)
+            out = np.where(ranges > largest[:, np.newaxis], np.float32(np.inf), out)
+            nearer = (largest < largest.max())[:, np.newaxis] & (out == np.inf)
+        lost = int(np.count_nonzero(nearer))
+        said = f", and {lost} without a return are left out" if lost else ""
+        self.notes.append(
+            f"range_min or range_max on {self.sensor.topic} change with the messages (range_max {largest.min():.2f} to "
+            f"{largest.max():.2f} m): each message's readings count within its own limits{said}."
+        )
+        return np.where(nearer, np.float32(np.nan), out)
+
+    def _on_usual_beams(self, ranges: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the readings (n_scans, n_beams) on the beams that most scans have, each at the nearest."""
+        usual = self.sensor.usual
+        out = np.full((len(ranges), usual.beams), np.nan, dtype=np.float32)
+        own = self.angles[self.beamings.index(usual)]
+        others = 0
+        order = np.argsort(self.of_scan, kind="stable")
+        edges = np.searchsorted(self.of_scan[order], np.arange(1, len(self.beamings)))
+        for number, (beaming, scans) in enumerate(zip(self.beamings, np.split(order, edges), strict=True)):
+            if self.angles[number] == own:
+                same = min(usual.beams, beaming.beams)
+                out[scans, :same] = ranges[scans, :same]
+                continue
+            others += len(scans)
+            to, taken = _nearest(beaming, usual)
+            out[np.ix_(scans, to)] = ranges[np.ix_(scans, taken)]
+        self.notes.append(
+            f"{others} of the {len(ranges)} scans on {self.sensor.topic} have other beams than the rest, in more than "
+            f"{MOST_GROUPS} ways: their readings count at the nearest of the usual beams, "
+            f"{np.degrees(abs(usual.angle_increment)):.2g}° apart."
+        )
+        return out
+
+    def _note_on_groups(self, found: list[ScanGroup]) -> str:
+        kinds = [
+            f"{len(one.scans)} with {one.ranges.shape[1]} beams {np.degrees(one.angle_increment):.4g}° apart from "
+            f"{np.degrees(one.angle_min):.4g}°, up to {one.range_max:g} m"
+            for one in found[:MOST_TOLD]
+        ]
+        more = f"; and {len(found) - MOST_TOLD} kinds more" if len(found) > MOST_TOLD else ""
+        return (
+            f"{counted(self.sensor.n_scans, self.sensor.n_scans)} on {self.sensor.topic} do not have the same beams or "
+            f"limits: {'; '.join(kinds)}{more}. Each scan is read as it states itself."
+        )
+
+
+def _same_angles(beamings: list[Beaming]) -> list[int]:
+    """Return for each beaming the number of its angles, which are compared modulo one turn."""
+    known = np.empty((0, 2))
+    found = []
+    for number, one in enumerate(beamings):
+        off = np.abs(wrap_angle(known[:, 0] - one.angle_min))
+        off = np.maximum(off, np.abs(known[:, 1] - one.angle_increment) * (0.05 * one.beams if one.beams > 1 else 0.0))
+        same = np.flatnonzero(off < SAME_ANGLE)
+        if len(same):
+            found.append(int(same[0]))
+        elif len(known) < MOST_COMPARED:
+            found.append(len(known))
+            known = np.vstack([known, [one.angle_min, one.angle_increment]])
+        else:
+            found.append(MOST_COMPARED + number)  # so many are put on the usual beams in any case
+    return found
+
+
+def _steps(stated: NDArray[np.float32]) -> Int64Array:
+    """Return numbers (n_scans,) that differ where the times between beams do, as of a lidar whose rate is switched.
+
+    Zero for all where they vary without a gap.
+    """
+    usable = np.where(np.abs(stated) <= MAX_STATED_S, np.abs(stated), 0.0)
+    sorted_steps = np.unique(usable)
+    edges = sorted_steps[1:] > STEP_APART * sorted_steps[:-1]
+    if np.count_nonzero(edges) >= MOST_STEPS:
+        return np.zeros(len(stated), dtype=np.int64)
+    number = np.concatenate([[0], np.cumsum(edges)])
+    return np.asarray(number[np.searchsorted(sorted_steps, usable)], dtype=np.int64)
+
+
+def _numbered(pairs: list[tuple[float, float]]) -> Int64Array:
+    known = {pair: number for number, pair in enumerate(dict.fromkeys(pairs))}
+    return np.array([known[pair] for pair in pairs], dtype=np.int64)
+
+
+def _nearest(theirs: Beaming, usual: Beaming) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return which of the usual beams have one of theirs within half a step, and which one that is."""
+    angles = usual.angle_min + usual.angle_increment * np.arange(usual.beams)
+    if theirs.angle_increment == 0.0:
+        index = np.zeros(usual.beams)
+    else:
+        turn = abs(2.0 * np.pi / theirs.angle_increment)
+        index = np.clip(np.rint((angles - theirs.angle_min) / theirs.angle_increment % turn), 0, theirs.beams - 1)
+    away = np.abs(wrap_angle(theirs.angle_min + theirs.angle_increment * index - angles))
+    from_first = np.abs(wrap_angle(theirs.angle_min - angles))  # nearer where it is one turn behind their last
+    index, away = np.where(from_first < away, 0, index), np.minimum(from_first, away)
+    near = away <= max(abs(usual.angle_increment), abs(theirs.angle_increment)) / 2.0 + 1e-9
+    return np.nonzero(near)[0], index[near].astype(np.intp)

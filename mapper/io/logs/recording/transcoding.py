@@ -1,0 +1,100 @@
+"""Foxglove's messages of a recording, handed on as messages of ROS in whatever they are serialised."""
+
+from __future__ import annotations
+
+from mapper.io.logs.names import printable
+from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.ros import foxglove
+from mapper.io.logs.ros.foxglove import Transcoder, transcoder
+from mapper.io.logs.ros.message_fields import BadMessageError
+
+MOST_NOTES = 20
+TF, TF_STATIC = "tf", "tf_static"  #: what topics of transforms are named within their namespace
+
+
+class Transcoding(MessageSink):
+    """Hands a recording on to ``sink``.
+
+    Transforms that Foxglove has on a topic of any name are on ``tf`` of its namespace there. Those in the messages of a
+    scan or a cloud, of key k, have the key −1 − k, on ``tf`` of the nearest namespace around it that has one.
+    """
+
+    def __init__(self, sink: MessageSink) -> None:
+        self.notes = sink.notes
+        self._sink = sink
+        self._transcoders: dict[int, Transcoder] = {}
+        self._tf_namespaces = {""}
+        self._beside: dict[int, str] = {}  #: of the keys of scans and clouds: where the transforms in them go
+
+    @property
+    def taken(self) -> int:
+        """Number of messages that the sink took."""
+        return self._sink.taken
+
+    def channel(self, key: int, topic: str, kind: str, *, cdr: bool, readable: bool = True) -> None:
+        """Announce a stream of messages of ROS, of which some are Foxglove's."""
+        if not (readable and self.foxglove_channel(key, topic, kind, "cdr" if cdr else "ros1")):
+            self._transcoders.pop(key, None)
+            self._note_tf(topic)
+            self._sink.channel(key, topic, kind, cdr=cdr, readable=readable)
+
+    def foxglove_channel(self, key: int, topic: str, kind: str, encoding: str) -> bool:
+        """Announce a stream of messages in any encoding, if they are of a schema of Foxglove's that is read."""
+        found = transcoder(topic, kind, encoding)
+        if found is None:
+            return False
+        if self._transcoders.get(key) != found and len(self.notes) < MOST_NOTES:
+            self.notes.append(f"{kind} messages in {encoding} on {printable(topic)!s:.100} are read as {found.kind}.")
+        self._transcoders[key] = found
+        namespace, _, name = topic.rpartition("/")
+        if found.kind == foxglove.TF and name not in (TF, TF_STATIC):
+            topic = f"{namespace}/{TF}"
+        self._note_tf(topic)
+        self._sink.channel(key, topic, found.kind, cdr=True)
+        return True
+
+    def _note_tf(self, topic: str) -> None:
+        namespace, _, name = topic.rpartition("/")
+        if name == TF:
+            self._tf_namespaces.add(namespace)
+
+    def _announce_beside(self, key: int, topic: str) -> None:
+        """Announce the stream of the transforms in the messages on a topic, where they go elsewhere than before."""
+        namespace = topic.rpartition("/")[0]
+        while namespace not in self._tf_namespaces:
+            namespace = namespace.rpartition("/")[0]
+        if self._beside.get(key) != namespace:
+            self._beside[key] = namespace
+            self._sink.channel(-1 - key, f"{namespace}/{TF}", foxglove.TF, cdr=True)
+
+    def knows(self, key: int) -> bool:
+        """Return whether this stream was announced."""
+        return self._sink.knows(key)
+
+    def wants(self, key: int) -> bool:
+        """Return whether anything is made of this stream's messages."""
+        return self._sink.wants(key)
+
+    def pass_over(self, key: int, count: int) -> None:
+        """Count messages that were not read."""
+        self._sink.pass_over(key, count)
+
+    def next_file(self) -> None:
+        """Go on with another file, in which streams have keys of their own."""
+        self._transcoders.clear()
+        self._beside.clear()
+        self._sink.next_file()
+
+    def take(self, key: int, stamp_ns: int, data: bytes, size: int | None = None) -> None:
+        """Take one message."""
+        found = self._transcoders.get(key)
+        if found is None or not data:
+            self._sink.take(key, stamp_ns, data, size=size)
+            return
+        try:
+            for is_beside, message in found.messages(data):
+                if is_beside:
+                    self._announce_beside(key, found.topic)
+                self._sink.take(-1 - key if is_beside else key, stamp_ns, message, size=size)
+        except BadMessageError:
+            self._sink.take(key, stamp_ns, data, size=size)  # which refuses it, and counts it

@@ -1,0 +1,69 @@
+"""The commands of the service itself to a session, which no client can send."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from mapper.sensors.scan import ScanLog
+    from server.library.course_file import Course
+    from server.library.given_map import GivenMap
+    from server.library.localize_job import LocalizeProgress
+    from server.sessions.parts import UploadedTerrain
+    from server.sessions.view import LogView
+
+
+class UpdateLog(Struct):
+    """The log has other trajectories."""
+
+    log: ScanLog
+
+
+class UseSensor(Struct):
+    """Begin the map again of another sensor of the log, or of scans that are cut otherwise."""
+
+    log: ScanLog
+    view: LogView
+
+
+class FollowPoses(Struct):
+    """Show the map along the poses that a job makes, as the trajectory ``name``."""
+
+    name: str
+
+
+class PosesSoFar(Struct):
+    """The poses (n, 3) that the job has made so far; ``report`` is what localization says besides."""
+
+    poses: NDArray[np.float64]
+    report: LocalizeProgress | None = None
+
+
+class PosesEnded(Struct):
+    """The job has ended with a trajectory of this name, None for none."""
+
+    trajectory: str | None
+
+
+class ShowGivenMap(Struct):
+    """The log is localized in this map."""
+
+    map: GivenMap
+
+
+class ShowCourse(Struct):
+    """How certain the filter was along a trajectory."""
+
+    trajectory: str
+    course: Course
+
+
+class UseTerrain(Struct):
+    """Take the costs of an upload for the terrain's layer of the costmap; None for none."""
+
+    terrain: UploadedTerrain | None

@@ -1,0 +1,67 @@
+import { Pipeline } from "../../../lessons/pipeline/Pipeline";
+import { Program } from "../../../lessons/program/Program";
+import { algorithmView } from "../../../lessons/stage/controls";
+import { Table91 } from "../../../lessons/table91/Table91";
+import { Choice } from "../../../ui/Choice";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+const VIEWS = [
+  { value: "table", label: "table 9.1" },
+  { value: "program", label: "beam by beam" },
+  { value: "reading", label: "one reading" },
+];
+
+export function AlgorithmSection({ id, number, title }: SectionHead) {
+  const view = algorithmView.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <>
+          <Choice
+            label="The algorithm as"
+            options={VIEWS}
+            value={view}
+            onChange={(value) => {
+              algorithmView.value = value === "program" || value === "reading" ? value : "table";
+            }}
+          />
+          {view === "program" ? (
+            <Program />
+          ) : (
+            <OnStage scene="algorithm" label="The algorithm, step by step, and the grid that it updates">
+              {view === "table" ? <Table91 /> : <Pipeline />}
+            </OnStage>
+          )}
+        </>
+      }
+      sources={[["probabilistic-robotics", "tables 9.1 and 9.2"], "bresenham"]}
+      after={
+        <>
+          <p>
+            The inverse sensor model of this loop is <b>table 9.2</b>: it takes the beam nearest in bearing to the cell
+            and compares the cell’s distance with that reading. A loop over all cells for each scan is slow, since most
+            cells lie outside the field. Programs exchange the loops: over the <b class="noun-beam">beams</b> of a scan,
+            and over the cells of each beam. <SectionLink to="counting" capital /> shows where the result differs.
+          </p>
+          <p>
+            <b>Beam by beam</b> is the mapper’s reference implementation in Python, copied from its source file. Step
+            through it, and drag the <b class="noun-robot">robot</b>. The compiled code gives the same map to the last
+            bit. <b>One reading</b> follows a single distance through every step, to the character that a terminal would
+            print.
+          </p>
+        </>
+      }
+    >
+      <p>
+        <cite>Probabilistic Robotics</cite> prints the algorithm as a loop over <em>all</em> cells. A scan changes only
+        the cells in its <b class="noun-beam">perceptual field</b>: in the sensor’s field of view, and not behind what
+        it measured. All others keep their value.
+      </p>
+    </Section>
+  );
+}

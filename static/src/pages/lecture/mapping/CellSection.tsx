@@ -1,0 +1,336 @@
+import { computed, signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { type CellEvent, logOddsHistory } from "../../../grid/cellUpdate";
+import { probability } from "../../../grid/logOdds";
+import { Cell, START } from "../../../lessons/cell/Cell";
+import { cellParameters, numbersOf, setParameter } from "../../../lessons/common/parameters";
+import { DragNumber } from "../../../ui/DragNumber";
+import { signed, written } from "../../../ui/numbers";
+import { presenting } from "../present/state";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+/** The readings of the text and of a slide, which asks about a cell without any. */
+const textEvents = signal<readonly CellEvent[]>(START);
+const slideEvents = signal<readonly CellEvent[]>([]);
+const events = computed(() => (presenting.value ? slideEvents : textEvents).value);
+const path = computed(() => logOddsHistory(events.value, cellParameters.value));
+
+/** z with its index: all readings up to one of them (1:t), or that one alone. */
+const Readings = ({ z }: { z: string }) => (
+  <msub>
+    <mi>z</mi>
+    <mtext>{z}</mtext>
+  </msub>
+);
+
+/** The poses of the sensor, with the same index. */
+const Poses = ({ x }: { x: string }) => (
+  <msub>
+    <mi>x</mi>
+    <mtext>{x}</mtext>
+  </msub>
+);
+
+/** p(m | z₁…z_t, x₁…x_t), the belief; `m` may be the free cell instead. */
+function Given({ what, z, free = false }: { what: "belief" | "one" | "prior"; z?: string; free?: boolean }) {
+  const tone = what === "belief" ? "noun-robot" : what === "one" ? "noun-beam" : "noun-prior";
+  return (
+    <mrow class={tone}>
+      <mi>p</mi>
+      <mo>(</mo>
+      {free && <mo>¬</mo>}
+      <mi>m</mi>
+      {z && (
+        <>
+          <mo>∣</mo>
+          <Readings z={z} />
+          <mo>,</mo>
+          <Poses x={z} />
+        </>
+      )}
+      <mo>)</mo>
+    </mrow>
+  );
+}
+
+function Line({ why, children }: { why: ComponentChildren; children: ComponentChildren }) {
+  return (
+    <div class="derivation-line">
+      <math display="block">
+        <mrow>{children}</mrow>
+      </math>
+      <p>{why}</p>
+    </div>
+  );
+}
+
+/** p(z_t | m, x_t). */
+const Likelihood = () => (
+  <mrow>
+    <mi>p</mi>
+    <mo>(</mo>
+    <Readings z="t" />
+    <mo>∣</mo>
+    <mi>m</mi>
+    <mo>,</mo>
+    <Poses x="t" />
+    <mo>)</mo>
+  </mrow>
+);
+
+/** From Bayes' rule to a sum, one step per line. */
+function Derivation() {
+  return (
+    <div class="derivation">
+      <Line
+        why={
+          <>
+            Bayes’ rule for the newest reading z<sub>t</sub>. Two <b>Markov assumptions</b>: given the cell, older
+            readings do not help to predict the new one (strictly, this holds only given the whole map); and the new
+            pose alone says nothing about the cell.
+          </>
+        }
+      >
+        <Given what="belief" z="1:t" />
+        <mo>=</mo>
+        <mfrac>
+          <mrow>
+            <Likelihood />
+            <Given what="belief" z="1:t−1" />
+          </mrow>
+          <mrow>
+            <mi>p</mi>
+            <mo>(</mo>
+            <Readings z="t" />
+            <mo>∣</mo>
+            <Readings z="1:t−1" />
+            <mo>,</mo>
+            <Poses x="1:t" />
+            <mo>)</mo>
+          </mrow>
+        </mfrac>
+      </Line>
+      <Line
+        why={
+          <>
+            Bayes’ rule again, in the other direction. Now only the <b class="noun-beam">inverse model</b> is needed:
+            the probability of the cell given one reading. The <b>independence of map and poses</b> is used here: p(m ∣
+            x<sub>t</sub>) = p(m), the <b class="noun-prior">prior</b>.
+          </>
+        }
+      >
+        <Likelihood />
+        <mo>=</mo>
+        <mfrac>
+          <mrow>
+            <Given what="one" z="t" />
+            <mi>p</mi>
+            <mo>(</mo>
+            <Readings z="t" />
+            <mo>∣</mo>
+            <Poses x="t" />
+            <mo>)</mo>
+          </mrow>
+          <Given what="prior" />
+        </mfrac>
+      </Line>
+      <Line
+        why={
+          <>
+            The same for the free cell ¬m; then divide. The factors that are hard to know cancel. What remains: the odds
+            from the new reading, times the odds before it, divided by the odds of the prior.
+          </>
+        }
+      >
+        <mfrac>
+          <Given what="belief" z="1:t" />
+          <Given what="belief" z="1:t" free />
+        </mfrac>
+        <mo>=</mo>
+        <mfrac>
+          <Given what="one" z="t" />
+          <Given what="one" z="t" free />
+        </mfrac>
+        <mo>⋅</mo>
+        <mfrac>
+          <Given what="belief" z="1:t−1" />
+          <Given what="belief" z="1:t−1" free />
+        </mfrac>
+        <mo>⋅</mo>
+        <mfrac>
+          <Given what="prior" free />
+          <Given what="prior" />
+        </mfrac>
+      </Line>
+      <Line
+        why={
+          <>
+            These fractions are <b>odds</b>. Their logarithm is ℓ, the <b>log-odds</b>, and the product becomes a sum.
+          </>
+        }
+      >
+        <msub class="noun-robot">
+          <mi>ℓ</mi>
+          <mi>t</mi>
+        </msub>
+        <mo>=</mo>
+        <msub class="noun-robot">
+          <mi>ℓ</mi>
+          <mrow>
+            <mi>t</mi>
+            <mo>−</mo>
+            <mn>1</mn>
+          </mrow>
+        </msub>
+        <mo>+</mo>
+        <mrow class="noun-beam">
+          <mi>log</mi>
+          <mfrac>
+            <mrow>
+              <mi>p</mi>
+              <mo>(</mo>
+              <mi>m</mi>
+              <mo>∣</mo>
+              <Readings z="t" />
+              <mo>,</mo>
+              <Poses x="t" />
+              <mo>)</mo>
+            </mrow>
+            <mrow>
+              <mi>p</mi>
+              <mo>(</mo>
+              <mo>¬</mo>
+              <mi>m</mi>
+              <mo>∣</mo>
+              <Readings z="t" />
+              <mo>,</mo>
+              <Poses x="t" />
+              <mo>)</mo>
+            </mrow>
+          </mfrac>
+        </mrow>
+        <mo>−</mo>
+        <msub class="noun-prior">
+          <mi>ℓ</mi>
+          <mn>0</mn>
+        </msub>
+      </Line>
+      <Line why="The probability is computed from ℓ where it is needed.">
+        <mi>p</mi>
+        <mo>=</mo>
+        <mn>1</mn>
+        <mo>−</mo>
+        <mfrac>
+          <mn>1</mn>
+          <mrow>
+            <mn>1</mn>
+            <mo>+</mo>
+            <msup>
+              <mi>e</mi>
+              <mi class="noun-robot">ℓ</mi>
+            </msup>
+          </mrow>
+        </mfrac>
+      </Line>
+    </div>
+  );
+}
+
+/** The last update of the figure's cell in numbers. */
+function LastUpdate() {
+  const last = events.value.at(-1);
+  const [before, after] = path.value.slice(-2);
+  if (!last || before === undefined || after === undefined) return <p>No reading yet: the cell has its prior value.</p>;
+  const { hit, miss } = numbersOf(cellParameters.value);
+  const evidence = last === "hit" ? hit : miss;
+  const clamped = Math.abs(before + evidence - after) > 1e-9;
+  return (
+    <p>
+      The last reading was a <b class={`noun-${last}`}>{last}</b>:{" "}
+      <span class="number">
+        {written(before, 2)} {evidence < 0 ? "−" : "+"} {written(Math.abs(evidence), 2)} ={" "}
+        {written(before + evidence, 2)}
+        {clamped && `, clamped to ${written(after, 2)}`}
+      </span>
+      , which is p = {written(probability(after), 2)}.
+    </p>
+  );
+}
+
+export function CellSection({ id, number, title }: SectionHead) {
+  const { log_odds_hit, log_odds_miss } = cellParameters.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <div class="narrow-figure">
+          <Cell parameters={cellParameters} events={presenting.value ? slideEvents : textEvents} />
+        </div>
+      }
+      sources={[
+        ["probabilistic-robotics", "table 4.2"],
+        ["octomap", "section 5.1 (increments and clamp)"],
+      ]}
+      after={
+        <>
+          <LastUpdate />
+          <p>
+            Why is it enough to add? This is the <b>binary Bayes filter for a static state</b>: the cell does not
+            change, so there is no prediction step, and the correction is a sum.
+          </p>
+          <Derivation />
+          <p>
+            Each button adds the <b class="noun-beam">middle term</b> minus <b class="noun-prior">ℓ₀</b>. The prior is
+            subtracted because the inverse model starts from it too: otherwise it would be counted again with every
+            reading. For p = 0.5 it is 0. The order of the readings does not matter, except at the dashed lines, where
+            the mapper <em>clamps</em> ℓ (<SectionLink to="forgetting" />
+            ).
+          </p>
+        </>
+      }
+    >
+      <p>
+        Consider one cell and many readings of it. Its state is constant (assumption 2): either <i>m</i> (occupied) or ¬
+        <i>m</i> (free). The map stores its log-odds <b class="noun-robot">ℓ</b> = log p/(1 − p): above 0 the cell is
+        more likely occupied, below 0 more likely free; p = 1 is +∞, p = 0 is −∞. Before the first reading ℓ is{" "}
+        <b class="noun-prior">ℓ₀</b>, the log-odds of the prior.
+      </p>
+      <p>
+        A <b class="noun-hit">hit</b> adds{" "}
+        <DragNumber
+          label="evidence of a hit"
+          sentence="By how much a hit raises the log-odds of the cell."
+          value={log_odds_hit}
+          text={signed(log_odds_hit)}
+          tone="hit"
+          low={0}
+          high={3}
+          step={0.05}
+          onInput={(value) => setParameter("log_odds_hit", value)}
+          after=","
+        />{" "}
+        a <b class="noun-miss">miss</b> adds{" "}
+        <DragNumber
+          label="evidence of a miss"
+          sentence="By how much a miss lowers the log-odds of the cell."
+          value={log_odds_miss}
+          text={signed(log_odds_miss)}
+          tone="miss"
+          low={-3}
+          high={0}
+          step={0.05}
+          onInput={(value) => setParameter("log_odds_miss", value)}
+          after="."
+        />{" "}
+        <span class="no-print">
+          {" "}
+          Press the buttons, or the keys <kbd>H</kbd> and <kbd>M</kbd> while a button has the focus.{" "}
+        </span>{" "}
+        How many misses cancel four hits?
+      </p>
+    </Section>
+  );
+}

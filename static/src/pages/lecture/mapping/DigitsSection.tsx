@@ -1,0 +1,107 @@
+import { signal } from "@preact/signals";
+import { Prediction } from "../../../lessons/common/Prediction";
+import { Digits } from "../../../lessons/digits/Digits";
+import { type Readings, run, saturatedAt } from "../../../lessons/digits/model";
+import { DragNumber } from "../../../ui/DragNumber";
+import { Section, type SectionHead } from "../Section";
+
+const readings = signal<Readings>({ hits: 60, misses: 60, pHit: 0.9, pMiss: 0.1 });
+
+/** The hits of the question. */
+const WEAKER: Readings = { hits: 60, misses: 60, pHit: 0.75, pMiss: 0.25 };
+
+/** q¹⁰⁰⁰ as a power of ten. */
+const PRODUCT = (q: number): string => `10 to the power of ${(1000 * Math.log10(q)).toFixed(0).replace("-", "−")}`;
+
+export function DigitsSection({ id, number, title }: SectionHead) {
+  const { hits, misses, pHit } = readings.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Digits readings={readings} />}
+      predict={
+        <Prediction
+          text="Each hit alone gives p = 0.75. After how many hits is p, computed in 32 bits, exactly 1?"
+          axis={{ low: 0, high: 60, unit: "hits" }}
+          step={1}
+          reveal={() => {
+            readings.value = WEAKER;
+            return saturatedAt(run(WEAKER), "p") ?? WEAKER.hits;
+          }}
+        />
+      }
+      sources={[
+        ["probabilistic-robotics", "chapter 4"],
+        ["ieee754", "binary32"],
+      ]}
+      after={
+        <>
+          <p>
+            A product of many probabilities fails earlier still. A thousand readings of {(1 - pHit).toFixed(2)} each
+            have the product {PRODUCT(1 - pHit)}, and the smallest 32-bit number is 1.4 · 10⁻⁴⁵: it <b>underflows</b> to
+            0. The sum of their logarithms is {(1000 * Math.log(1 - pHit)).toFixed(0).replace("-", "−")}.
+          </p>
+          <p>
+            With the clamp none of the three fails. What remains is <b>cost</b> and <b>exactness</b>: one addition in
+            place of two products, a sum and a division, and one rounding in place of four.
+          </p>
+        </>
+      }
+    >
+      <p>
+        The probability p, the odds and the log-odds describe the same belief. Why store the logarithm? A robot may see
+        the same wall in many scans, and a 32-bit number has 24 bits of precision.
+      </p>
+      <p>
+        In the figure a cell is hit{" "}
+        <DragNumber
+          label="hits"
+          sentence="Number of consecutive readings that are hits."
+          value={hits}
+          tone="hit"
+          low={0}
+          high={150}
+          step={1}
+          text={`${hits} times`}
+          onInput={(value) => {
+            readings.value = { ...readings.peek(), hits: value };
+          }}
+          after=","
+        />{" "}
+        then the wall is removed and{" "}
+        <DragNumber
+          label="misses"
+          sentence="Number of misses after the hits."
+          value={misses}
+          tone="miss"
+          low={0}
+          high={150}
+          step={1}
+          text={`${misses} beams`}
+          onInput={(value) => {
+            readings.value = { ...readings.peek(), misses: value };
+          }}
+        />{" "}
+        pass through the cell. A single hit gives{" "}
+        <DragNumber
+          label="probability that one hit gives"
+          sentence="Probability of occupied after a single hit; a single miss gives one minus this."
+          value={pHit}
+          tone="hit"
+          low={0.55}
+          high={0.95}
+          step={0.05}
+          text={`p = ${pHit.toFixed(2)}`}
+          onInput={(value) => {
+            readings.value = { ...readings.peek(), pHit: value, pMiss: 1 - value };
+          }}
+          after=","
+        />{" "}
+        a single miss p = {(1 - pHit).toFixed(2)}. Every step is computed in 32 bits in three ways: Bayes’ rule for{" "}
+        <b class="noun-beam">p</b>, a product of <b>odds</b>, and a sum of <b class="noun-robot">ℓ</b>.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,104 @@
+import { signal } from "@preact/signals";
+import { Independence } from "../../../lessons/independence/Independence";
+import type { SensorParameters } from "../../../lessons/independence/model";
+import { DragNumber } from "../../../ui/DragNumber";
+import { MapProduct } from "../formulas";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+const sensor = signal<SensorParameters>({ prior: 0.2, sonarError: 0.05, beamError: 0.1 });
+
+const set = (name: keyof SensorParameters) => (percent: number) => {
+  sensor.value = { ...sensor.peek(), [name]: percent / 100 };
+};
+
+export function GridSection({ id, number, title }: SectionHead) {
+  const { prior, sonarError, beamError } = sensor.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Independence sensor={sensor} />}
+      sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
+      after={
+        <>
+          <p>
+            The joint distribution knows that <em>at least one</em> cell caused the echo: with each cell that a beam
+            passes, the others become more probable. In the grid they keep the probability that the echo gave them.
+            Press the cells to change what the narrow beam measured.
+          </p>
+          <p>
+            In return the map fits into memory: the joint distribution of 100 × 100 cells needs 2<sup>10000</sup>{" "}
+            numbers, the grid 10 000. With narrow laser beams little is lost, because few cells can have caused the same
+            reading.
+          </p>
+        </>
+      }
+    >
+      <p>
+        An occupancy grid divides the floor into square cells and estimates for each whether it is occupied. It makes
+        three assumptions.
+      </p>
+      <ol>
+        <li>
+          A cell is either <b class="noun-hit">occupied</b> or <b class="noun-miss">free</b>, as a whole.
+        </li>
+        <li>The world does not change while it is mapped.</li>
+        <li>The cells are independent: knowing one says nothing about the others.</li>
+      </ol>
+      <p>
+        Before any reading each cell has the <b class="noun-prior">prior</b> probability p(m<sub>i</sub>), usually 0.5.
+        Occupied is p = 1, free is p = 0. With the third assumption the probability of a whole map, given all readings z
+        <sub>1:t</sub> and all poses x<sub>1:t</sub>, is a product over its cells:
+      </p>
+      <MapProduct />
+      <p>
+        The poses are taken as known; <SectionLink to="odometry" /> shows what happens if they are not. The figure shows
+        what the third assumption loses: walls are connected, and the grid ignores it.
+      </p>
+      <p>
+        A <b class="noun-beam">sonar</b> has received an echo from somewhere on an arc of five cells. The prior
+        probability of each cell was{" "}
+        <DragNumber
+          label="prior of a cell"
+          sentence="Probability that a cell is occupied, before any reading."
+          value={100 * prior}
+          unit="%"
+          tone="prior"
+          low={5}
+          high={50}
+          step={1}
+          onInput={set("prior")}
+          after="."
+        />{" "}
+        The sonar is wrong in{" "}
+        <DragNumber
+          label="error of the sonar"
+          sentence="How often the sonar reports an echo from an empty arc, or no echo from an occupied one."
+          value={100 * sonarError}
+          unit="%"
+          tone="beam"
+          low={1}
+          high={30}
+          step={1}
+          onInput={set("sonarError")}
+        />{" "}
+        of its readings. Then a narrow beam, wrong in{" "}
+        <DragNumber
+          label="error of the narrow beam"
+          sentence="How often the narrow beam is wrong about a cell."
+          value={100 * beamError}
+          unit="%"
+          tone="beam"
+          low={1}
+          high={40}
+          step={1}
+          onInput={set("beamError")}
+        />{" "}
+        of its readings, <b class="noun-miss">passed</b> cells 1, 2 and 4. The figure stores this evidence in two ways:
+        one number for each cell, and one for each of the 32 possible maps (the joint distribution).
+      </p>
+    </Section>
+  );
+}

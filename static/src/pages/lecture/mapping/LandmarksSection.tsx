@@ -1,0 +1,76 @@
+import { mapKind } from "../../../lessons/stage/controls";
+import { Choice } from "../../../ui/Choice";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+
+const KINDS = [
+  { value: "corners", label: "landmarks" },
+  { value: "grid", label: "grid" },
+];
+
+export function LandmarksSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="landmarks" label="The same drive as a map of landmarks and as a grid">
+          <Choice
+            label="The map as"
+            options={KINDS}
+            value={mapKind.value}
+            onChange={(value) => {
+              mapKind.value = value === "grid" ? "grid" : "corners";
+            }}
+          />
+          <table class="plain-table">
+            <thead>
+              <tr>
+                <td />
+                <th scope="col">Landmarks</th>
+                <th scope="col">Grid</th>
+              </tr>
+            </thead>
+            <tbody>
+              <tr>
+                <th scope="row">needs</th>
+                <td>a detector that finds the same landmark again</td>
+                <td>no detector; every reading is used</td>
+              </tr>
+              <tr>
+                <th scope="row">stores</th>
+                <td>position and covariance of each landmark: little</td>
+                <td>one number per cell: grows with the area, whatever is in it</td>
+              </tr>
+              <tr>
+                <th scope="row">another look</th>
+                <td>improves the estimate of its position</td>
+                <td>adds evidence for each cell that it touches</td>
+              </tr>
+              <tr>
+                <th scope="row">gives</th>
+                <td>where the robot is, relative to the landmarks</td>
+                <td>where it can drive: free space, walls of any shape, and what is not yet known</td>
+              </tr>
+            </tbody>
+          </table>
+        </OnStage>
+      }
+      sources={[["probabilistic-robotics", "chapters 6, 7 and 9"]]}
+      after={
+        <p>
+          A grid is <b>non-parametric</b>: it assumes no shapes and no number of objects. A pillar, a plant and a wall
+          are stored in the same way. Nav2, the navigation of ROS 2, plans on two-dimensional grids.
+        </p>
+      }
+    >
+      <p>
+        A robot in an unknown building has to answer two questions: where am I, and where can I drive? A map of{" "}
+        <b class="noun-beam">landmarks</b> stores the positions of things that are easy to recognise, such as corners.
+        An <b>occupancy grid</b> stores for every small square of the floor whether something is there. Switch between
+        the two maps of the same drive.
+      </p>
+    </Section>
+  );
+}

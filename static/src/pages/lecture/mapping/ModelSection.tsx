@@ -1,0 +1,118 @@
+import { logOdds, probability } from "../../../grid/logOdds";
+import { cellParameters, parameters, setParameter } from "../../../lessons/common/parameters";
+import { modelReading } from "../../../lessons/stage/controls";
+import { modelBeam } from "../../../lessons/stage/scenes";
+import { Profile } from "../../../tools/profile/Profile";
+import { Choice } from "../../../ui/Choice";
+import { DragNumber } from "../../../ui/DragNumber";
+import { signed, written } from "../../../ui/numbers";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+
+const MODELS = [
+  { value: "step_window", label: "step window in probabilities" },
+  { value: "fixed_increments", label: "fixed increments" },
+  { value: "smooth_ramp", label: "smooth ramp" },
+  { value: "sonar_cone", label: "sonar cone" },
+  { value: "moravec_elfes", label: "Moravec and Elfes 1985" },
+  { value: "hit_counting", label: "hit counting" },
+];
+
+/** Each model in one sentence. */
+const DESCRIPTIONS: Record<string, string> = {
+  fixed_increments:
+    "Two log-odds increments: one for the cells that a beam passed, one for the cell in which it ended.",
+  step_window:
+    "Table 9.2 of Probabilistic Robotics: a probability before the window, one inside it, the prior behind it.",
+  smooth_ramp: "A reading has an uncertainty σ that grows with the range: the step becomes a ramp.",
+  sonar_cone: "A wide beam, seen from above: the evidence depends on distance and angle.",
+  moravec_elfes: "Two degrees of certainty instead of log-odds: empty and occupied.",
+  hit_counting:
+    "Counts how often a beam ended in a cell and how often one passed it; the curve shows the change by the first visit.",
+};
+
+export function ModelSection({ id, number, title }: SectionHead) {
+  const { window: w, range_max, p_free, p_occ, log_odds_prior } = cellParameters.value;
+  const model = String(parameters.value.model);
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="model" label="The inverse sensor model as a curve, and the map that it makes">
+          <div class="model-head">
+            <Choice label="Model" options={MODELS} value={model} onChange={(value) => setParameter("model", value)} />
+            <p>{DESCRIPTIONS[model]}</p>
+          </div>
+          <Profile
+            parameters={parameters}
+            setParameter={setParameter}
+            reading={modelBeam}
+            beamName="the beam on the stage"
+            grabbed={modelReading}
+          />
+        </OnStage>
+      }
+      sources={[
+        ["probabilistic-robotics", "table 9.2"],
+        ["octomap", "section 5.1 (fixed increments)"],
+        ["elfes", "(ramp)"],
+        "moravec-elfes",
+        ["reflection-maps", "(hit counting)"],
+      ]}
+      after={
+        <p>
+          The model is called <em>inverse</em> because a forward model predicts the reading from the world, and this one
+          goes from a reading to the world. It is a design choice, not a physical law: the more reliable the sensor, the
+          larger the increments. If they are too large, the map follows every wrong reading; if they are too small,
+          cells stay unknown for a long time.
+        </p>
+      }
+    >
+      <p>
+        The filter needs the probability of a cell given a single reading: the{" "}
+        <b class="noun-beam">inverse sensor model</b>. The simplest one has three values. A beam with the measured range{" "}
+        <b class="noun-beam">z</b> passed all cells before z, so they get{" "}
+        <b class="noun-miss">
+          p<sub>free</sub>
+        </b>{" "}
+        = {written(p_free, 2)}. The surface that reflected it lies in a window of width w ={" "}
+        <DragNumber
+          label="hit window w"
+          sentence="Width of the zone around the reading that counts as hit."
+          value={w}
+          unit="m"
+          tone="hit"
+          low={0}
+          high={2}
+          step={0.05}
+          onInput={(value) => setParameter("window", value)}
+        />{" "}
+        around z, whose cells get{" "}
+        <b class="noun-hit">
+          p<sub>occ</sub>
+        </b>{" "}
+        = {written(p_occ, 2)}. Cells behind the window keep the <b class="noun-prior">prior</b>,{" "}
+        {written(probability(log_odds_prior), 2)}: the beam says nothing about them. A reading beyond{" "}
+        <DragNumber
+          label="max range"
+          sentence="A reading from farther away counts as no return."
+          value={range_max}
+          unit="m"
+          tone="prior"
+          low={0.5}
+          high={20}
+          step={0.1}
+          onInput={(value) => setParameter("range_max", value)}
+        />{" "}
+        counts as no return.
+      </p>
+      <p>
+        As log-odds these are numbers to add, log p/(1 − p) − ℓ₀: {signed(logOdds(p_free))}, {signed(logOdds(p_occ))}{" "}
+        and 0. Many programs set the two increments directly (<em>fixed increments</em>). The curve belongs to one beam
+        of the stage. Drag any part of it: the beam, its cells and the whole map follow.
+      </p>
+    </Section>
+  );
+}

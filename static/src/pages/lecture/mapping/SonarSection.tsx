@@ -1,0 +1,113 @@
+import { signal } from "@preact/signals";
+import type { SonarSettings } from "../../../lessons/sonar/model";
+import { Sonar } from "../../../lessons/sonar/Sonar";
+import { DragNumber } from "../../../ui/DragNumber";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+const DEGREE = Math.PI / 180;
+const settings = signal<SonarSettings>({ opening: 30 * DEGREE, window: 0.2, profile: "flat", no_return: "ignore" });
+
+export function SonarSection({ id, number, title }: SectionHead) {
+  const { opening, window: w } = settings.value;
+  const set = (change: Partial<SonarSettings>): void => {
+    settings.value = { ...settings.peek(), ...change };
+  };
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Sonar settings={settings} />}
+      sources={["moravec-elfes", "elfes", ["probabilistic-robotics", "chapter 9"]]}
+      after={
+        <>
+          <p>
+            The <b>Bayes filter</b>, cell by cell, adds the evidence of one echo to every cell of the arc. Other cones
+            pass most of these cells and correct them; where arcs from both sides lie across the open door, the map
+            shows a wall.
+          </p>
+          <p>
+            <b>Moravec and Elfes</b> stored two numbers per cell. The certainty that the arc is occupied is cancelled
+            where the cell is known to be <b class="noun-miss">empty</b>, scaled so that the whole arc holds one
+            obstacle, and only then added:
+          </p>
+          <math display="block" class="lesson-formula">
+            <mrow>
+              <mi>O</mi>
+              <mo>←</mo>
+              <mfrac>
+                <mrow>
+                  <mi>O</mi>
+                  <mo>(</mo>
+                  <mn>1</mn>
+                  <mo>−</mo>
+                  <mi class="noun-miss">Emp</mi>
+                  <mo>)</mo>
+                </mrow>
+                <mrow>
+                  <mo>∑</mo>
+                  <mi>O</mi>
+                  <mo>(</mo>
+                  <mn>1</mn>
+                  <mo>−</mo>
+                  <mi class="noun-miss">Emp</mi>
+                  <mo>)</mo>
+                </mrow>
+              </mfrac>
+            </mrow>
+          </math>
+          <math display="block" class="lesson-formula">
+            <mrow>
+              <mi class="noun-hit">Occ</mi>
+              <mo>←</mo>
+              <mi class="noun-hit">Occ</mi>
+              <mo>+</mo>
+              <mi>O</mi>
+              <mo>−</mo>
+              <mi class="noun-hit">Occ</mi>
+              <mo>⋅</mo>
+              <mi>O</mi>
+            </mrow>
+          </math>
+          <p>
+            This is a heuristic: both numbers can only grow, and the order of the readings matters. By 1989 Elfes had
+            based the grid on Bayes’ rule, and with independent cells (<SectionLink to="grid" />) the problem returned.
+          </p>
+        </>
+      }
+    >
+      <p>
+        A laser beam is thin; the beam of a sonar is a cone, here{" "}
+        <DragNumber
+          label="opening of the cone"
+          sentence="The angle, from edge to edge, in which a sonar receives echoes."
+          value={Math.round(opening / DEGREE)}
+          text={`${Math.round(opening / DEGREE)}° wide`}
+          tone="beam"
+          low={6}
+          high={60}
+          step={1}
+          after="."
+          onInput={(value) => set({ opening: value * DEGREE })}
+        />{" "}
+        An echo from distance <b class="noun-beam">z</b> means two things: the cone is probably{" "}
+        <b class="noun-miss">free</b> up to z, and somewhere on the arc at z, in a window of{" "}
+        <DragNumber
+          label="hit window of the cone"
+          sentence="Thickness of the arc that counts as hit."
+          value={w}
+          unit="m"
+          tone="hit"
+          low={0.1}
+          high={0.6}
+          step={0.05}
+          after=","
+          onInput={(value) => set({ window: value })}
+        />{" "}
+        there is an <b class="noun-hit">obstacle</b>; where on the arc, it does not say. In the figure a robot with 16
+        sonars drives through a room. Both maps are made from the same readings.
+      </p>
+    </Section>
+  );
+}

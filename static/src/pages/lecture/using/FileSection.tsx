@@ -1,0 +1,35 @@
+import { Thresholds } from "../../../lessons/thresholds/Thresholds";
+import { Section, type SectionHead } from "../Section";
+
+export function FileSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Thresholds />}
+      sources={["map-server", "occupancy-grid"]}
+      after={
+        <>
+          <p>
+            Your thresholds decide what is written to the image; those in the yaml file say how to read it. A reader
+            computes (255 − grey) / 255: 1 for an occupied cell (grey 0), 0.004 for a free one (254) and <b>0.196</b>{" "}
+            for an unknown one (205). Below free_thresh is free. Move the reader’s free_thresh above 0.196: the image
+            does not change, but unknown cells are read as free, and a planner may drive through them.
+          </p>
+          <p>
+            The first row of the image is the top of the map, the first row of the grid the bottom. The origin is the
+            lower left corner, in metres.
+          </p>
+        </>
+      }
+    >
+      <p>
+        A planner needs to know where the robot may drive, not probabilities. Two thresholds divide the cells into{" "}
+        <b class="noun-miss">free</b>, <b class="noun-prior">unknown</b> and <b class="noun-hit">occupied</b>, saved as
+        an image with three grey values and a yaml file, which Nav2’s map_server loads. Drag the thresholds in the
+        histogram (heights are square roots of counts).
+      </p>
+    </Section>
+  );
+}

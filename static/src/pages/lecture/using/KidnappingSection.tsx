@@ -1,0 +1,48 @@
+import { Prediction } from "../../../lessons/common/Prediction";
+import { LaterFigure } from "../LaterFigure";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+
+export function KidnappingSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="kidnapping" label="A robot that is carried away, and the particles that look for it">
+          <LaterFigure id="kidnapping" />
+        </OnStage>
+      }
+      predict={
+        <Prediction
+          text="The robot was carried away four scans ago, as in the first state of the figure. After how many more scans is most of the belief within half a metre of it?"
+          axis={{ low: 0, high: 60, unit: "scans" }}
+          step={1}
+          reveal={async () => (await import("../../../lessons/localization/foundAgain")).foundAgain()}
+        />
+      }
+      sources={[["probabilistic-robotics", "table 8.3"], "amcl"]}
+      after={
+        <>
+          <p>
+            Each average follows the mean weight of a scan’s particles at its own rate, α<sub>slow</sub> or α
+            <sub>fast</sub>. The share of random particles is max(0, 1 − w<sub>fast</sub> / w<sub>slow</sub>). α
+            <sub>fast</sub> has to be much larger: with equal rates no particle is ever added.
+          </p>
+          <p>
+            In AMCL both rates are 0 by default, and it does not recover; its documentation suggests 0.001 and 0.1. A
+            sensor that is blocked also gives poor weights: too strong a reaction scatters particles that were right.
+          </p>
+        </>
+      }
+    >
+      <p>
+        Once the particles have converged, resampling draws only from poses that are already there. The{" "}
+        <b>kidnapped robot problem</b>: the robot is carried away without being told. <b>Augmented MCL</b> compares a
+        fast average of the weights with a slow one; where the scans fit worse than before, it replaces a share of the
+        particles by random poses. Press “Drive on”, and kidnap the robot again.
+      </p>
+    </Section>
+  );
+}

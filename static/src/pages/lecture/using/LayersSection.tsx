@@ -1,0 +1,34 @@
+import { LaterFigure } from "../LaterFigure";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+
+export function LayersSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="layers" label="The layers of a costmap">
+          <LaterFigure id="layers" />
+        </OnStage>
+      }
+      sources={["nav2-costmap"]}
+      after={
+        <p>
+          The <b>obstacle layer</b> marks where the beams of the current scan end, and clears what they pass; by default
+          Nav2 marks up to 2.5 m and clears up to 3 m. It cannot clear a wall of the static layer, because the greater
+          cost counts. The <b>dynamic layer</b> removes what has not been seen for some time; in Nav2 that takes the
+          spatio-temporal voxel layer.
+        </p>
+      }
+    >
+      <p>
+        A map says what is occupied; a planner needs the <b>cost</b> of driving through each cell. In Nav2’s costmap 0
+        is free, 254 is lethal, 253 is a collision at any heading, 255 is unknown. It is made of <b>layers</b>, and the
+        greater cost counts; the saved map is only the first. Drag the crate into the robot’s view, switch layers off,
+        and read with the cross what each says.
+      </p>
+    </Section>
+  );
+}

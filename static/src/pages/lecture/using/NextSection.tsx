@@ -1,0 +1,60 @@
+import { Button } from "../../../ui/Button";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+import { SOURCES } from "../sources";
+
+export function NextSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="next" label="The map of the whole drive">
+          <div class="actions no-print">
+            <Button kind="primary" icon="file" href="/logs.html">
+              Map your own log
+            </Button>
+            <Button href="/lab.html">Drive a robot in the lab</Button>
+            <Button href="/puzzles.html">Solve a puzzle</Button>
+          </div>
+        </OnStage>
+      }
+      sources={[]}
+      after={
+        <details class="lecture-sources">
+          <summary>All sources of the lecture</summary>
+          <ul>
+            {Object.entries(SOURCES).map(([name, source]) => (
+              <li key={name}>{source}.</li>
+            ))}
+          </ul>
+        </details>
+      }
+    >
+      <ul>
+        <li>
+          <b>FastSLAM</b> gives every particle of <SectionLink to="particles" /> a map of landmarks of its own.
+        </li>
+        <li>
+          <b>Grid-based SLAM</b>, as in gmapping, does the same with occupancy grids.
+        </li>
+        <li>
+          <b>Graph-based SLAM</b>, as in SLAM Toolbox and Cartographer, corrects all poses at once, as in{" "}
+          <SectionLink to="graph" />.
+        </li>
+        <li>
+          <b>Neural fields</b> keep the look or shape of a place in the weights of a network; they are slow to update.
+        </li>
+        <li>
+          <b>Gaussian splats</b> keep its look from any side; like point clouds, they do not say what is free.
+        </li>
+      </ul>
+      <p>
+        The book is <cite>Probabilistic Robotics</cite>: sections 4.2, 9.1 and 9.2 for mapping, chapters 8 and 13 for
+        what follows.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,47 @@
+import { LaterFigure, LaterMore } from "../LaterFigure";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+export function ParticlesSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<LaterFigure id="particles" />}
+      sources={[["probabilistic-robotics", "tables 4.4, 8.1, 8.2 and 8.4"], "dellaert", "amcl"]}
+      after={
+        <>
+          <p>
+            The wheel has one sector for each particle, as wide as its weight. The <b>low-variance sampler</b> puts all
+            pointers on it at equal distances, turned by one random number: drag the handle. Of M draws a particle gets
+            M times its weight, rounded down or up. <b>Independent</b> draws vary more, and equally good particles are
+            lost by chance: press the button a few times.
+          </p>
+          <p>
+            <b>
+              N<sub>eff</sub>
+            </b>
+            , one over the sum of the squared weights, says how many particles the weights amount to. Where it is large,
+            resampling can be left out.
+          </p>
+          <p>
+            How many particles does a belief need? <b>KLD sampling</b> counts the bins with a particle in them. With n
+            particles for k bins the Kullback-Leibler distance to the belief is below ε, with the probability that
+            belongs to the quantile q: q = 2.33 for 99 %. AMCL’s parameter pf_z is this quantile itself, so its default
+            of 0.99 means 84 %. Go on with the steps above and watch k; drag ε and q on the curve.
+          </p>
+          <LaterMore id="particles" />
+        </>
+      }
+    >
+      <p>
+        Now the map is given, and the pose is not. Where the robot may be is a <b>belief</b>, a distribution over poses.{" "}
+        <b>Monte Carlo localization</b> represents it by <b>particles</b>: poses, more of them where the belief is
+        higher. A reading gives each particle the weight p(z | x, m) (<SectionLink to="sensor-models" />
+        ); new ones are drawn by these weights; then each moves by the odometry, with its own error. The corridor has
+        three equal doors: after the second one group is left.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,37 @@
+import { Patch } from "../../../lessons/terrain/Patch";
+import { Section, type SectionHead } from "../Section";
+
+export function TerrainSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Patch />}
+      sources={["ransac"]}
+      after={
+        <>
+          <p>
+            P = Σ p pᵀ with p = [1 x y z]ᵀ holds all that the fit needs: AᵀA is its upper left 3 × 3 block, Aᵀb is in
+            its last column, bᵀb in the corner. A new point adds one term, and the points need not be kept. Patches add
+            up: one of twice the size is the sum of four, which makes a quadtree.
+          </p>
+          <p>
+            Two slips are common. The slope is cos⁻¹(1 / √(1 + b² + c²)): without the root it is not the angle of the
+            plane. And zᵀz − … is a <b>sum</b> of squares, which grows with every point; roughness divides it by n. The
+            class compares a weighted sum of slope, roughness and the step to the next patch, each divided by its safe
+            limit, with a threshold. A stone tilts the least-squares plane; <b>RANSAC</b> finds the plane that most
+            points agree with.
+          </p>
+        </>
+      }
+    >
+      <p>
+        Outdoors the question is whether a robot can drive safely on the ground. The points of each <b>patch</b> of a
+        grid get a plane z = a + b x + c y by least squares, (AᵀA)⁻¹Aᵀb: its slope, its height, the roughness of the
+        points around it, and their number. Drag the points, and see which entries of P change and when the patch
+        becomes unsafe.
+      </p>
+    </Section>
+  );
+}

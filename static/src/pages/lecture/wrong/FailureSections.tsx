@@ -1,0 +1,115 @@
+/** What goes wrong with maps of real buildings, each with its scene. */
+
+import { SideView } from "../../../lessons/heights/SideView";
+import { peopleOn, peopleScans, polishedOn } from "../../../lessons/stage/controls";
+import { Slider } from "../../../ui/Slider";
+import { ToggleOf } from "../../../ui/Toggle";
+import { OnStage } from "../OnStage";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+export function PolishedSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="polished" label="A polished wall and the map of it">
+          <div class="stage-row">
+            <ToggleOf label="polished wall" signal={polishedOn} />
+          </div>
+        </OnStage>
+      }
+      sources={[["probabilistic-robotics", "section 6.3"]]}
+      after={
+        <p>
+          Glass and polished metal or stone do the same. A beam that comes back by way of another surface reports a
+          distance that is too long, and the cells of the wall count as passed: their values <b>oscillate</b>. More
+          readings do not help; another kind of sensor does, or a strip of tape on the glass.
+        </p>
+      }
+    >
+      <p>
+        A laser measures a surface by the light that it scatters back. A <b>polished</b> wall reflects like a mirror:
+        unless the beam meets it almost at a right angle, nothing comes back (
+        <SectionLink to="no-return" />
+        ), and the wall is missing wherever the robot never stood in front of it.
+      </p>
+    </Section>
+  );
+}
+
+export function PeopleSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="people" label="Someone walks behind the robot">
+          <div class="stage-row">
+            <ToggleOf label="someone walks" signal={peopleOn} />
+            <Slider
+              label="Scans of the drive"
+              sentence="Number of scans in the map; the person follows the robot from scan 24 to scan 33."
+              value={peopleScans.value}
+              initial={32}
+              low={24}
+              high={77}
+              step={1}
+              onInput={(value) => {
+                peopleScans.value = value;
+              }}
+            />
+          </div>
+        </OnStage>
+      }
+      sources={["reflection-maps"]}
+      after={
+        <p>
+          A trail disappears where later beams pass, and stays where none do. Robots among people therefore keep a
+          static map and, on top of it, a layer of the current readings that is cleared continuously: in Nav2 the static
+          and the obstacle layer (
+          <SectionLink to="layers" />
+          ).
+        </p>
+      }
+    >
+      <p>
+        Someone who follows the robot is measured at a new place in every scan and leaves a <b>trail</b> of occupied
+        cells. Move the slider: when the robot looks at the corridor again from elsewhere, its beams clear most of it.
+      </p>
+    </Section>
+  );
+}
+
+export function LowTableSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <OnStage scene="low-table" label="A table below the plane of the laser">
+          <SideView />
+        </OnStage>
+      }
+      sources={["octomap"]}
+      after={
+        <p>
+          A cell has no height: which obstacles are in the map depends on the height of the laser. A map in three
+          dimensions stores it (
+          <SectionLink to="octree" />
+          ).
+        </p>
+      }
+    >
+      <p>
+        A planar laser measures in one plane, at the height of its mount. A table below it is in no reading. The map is
+        right about what the laser saw, and wrong about where the robot can drive. Drag the{" "}
+        <b class="noun-beam">laser</b> up and down.
+      </p>
+    </Section>
+  );
+}

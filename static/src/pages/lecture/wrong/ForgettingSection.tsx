@@ -1,0 +1,108 @@
+import { signal } from "@preact/signals";
+import { INITIAL_CONFIG } from "../../../grid/occupancyGrid";
+import { Forgetting } from "../../../lessons/forgetting/Forgetting";
+import type { Clamp } from "../../../lessons/forgetting/model";
+import { scansAfter } from "../../../lessons/stage/controls";
+import { DragNumber } from "../../../ui/DragNumber";
+import { signed } from "../../../ui/numbers";
+import { Slider } from "../../../ui/Slider";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+const seen = signal(40);
+const clamp = signal<Clamp>({ on: true, low: INITIAL_CONFIG.log_odds_min, high: INITIAL_CONFIG.log_odds_max });
+
+export function ForgettingSection({ id, number, title }: SectionHead) {
+  const { low, high } = clamp.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <>
+          <Forgetting seen={seen} clamp={clamp} />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: scans since the cupboard was removed"
+              sentence="How many scans the robot of the stage has taken since the cupboard was removed."
+              value={scansAfter.value}
+              initial={4}
+              low={0}
+              high={15}
+              step={1}
+              unit="scans"
+              onInput={(value) => {
+                scansAfter.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
+      sources={[
+        ["octomap", "section 5.1 (clamp)"],
+        ["probabilistic-robotics", "section 4.2"],
+      ]}
+      after={
+        <p>
+          Without a clamp the misses must outweigh all hits: a table that was seen for one hour needs about two hours to
+          disappear. The clamp limits the certainty of a cell, so the number of misses needed is always the same. The
+          price: a correct cell can be changed as quickly as a wrong one. OctoMap also compresses by it: cells at the
+          limit are equal, so eight of them become one (
+          <SectionLink to="octree" />
+          ).
+        </p>
+      }
+    >
+      <p>
+        The second assumption fails in practice: things are moved. In the figure a table has been in view for{" "}
+        <DragNumber
+          label="scans with the table"
+          sentence="Number of scans that saw the table before it is removed."
+          value={seen.value}
+          text={`${seen.value} scans`}
+          tone="hit"
+          low={2}
+          high={80}
+          step={1}
+          onInput={(value) => {
+            seen.value = value;
+          }}
+          after="."
+        />{" "}
+        The mapper’s clamp keeps ℓ between{" "}
+        <DragNumber
+          label="lower clamp"
+          sentence="Lower limit of the log-odds of a cell."
+          value={low}
+          text={signed(low, 1)}
+          tone="miss"
+          low={-10}
+          high={-0.2}
+          step={0.1}
+          onInput={(value) => {
+            clamp.value = { ...clamp.peek(), low: value };
+          }}
+        />{" "}
+        and{" "}
+        <DragNumber
+          label="upper clamp"
+          sentence="Upper limit of the log-odds of a cell."
+          value={high}
+          text={signed(high, 1)}
+          tone="hit"
+          low={0.7}
+          high={10}
+          step={0.1}
+          onInput={(value) => {
+            clamp.value = { ...clamp.peek(), high: value };
+          }}
+          after="."
+        />{" "}
+        The table counts as <b>forgotten</b> when nine in ten of its cells are free (p &lt; 0.25). Each scan adds to a
+        cell either a hit, {signed(INITIAL_CONFIG.log_odds_hit)}, or a miss, {signed(INITIAL_CONFIG.log_odds_miss)}.
+        Guess the number of scans first, then remove the table.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,32 @@
+import { Springs } from "../../../lessons/graph/Springs";
+import { Section, type SectionHead } from "../Section";
+
+export function GraphSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Springs />}
+      sources={["grisetti", ["zhang", "(kernels)"], ["yang", "(shrinking scale)"], ["kuemmerle", "(how it is judged)"]]}
+      after={
+        <>
+          <p>
+            The solution has the least sum of squared residuals, each in standard deviations, eᵀ Ω e. Least squares
+            follow the <b class="noun-hit">wrong loop</b>: its residual is large, and it distorts the map. A{" "}
+            <b>robust kernel</b> reduces the weight of loops with large residuals. A kernel cannot tell a wrong loop
+            that nothing contradicts from a right one.
+          </p>
+          <p>“Heal” on a log’s page does this with every scan.</p>
+        </>
+      }
+    >
+      <p>
+        A matcher corrects one pose and leaves the earlier ones. A <b>pose graph</b> corrects all of them together. Its
+        nodes are poses; each measured motion between two of them is a spring, at rest where the poses agree with it.
+        The odometry makes a chain. Where the robot comes back to a place, the scans match, and a <b>loop</b> joins two
+        nodes far apart in the chain. Drag a pose and let it go, then close the loop.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,50 @@
+import { Matching } from "../../../lessons/matching/Matching";
+import { Sketch } from "../../../lessons/matching/Sketch";
+import { REALIZATIONS } from "../realizations";
+import { Section, type SectionHead } from "../Section";
+
+export function MatchingSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Matching />}
+      sources={["besl-mckay", "censi", "olson", "hess", "ransac"]}
+      after={
+        <>
+          <p>
+            The <b class="noun-beam">colour</b> is the score of every position at the present heading. The segments join
+            each point to the nearest one. <b>Point to point</b> makes them short; <b>point to line</b> only their part
+            across the wall, so a scan slides along a wall. Both need a start in the <b class="noun-miss">blue</b> part
+            of the second picture. The <b>correlative</b> method tries every pose of its window, and its answer is as
+            coarse as its steps.
+          </p>
+          <p>
+            In the corridor any pose along the walls fits; in the symmetric room two poses fit equally. A moved table
+            shifts the pose a little; leaving out the worst tenth of the pairs limits this.
+          </p>
+          <h3>The methods</h3>
+          <ul class="realizations">
+            {REALIZATIONS.map(({ name, sketch, sentence }) => (
+              <li key={name}>
+                <Sketch name={sketch} />
+                <p>
+                  <b>{name}.</b> {sentence}
+                </p>
+              </li>
+            ))}
+          </ul>
+          <p>
+            Dark is what is known, <b class="noun-robot">green</b> what is matched to it.
+          </p>
+        </>
+      }
+    >
+      <p>
+        To correct a pose, the scan is laid over another scan or over the map. Drag the <b class="noun-robot">scan</b>{" "}
+        until it snaps; the outer handle turns it.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,83 @@
+import { Mount } from "../../../lessons/mount/Mount";
+import { mountError } from "../../../lessons/stage/controls";
+import { Slider } from "../../../ui/Slider";
+import { Section, type SectionHead } from "../Section";
+
+/** T with its two frames as indices. */
+function Transform({ a, b, tone }: { a: string; b: string; tone: string }) {
+  return (
+    <msub class={tone}>
+      <mi>T</mi>
+      <mtext>
+        {a} {b}
+      </mtext>
+    </msub>
+  );
+}
+
+export function MountSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <>
+          <Mount />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: rotation of the mount"
+              sentence="Rotation of the mount that the stage’s map assumes."
+              value={mountError.value}
+              initial={8}
+              low={-20}
+              high={20}
+              step={1}
+              unit="°"
+              tone="beam"
+              onInput={(value) => {
+                mountError.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
+      sources={["rep-103", "rep-105"]}
+      after={
+        <>
+          <p>
+            A <b>rotated</b> sensor rotates each scan about the sensor, so a wall appears in a different place from
+            every pose that saw it. The offset of a <b>shifted</b> sensor rotates with the heading: where the robot
+            turned, walls appear twice; on a straight drive the error cannot be seen. A sensor that is{" "}
+            <b>upside down</b> mirrors each scan, and a symmetric corridor may even look correct.
+          </p>
+          <p>
+            The pose is that of the moment of the reading: where the clocks differ, walls fan out in every turn. A scan
+            takes time: in a turn each beam needs a pose of its own, or walls tear where the scan begins and ends.
+          </p>
+        </>
+      }
+    >
+      <p>
+        A reading is measured in the frame of the sensor. To reach the map it takes the pose of the robot in the map
+        (from SLAM, AMCL or odometry) and that of the sensor on the robot, its <b class="noun-beam">mount</b> (in ROS
+        from the URDF, through TF). If either is wrong, or the grid’s origin or resolution, the map is smeared, rotated
+        or mirrored.
+      </p>
+      <math display="block" class="lesson-formula">
+        <mrow>
+          <Transform a="map" b="laser" tone="" />
+          <mo>=</mo>
+          <Transform a="map" b="base" tone="noun-robot" />
+          <mo>∘</mo>
+          <Transform a="base" b="laser" tone="noun-beam" />
+        </mrow>
+      </math>
+      <p>
+        x points forward, y to the left, and angles are counter-clockwise. The dashed fan is the true mount, from which
+        the readings were made. The <b class="noun-beam">coloured</b> fan is the mount that the map assumes: drag it,
+        rotate it, or turn it upside down.
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,98 @@
+import { signal } from "@preact/signals";
+import { Prediction } from "../../../lessons/common/Prediction";
+import { Drift } from "../../../lessons/odometry/Drift";
+import { byOdometry, errorOf, USUAL } from "../../../lessons/odometry/model";
+import { driftError } from "../../../lessons/stage/controls";
+import { DragNumber } from "../../../ui/DragNumber";
+import { Slider } from "../../../ui/Slider";
+import { Section, type SectionHead } from "../Section";
+import { SectionLink } from "../SectionLink";
+
+const noise = signal(USUAL);
+const DEGREE = Math.PI / 180;
+/** The noise of the question. */
+const TWICE = { ...USUAL, turn: 2 * USUAL.turn };
+
+export function OdometrySection({ id, number, title }: SectionHead) {
+  const { way, turn } = noise.value;
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={
+        <>
+          <Drift noise={noise} />
+          <div class="for-stage no-print">
+            <Slider
+              label="On the stage: error of the heading"
+              sentence="By how much the heading of the stage's robot is off after each scan, added up."
+              value={driftError.value}
+              initial={0.15}
+              low={-1}
+              high={1}
+              step={0.05}
+              unit="° per scan"
+              tone="hit"
+              onInput={(value) => {
+                driftError.value = value;
+              }}
+            />
+          </div>
+        </>
+      }
+      predict={
+        <Prediction
+          text="The error of the heading is doubled to 8° per metre. By how much are the poses by odometry off then (root mean square)?"
+          axis={{ low: 0, high: 6, unit: "m" }}
+          step={0.1}
+          reveal={() => {
+            noise.value = TWICE;
+            return errorOf(byOdometry(TWICE));
+          }}
+        />
+      }
+      sources={[["probabilistic-robotics", "chapter 5"]]}
+      after={
+        <p>
+          Errors of the heading matter most: they rotate everything driven afterwards. Between two scans the lidar is
+          more accurate than the wheels, so for the right map each scan is matched with the three before it (the next
+          two sections). Small errors remain and add up more slowly; <SectionLink to="graph" /> removes those too.
+        </p>
+      }
+    >
+      <p>
+        So far every pose was given. Wheels slip, and the errors of odometry add up: after one lap the same wall is in
+        several places. Here the heading is wrong by{" "}
+        <DragNumber
+          label="Error of the heading"
+          sentence="Standard deviation for each metre driven."
+          value={Math.round((10 * turn) / DEGREE) / 10}
+          text={`${Math.round((10 * turn) / DEGREE) / 10}°`}
+          tone="hit"
+          low={0}
+          high={12}
+          step={0.5}
+          onInput={(value) => {
+            noise.value = { ...noise.peek(), turn: value * DEGREE };
+          }}
+        />{" "}
+        and the distance by{" "}
+        <DragNumber
+          label="Error of the distance"
+          sentence="Standard deviation for each metre driven."
+          value={Math.round(100 * way)}
+          text={`${Math.round(100 * way)} %`}
+          tone="hit"
+          low={0}
+          high={30}
+          step={1}
+          onInput={(value) => {
+            noise.value = { ...noise.peek(), way: value / 100 };
+          }}
+        />{" "}
+        (standard deviations per metre).
+      </p>
+    </Section>
+  );
+}

@@ -1,0 +1,36 @@
+import { Prediction } from "../../../lessons/common/Prediction";
+import { sizeOf } from "../../../lessons/resolution/model";
+import { Resolution } from "../../../lessons/resolution/Resolution";
+import { Section, type SectionHead } from "../Section";
+
+export function ResolutionSection({ id, number, title }: SectionHead) {
+  return (
+    <Section
+      id={id}
+      number={number}
+      title={title}
+      figure={<Resolution />}
+      predict={
+        <Prediction
+          text="The floor takes 154 kB in cells of 5 cm. How much memory does it take in cells of 2 cm?"
+          axis={{ low: 0, high: 4000, unit: "kB" }}
+          step={10}
+          reveal={() => sizeOf(0.02).bytes / 1000}
+        />
+      }
+      sources={["occupancy-grid"]}
+      after={
+        <p>
+          Halving the side of a cell makes four times as many, and each beam crosses twice as many. Cells of 1 cm show
+          the noise of the sensor; in cells of 10 cm a door of 80 cm may lose a quarter of its width. <b>5 cm</b> is the
+          usual choice in buildings.
+        </p>
+      }
+    >
+      <p>
+        How large should a cell be? The figure shows the same scans of a door and a pillar in cells of 1, 5 and 10 cm.
+        The memory is that of the whole floor; the time is measured on your computer.
+      </p>
+    </Section>
+  );
+}

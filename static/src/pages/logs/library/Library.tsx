@@ -1,0 +1,158 @@
+import { useSignalEffect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { Button } from "../../../ui/Button";
+import { Dropzone } from "../../../ui/Dropzone";
+import { Icon } from "../../../ui/Icon";
+import { ProgressBar } from "../../../ui/ProgressBar";
+import { Finder, isFiltered } from "./Finder";
+import { groupIntoLogs } from "./groupFiles";
+import { LogCard } from "./LogCard";
+import { arrived, isMoving, type LogRecord, listError, logs, PAGE, total, wanted, watch } from "./library";
+import { cancel, dismiss, type Upload, uploadAll, uploads } from "./uploading";
+import { uploadText } from "./uploadText";
+
+/** What can be dropped, by what it is opened as. */
+const FORMATS: readonly (readonly [opened: string, formats: string])[] = [
+  ["A log", "ROS 1 bag, ROS 2 bag (.db3), MCAP, CARMEN, CMU, DP-SLAM, BreezySLAM, CSV, a ring of sonars"],
+  ["In several files", "the folder of a recording, or a tar archive of it (.tar, .tar.gz)"],
+  ["A map to edit", "its yaml and image together"],
+  [
+    "A map in 3D",
+    "PCD, PLY, XYZ, VTK, LAS, LAZ; OctoMap (.graph, .bt, .ot); depth images (7-Scenes, TUM), folder or zip",
+  ],
+];
+
+const Formats = () => (
+  <details class="formats">
+    <summary>All formats</summary>
+    <dl>
+      {FORMATS.map(([opened, formats]) => (
+        <div key={opened}>
+          <dt>{opened}</dt>
+          <dd>{formats}</dd>
+        </div>
+      ))}
+    </dl>
+  </details>
+);
+
+/** The list of all logs, and the drop zone for uploads. */
+export function Library({ onOpen }: { onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void }) {
+  useEffect(watch, []);
+  useSignalEffect(() => {
+    const log = logs.value?.find((one) => one.id === arrived.value);
+    if (!log || isMoving(log)) return;
+    arrived.value = null;
+    if (log.state === "ready") onOpen(log, null);
+  });
+  const list = logs.value;
+  const own = list?.filter((log) => log.source === "upload") ?? [];
+  const sample = list?.filter((log) => log.source === "sample") ?? [];
+  const folder = list?.filter((log) => log.source === "folder") ?? [];
+  return (
+    <div class="library">
+      <div class="page-head">
+        <h1>Robot logs</h1>
+        <p class="prose">
+          Open a log and watch its map fill in. When you change a parameter, the whole map is computed again from every
+          reading of the log. <a href="/fleet.html">Map all logs</a> to see all their maps at once.
+        </p>
+      </div>
+      <Dropzone button="Choose a log" onFolders={(folders) => uploadAll(folders.flatMap(groupIntoLogs))}>
+        <p>
+          <strong>Drop a log here: a file, or the folder of a ROS 2 recording</strong>
+        </p>
+        <p class="quiet">
+          ROS bags, MCAP, CARMEN and other logs, plain or compressed; clouds and maps too. Your logs are visible in this
+          browser only, unless you share a view.
+        </p>
+        <Formats />
+      </Dropzone>
+      {uploads.value.map((one) => (
+        <UploadCard key={one.key} upload={one} />
+      ))}
+      {listError.value && (
+        <p class="notice" role="alert">
+          <Icon name="warning" /> {listError.value}
+        </p>
+      )}
+      {list === null && !listError.value && (
+        <div class="cards" aria-busy="true">
+          <div class="card ghost" />
+          <div class="card ghost" />
+          <div class="card ghost" />
+        </div>
+      )}
+      <Finder />
+      {list?.length === 0 && (
+        <p class="notice">
+          {isFiltered() ? "No log has all of these words and tags." : "There are no logs yet. Drop one above."}
+        </p>
+      )}
+      <Shelf title="Your logs" list={own} onOpen={onOpen} />
+      <Shelf title="On this server" list={[...sample, ...folder]} onOpen={onOpen} />
+      {list !== null && total.value > list.length && (
+        <div class="library-more">
+          <Button
+            onClick={() => {
+              wanted.value = { ...wanted.value, limit: wanted.value.limit + PAGE };
+            }}
+          >
+            Show more
+          </Button>
+          <span class="quiet number">
+            {list.length} of {total.value.toLocaleString("en")} logs
+          </span>
+        </div>
+      )}
+    </div>
+  );
+}
+
+interface ShelfProps {
+  readonly title: string;
+  readonly list: readonly LogRecord[];
+  readonly onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void;
+}
+
+function Shelf({ title, list, onOpen }: ShelfProps) {
+  if (list.length === 0) return null;
+  return (
+    <section class="shelf">
+      <h2>{title}</h2>
+      <ul class="cards">
+        {list.map((log) => (
+          <LogCard key={log.id} log={log} onOpen={onOpen} />
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function UploadCard({ upload: one }: { upload: Upload }) {
+  const part = one.bytes > 0 ? one.sent / one.bytes : 0;
+  return (
+    <div class={`upload${one.error ? " failed" : ""}`} role={one.error ? "alert" : "status"}>
+      <Icon name={one.error ? "warning" : "upload"} />
+      <div class="upload-text">
+        <strong>{one.name}</strong>
+        {one.error ? (
+          <p>{one.error}</p>
+        ) : (
+          <>
+            {/* Hidden from screen readers, which would announce it with every part. */}
+            <p class="quiet number" aria-hidden="true">
+              {uploadText(one, performance.now())}
+            </p>
+            <ProgressBar fraction={part} label={`Uploading ${one.name}`} />
+          </>
+        )}
+      </div>
+      {one.error ? (
+        <Button kind="quiet" icon="close" label="Dismiss" onClick={() => dismiss(one.key)} />
+      ) : (
+        <Button kind="quiet" icon="close" label={`Cancel the upload of ${one.name}`} onClick={() => cancel(one.key)} />
+      )}
+    </div>
+  );
+}

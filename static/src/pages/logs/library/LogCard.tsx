@@ -1,0 +1,179 @@
+import { Button } from "../../../ui/Button";
+import { confirm } from "../../../ui/Dialog";
+import { Icon } from "../../../ui/Icon";
+import { ProgressBar } from "../../../ui/ProgressBar";
+import { toast } from "../../../ui/Toast";
+import {
+  file,
+  hasClouds,
+  inside,
+  lidars,
+  readingText,
+  remedy,
+  run,
+  SENSOR_SEPARATOR,
+  topic,
+  trajectoryLabel,
+} from "./describeLog";
+import { LogPicture } from "./LogPicture";
+import { LogTags } from "./LogTags";
+import { ask, isMoving, type LogRecord, remove } from "./library";
+
+/** Failures that are not, or may not be, caused by the log: reading can be tried again. */
+const RETRYABLE = /\.(cancelled|interrupted|reader_died|reader_failed|storage|time)$/;
+
+interface LogCardProps {
+  readonly log: LogRecord;
+  readonly onOpen: (log: LogRecord, topic: string | null, in3d?: boolean) => void;
+}
+
+/** One log: its contents or its error, and the actions on it. */
+export function LogCard({ log, onOpen }: LogCardProps) {
+  const moving = isMoving(log);
+  const isOwn = log.source === "upload";
+  // The server's own logs can be opened at any time; opening one reads it first.
+  const opens = log.state === "ready" || (moving && !isOwn);
+  return (
+    <li class={`card log-card ${log.state}`}>
+      {log.state !== "failed" && (
+        <LogPicture id={log.id} hasPicture={log.has_picture && !moving} isAwaited={moving} alt="">
+          {moving && isOwn && (
+            <ProgressBar fraction={log.progress > 0 ? log.progress : null} label={`Reading ${log.name}`} />
+          )}
+        </LogPicture>
+      )}
+      <div class="log-head">
+        <h3>{log.name}</h3>
+        {isOwn && moving && (
+          <Button
+            kind="quiet"
+            icon="close"
+            label={`Stop reading ${log.name}`}
+            onClick={() => void request(log, "cancel")}
+          />
+        )}
+        {isOwn && !moving && (
+          <Button kind="quiet" icon="trash" label={`Delete ${log.name}`} onClick={() => void confirmDelete(log)} />
+        )}
+      </div>
+      {log.state === "failed" ? <Failure log={log} /> : <Facts log={log} onOpen={onOpen} />}
+      {log.state === "failed" && isOwn && RETRYABLE.test(log.error?.code ?? "") && (
+        <div class="actions">
+          <Button icon="restart" onClick={() => void request(log, "read")}>
+            Read it again
+          </Button>
+        </div>
+      )}
+      {log.state === "ready" && <LogTags log={log} />}
+      {opens && (
+        <div class="actions">
+          <Button kind="primary" icon="map" onClick={() => onOpen(log, null)}>
+            {openLabel(log)}
+          </Button>
+          {log.clouds === 0 && hasClouds(log) && (
+            <Button icon="cube" onClick={() => onOpen(log, null, true)}>
+              Open in 3D
+            </Button>
+          )}
+        </div>
+      )}
+    </li>
+  );
+}
+
+function openLabel(log: LogRecord): string {
+  if (log.map) return "Edit map";
+  if (log.clouds > 0) return "Open in 3D";
+  return log.costmaps > 0 ? "Open costmaps" : "Open map";
+}
+
+function Facts({ log, onOpen }: LogCardProps) {
+  const known = run(log);
+  const pending = log.source === "sample" ? "being simulated …" : readingText(log);
+  return (
+    <>
+      <p class={`log-run number${known.length > 0 ? "" : " unknown"}`}>{known.join(" · ") || pending}</p>
+      <p class="quiet number">{file(log).join(" · ")}</p>
+      {log.trajectories.length > 1 && (
+        <p class="quiet" title={log.trajectories.map((one) => `${one.name}: ${one.description}`).join("\n")}>
+          Trajectories: {log.trajectories.map((one) => trajectoryLabel(one.name)).join(", ")}
+        </p>
+      )}
+      {known.length > 0 && <Inside log={log} onOpen={onOpen} />}
+      {log.notes.length > 0 && (
+        <details>
+          <summary>{log.notes.length === 1 ? "1 note" : `${log.notes.length} notes`}</summary>
+          <ul>
+            {log.notes.map((note) => (
+              <li key={note}>{note}</li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </>
+  );
+}
+
+/** Details of the file's contents, folded. */
+function Inside({ log, onOpen }: LogCardProps) {
+  const lines = inside(log);
+  if (lines.length === 0 && log.topics.length === 0) return null;
+  const together = lidars(log);
+  return (
+    <details>
+      <summary>Contents</summary>
+      <ul>
+        {lines.map((line) => (
+          <li key={line}>{line}</li>
+        ))}
+        {log.topics.map((one) => (
+          <li key={one.name} class="log-topic">
+            {one.chosen ? <strong>{one.name}</strong> : one.name}: <span class="number">{topic(one)}</span>
+            {one.beams !== null && !one.chosen && (
+              <button type="button" onClick={() => onOpen(log, one.name)}>
+                Open this sensor
+              </button>
+            )}
+          </li>
+        ))}
+        {together.length > 1 && (
+          <li class="log-topic">
+            Lidars of one robot make one map:
+            <button type="button" onClick={() => onOpen(log, together.join(SENSOR_SEPARATOR))}>
+              Map {together.length} lidars together
+            </button>
+          </li>
+        )}
+      </ul>
+    </details>
+  );
+}
+
+function Failure({ log }: { log: LogRecord }) {
+  const todo = remedy(log);
+  return (
+    <>
+      <p class="quiet number">{file(log).join(" · ")}</p>
+      <p class="card-error">
+        <Icon name="warning" /> {log.error?.message ?? "The log could not be read."}
+      </p>
+      {todo && <p class="card-text">{todo}</p>}
+    </>
+  );
+}
+
+async function request(log: LogRecord, what: "cancel" | "read"): Promise<void> {
+  const wrong = await ask(log.id, what);
+  if (wrong) toast(wrong, "error");
+}
+
+async function confirmDelete(log: LogRecord): Promise<void> {
+  const yes = await confirm(
+    `Delete ${log.name}?`,
+    "The log is removed from the server. Downloaded maps are not affected.",
+    "Delete",
+  );
+  if (!yes) return;
+  const wrong = await remove(log.id);
+  toast(wrong ?? `${log.name} was deleted.`, wrong ? "error" : "note");
+}

@@ -1,0 +1,64 @@
+import type { Folder } from "../../../ui/droppedFiles";
+import { tarred } from "./tar";
+
+/** Files beside logs that are not logs: metadata of ROS 2 bags, SQLite journals, notes, files of file managers. */
+const NOT_LOGS = /^(metadata\.yaml|\..*|.*\.db3-(wal|shm)|readme.*|.*\.md|Thumbs\.db|desktop\.ini)$/i;
+
+/** A file of a recording, of which there may be parts. */
+const RECORDING = /\.(db3|mcap|bag)(\.zstd)?$/i;
+
+/**
+ * Group files that were chosen together into logs: the parts of a split recording, the two files of a sonar ring, or a map.
+ */
+export function groupIntoLogs({ name, files }: Folder): readonly File[] {
+  if (files.length === 1) return files; // the server determines the format
+  const parts = splitRecording(files) ?? ring(files) ?? depthImages(files);
+  const map = parts ? null : mapFiles(files);
+  const rest = files.filter((file) => !(parts ?? map)?.includes(file) && !NOT_LOGS.test(file.name));
+  if (map) return [tarred(map, map[0]?.name ?? "map"), ...rest];
+  return parts ? [tarred(parts, name || nameOf(parts)), ...rest] : rest;
+}
+
+function splitRecording(files: readonly File[]): readonly File[] | null {
+  const described = files.find((file) => file.name === "metadata.yaml");
+  const parts = files.filter((file) => RECORDING.test(file.name));
+  const endings = new Set(parts.map((file) => RECORDING.exec(file.name)?.[0]));
+  if (parts.length < 2 || endings.size > 1) return null;
+  if (described) return [described, ...parts];
+  return arePartsByName(parts) ? parts : null;
+}
+
+/** Whether files are numbered from 0 and otherwise of one name, as ROS names the parts of a recording. */
+function arePartsByName(parts: readonly File[]): boolean {
+  const names = parts.map(({ name }) => /^(.+)_(\d+)$/.exec(name.replace(RECORDING, "")));
+  const numbers = names.map((found) => Number(found?.[2] ?? -1));
+  return new Set(names.map((found) => found?.[1])).size === 1 && names[0] !== null && Math.min(...numbers) === 0;
+}
+
+function ring(files: readonly File[]): readonly File[] | null {
+  const pair = files.filter((file) => file.name === "measurement.txt" || file.name === "poses.txt");
+  return pair.length === 2 ? pair : null;
+}
+
+/** Depth images with their poses and the camera's numbers, as those of 7-Scenes. */
+function depthImages(files: readonly File[]): readonly File[] | null {
+  if (!files.some(({ name }) => name.endsWith(".depth.png"))) return null;
+  return files.filter(({ name }) => /\.(depth\.png|pose\.txt)$|^(camera-)?intrinsics\.txt$|^camera\.txt$/.test(name));
+}
+
+/** The yaml of a map, its image, and what map editing saves beside them; the yaml is the first. */
+function mapFiles(files: readonly File[]): readonly File[] | null {
+  const yamls = files.filter(({ name }) => /\.ya?ml$/i.test(name) && name !== "metadata.yaml");
+  const own = yamls.filter(({ name }) => !/_(keepout|speed)\.ya?ml$/i.test(name));
+  const images = files.filter(({ name }) => /\.(pgm|png|bmp|jpe?g|tiff?|gif)$/i.test(name));
+  const edits = files.filter(({ name }) => name.endsWith(".edits.json"));
+  if (own.length !== 1 || images.length === 0) return null;
+  return [...own, ...yamls.filter((file) => !own.includes(file)), ...images, ...edits];
+}
+
+/** Name of a log whose parts are not in a folder: the name of a part without its number. */
+function nameOf(parts: readonly File[]): string {
+  const part = parts.find((file) => RECORDING.test(file.name));
+  if (part) return part.name.replace(RECORDING, "").replace(/_\d+$/, "");
+  return parts.some(({ name }) => name.endsWith(".depth.png")) ? "depth images" : "sonars";
+}

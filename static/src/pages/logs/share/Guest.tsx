@@ -1,0 +1,66 @@
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { Button } from "../../../ui/Button";
+import { CostmapViewer } from "../costmaps/CostmapViewer";
+import { Opening } from "../Opening";
+import { Viewer } from "../Viewer";
+import { beginShared, type Shared, type SharedSession, shared } from "./links";
+
+interface Opened {
+  readonly session: SharedSession;
+  readonly shared: Shared;
+}
+
+/** The page of a shared link: a shared view of a log in a separate session. */
+export function Guest({ token }: { token: string }) {
+  const opened = useSignal<Opened | null>(null);
+  const failure = useSignal<string | null>(null);
+  const ending = useRef<AbortController | null>(null);
+  const open = async (): Promise<void> => {
+    failure.value = null;
+    opened.value = null;
+    const own = new AbortController();
+    ending.current = own;
+    try {
+      const view = await shared(token);
+      opened.value = { session: await beginShared(token, own.signal), shared: view };
+    } catch (error) {
+      failure.value = own.signal.aborted ? "Opening it was cancelled." : (error as Error).message;
+    }
+  };
+  /** Find out why the session has ended: it was idle, or the link was revoked. */
+  const checkLink = async (): Promise<void> => {
+    try {
+      await shared(token);
+    } catch (error) {
+      opened.value = null;
+      failure.value = (error as Error).message;
+    }
+  };
+  useEffect(() => void open(), [token]);
+
+  if (failure.value !== null) {
+    return (
+      <div class="viewer-message" role="alert">
+        <h1>This link was not opened</h1>
+        <p class="prose">{failure.value}</p>
+        <div class="actions">
+          <Button icon="restart" onClick={() => void open()}>
+            Try again
+          </Button>
+        </div>
+      </div>
+    );
+  }
+  if (!opened.value) return <Opening onCancel={() => ending.current?.abort()} />;
+  const { session, shared: view } = opened.value;
+  const Kind = session.kind === "costmaps" ? CostmapViewer : Viewer;
+  return (
+    <Kind
+      key={session.id}
+      session={session.id}
+      onGone={() => void open()}
+      guest={{ view: view.look, onEnded: () => void checkLink() }}
+    />
+  );
+}

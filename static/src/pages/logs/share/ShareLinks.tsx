@@ -1,0 +1,132 @@
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import type { SharedView } from "../../../render/view";
+import { Button } from "../../../ui/Button";
+import { confirm } from "../../../ui/Dialog";
+import { Panel } from "../../../ui/Panel";
+import { described, type Link, linksOf, makeLink, revokeLink } from "./links";
+import "./share.css";
+
+interface ShareLinksProps {
+  readonly session: string;
+  /** The visible part of the map; null for all of it. */
+  readonly sharedView: () => SharedView | null;
+  /** What the session shows one after the other. */
+  readonly unit?: "scan" | "costmap";
+  /** What a link opens, and what its guests may do. */
+  readonly text: string;
+  /** Other ways to share the view. */
+  readonly children?: ComponentChildren;
+}
+
+const OWN_LINKS = { scan: "Your links to this log", costmap: "Your links to this recording" };
+
+/** Copy an address; resolves to the message for the visitor. */
+async function copied(address: string, said: string): Promise<string> {
+  try {
+    await navigator.clipboard.writeText(address);
+    return said;
+  } catch {
+    return "The browser does not allow copying: select the address and copy it.";
+  }
+}
+
+const absolute = (link: Link): string => new URL(link.address, location.href).href;
+
+const made = ({ created_s }: Link): string =>
+  new Date(1000 * created_s).toLocaleString("en", { dateStyle: "medium", timeStyle: "short" });
+
+/** Creates links to this view, lists and revokes one's own. */
+export function ShareLinks({ session, sharedView, unit = "scan", text, children }: ShareLinksProps) {
+  const links = useSignal<readonly Link[] | null>(null);
+  const failure = useSignal<string | null>(null);
+  const said = useSignal("");
+  const busy = useSignal(false);
+  const copy = async (address: string, words: string): Promise<void> => {
+    said.value = await copied(address, words);
+  };
+  const refresh = async (): Promise<void> => {
+    links.value = await linksOf(session);
+  };
+  const attempt = async (work: () => Promise<void>): Promise<void> => {
+    failure.value = null;
+    said.value = "";
+    busy.value = true;
+    try {
+      await work();
+    } catch (error) {
+      failure.value = (error as Error).message;
+    }
+    busy.value = false;
+  };
+  const make = (): Promise<void> =>
+    attempt(async () => {
+      const link = await makeLink(session, sharedView());
+      links.value = [link, ...(links.peek() ?? [])];
+      // The comparison is in the fragment of the address.
+      await copy(absolute(link) + location.hash, "Link copied.");
+    });
+  const revoke = async (link: Link): Promise<void> => {
+    const warning = "The link stops working, and the sessions of everyone who opened it end.";
+    if (!(await confirm("Revoke this link?", warning, "Revoke"))) return;
+    await attempt(async () => {
+      await revokeLink(session, link.token);
+      await refresh();
+    });
+  };
+  useEffect(() => void attempt(refresh), [session]);
+  return (
+    <Panel title="Share this view">
+      <div class="share">
+        <p>{text}</p>
+        <div class="actions">
+          <Button kind="primary" icon="link" disabled={busy.value} onClick={() => void make()}>
+            Create link
+          </Button>
+          <Button
+            kind="quiet"
+            onClick={() =>
+              void copy(location.href, "Copied. Everyone who may use this service can control this session with you.")
+            }
+          >
+            Copy the address of this session
+          </Button>
+        </div>
+        {children}
+        <p role="status" class="quiet">
+          {said.value}
+        </p>
+        {failure.value && <p role="alert">{failure.value}</p>}
+        {links.value && links.value.length > 0 && (
+          <section aria-label={OWN_LINKS[unit]}>
+            <h3>{OWN_LINKS[unit]}</h3>
+            <ul>
+              {links.value.map((link) => (
+                <li key={link.token}>
+                  <div>
+                    <strong>{made(link)}</strong>
+                    <span class="quiet">{described(link, unit)}</span>
+                    <input
+                      class="field-text"
+                      readOnly
+                      aria-label={`Address of the link of ${made(link)}`}
+                      value={absolute(link)}
+                      onFocus={(event) => event.currentTarget.select()}
+                    />
+                  </div>
+                  <Button kind="quiet" onClick={() => void copy(absolute(link), "Link copied.")}>
+                    Copy
+                  </Button>
+                  <Button kind="danger" disabled={busy.value} onClick={() => void revoke(link)}>
+                    Revoke
+                  </Button>
+                </li>
+              ))}
+            </ul>
+          </section>
+        )}
+      </div>
+    </Panel>
+  );
+}

@@ -1,0 +1,164 @@
+/** The terrain of what the robot's 3D sensor measured: classes over the map, κ, windows, and a patch that is asked about. */
+
+import type { JSX } from "preact";
+import { useEffect, useMemo } from "preact/hooks";
+import type { Store } from "../../store/store";
+import { Button } from "../../ui/Button";
+import { SwitchChip } from "../../ui/SwitchChip";
+import type { TerrainMessage } from "../../wire/messages";
+import type { Parameter, Value } from "../../wire/protocol";
+import { useMap3dRows } from "../map3d/Sensor3d";
+import { ParameterRows } from "../parameters/ParameterRows";
+import "./terrain.css";
+
+const COSTS = "terrain_costs";
+const VALUES = "terrain_values";
+const isProperty = (shown: Value | undefined): boolean => shown !== "costs" && shown !== "costmap";
+
+interface GroupProps {
+  readonly store: Store;
+  /** Of a file, whose points are there; otherwise they are those of the lab's 3D map. */
+  readonly isFile?: boolean;
+  /** The patch that is asked about, with its figure. */
+  readonly asked: (message: TerrainMessage) => JSX.Element;
+}
+
+export function TerrainGroup({ store, isFile = false, asked }: GroupProps) {
+  const { layers } = store;
+  const [terrain, map3d] = [store.part("terrain"), store.part("map3d")];
+  const message = terrain.message.value;
+  const isOn = message?.is_on === true;
+  const hasPoints = isFile ? message !== null : (map3d.message.value?.taken ?? 0) > 0;
+  const isEnded = terrain.isEnded.value;
+  const view = useMap3dRows(store, "terrain_view");
+  const patches = useMap3dRows(store, "terrain_patches");
+  const ground = useMap3dRows(store, "terrain_ground");
+  const set = useMemo(() => (name: string, value: Value) => store.setPart("terrain", { [name]: value }), [store]);
+  const shown = isProperty(terrain.values.values.value.shown) ? VALUES : COSTS;
+  useEffect(() => {
+    if (isEnded || isOn) return;
+    if (hasPoints) store.send({ type: "terrain" });
+    else if (map3d.message.peek()?.is_on === false) store.send({ type: "map3d" });
+  }, [store, isOn, isEnded, hasPoints, map3d.message.value === null]);
+  useEffect(() => {
+    if (!isOn) return undefined;
+    store.underlay.value = shown;
+    const end = layers.subscribe(shown);
+    return () => {
+      store.underlay.value = null;
+      end();
+    };
+  }, [store, isOn, shown]);
+  // A click on the map asks about the patch there.
+  const pinned = store.pinned.value;
+  useEffect(() => {
+    if (isOn && pinned) store.send({ type: "terrain", x: pinned[0], y: pinned[1] });
+  }, [store, isOn, pinned]);
+  if (!isOn || !message) return <Begin store={store} />;
+  const { values } = terrain.values;
+  return (
+    <div class="terrain-group">
+      {shown === COSTS && <Key />}
+      <Numbers message={message} isFile={isFile} rows={[...patches, ...ground]} />
+      {asked(message)}
+      <ParameterRows rows={view} values={values} set={set} />
+      {!isFile && <CostmapChoice store={store} />}
+      <h3>Patches</h3>
+      <ParameterRows rows={patches} values={values} set={set} />
+      <h3>Ground</h3>
+      <ParameterRows rows={ground} values={values} set={set} />
+      <Button
+        kind="quiet"
+        onClick={() => {
+          terrain.isEnded.value = true;
+          store.send({ type: "terrain", value: false });
+        }}
+      >
+        End the assessment
+      </Button>
+    </div>
+  );
+}
+
+/** What the colours of the costs mean. */
+function Key() {
+  return (
+    <ul class="terrain-key" aria-label="Colours of the patches">
+      <li>
+        <i class="safe" /> safe, score 0 … 1
+      </li>
+      <li>
+        <i class="unsafe" /> not safe
+      </li>
+      <li>
+        <i class="unknown" /> too few points
+      </li>
+    </ul>
+  );
+}
+
+function Begin({ store }: { readonly store: Store }) {
+  if (!store.part("terrain").isEnded.value) return <p class="quiet">Waiting for the first points of the 3D sensor …</p>;
+  return (
+    <Button
+      kind="primary"
+      onClick={() => {
+        store.part("terrain").isEnded.value = false;
+      }}
+    >
+      Assess the terrain
+    </Button>
+  );
+}
+
+interface NumbersProps {
+  readonly message: TerrainMessage;
+  readonly isFile: boolean;
+  readonly rows: readonly Parameter[];
+}
+
+const many = (n: number): string => n.toLocaleString("en");
+
+function Numbers({ message, isFile, rows }: NumbersProps) {
+  const { points, ground, left_out, kappa, total_error, truth, safe, unsafe, unknown, before, problem } = message;
+  if (problem !== null) return <p role="alert">{problem}</p>;
+  const names = before?.changed.map((name) => rows.find((row) => row.name === name)?.label ?? name).join(", ");
+  return (
+    <div role="status" class="terrain-numbers">
+      <p>
+        <b>{many(safe)}</b> patches are safe, <b>{many(unsafe)}</b> are not, {many(unknown)} have too few points.
+      </p>
+      {before && (
+        <p class="terrain-before">
+          Before the change of “{names}”: {many(before.safe)} safe, {many(before.unsafe)} not, {many(before.unknown)}{" "}
+          with too few points.
+        </p>
+      )}
+      <p class="quiet">
+        {many(ground)} of {many(points)} points are classified as ground.
+        {left_out > 0 && ` RANSAC leaves ${many(left_out)} of these out of the planes.`}
+        {kappa !== null &&
+          total_error !== null &&
+          ` Against ${truth ?? "the truth"}: Cohen’s κ ${kappa.toFixed(1)} %, ${total_error.toFixed(1)} % of the points wrong.`}
+        {isFile && truth === null && " How good is that? Give a file of the true ground points in the tab Compare."}
+      </p>
+    </div>
+  );
+}
+
+/** Whether the costmap stands on the classes. */
+function CostmapChoice({ store }: { readonly store: Store }) {
+  const { navigation } = store;
+  const isOn = navigation.costmap.value?.is_on === true && navigation.values.values.value.map === "terrain";
+  return (
+    <SwitchChip
+      label="Costmap over the terrain"
+      title="Unsafe patches are the lethal cells of the static layer; the group Costmap shows it, Path plans on it."
+      checked={isOn}
+      onChange={(wanted) => {
+        if (wanted) navigation.isEnded.value = false;
+        store.setPart("costmap", { map: wanted ? "terrain" : "belief" });
+      }}
+    />
+  );
+}
