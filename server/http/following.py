@@ -20,7 +20,7 @@ from server.sessions.commands import FollowPoses, PosesEnded, PosesSoFar
 from server.stream.protocol import ProtocolError
 
 if TYPE_CHECKING:
-    from server.library.localize_job import LocalizeProgress
+    from server.library.processing.localization import LocalizeProgress
     from server.sessions import SessionHost
 
 _tasks: set[asyncio.Task[None]] = set()  # of jobs that have ended: asyncio itself keeps no reference
