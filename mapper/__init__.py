@@ -1,1 +1,79 @@
-"""The mapping core: occupancy grids from range scans. NumPy in, NumPy out; knows no web and no asyncio."""
+"""The mapping core: maps of range scans. NumPy in, NumPy out; it knows no web and no asyncio.
+
+The names here are those that one begins with::
+
+    from mapper import MappingConfig, OccupancyGrid, geometry_for, integrate_log, open_log, save_map
+
+Each is imported from its module with its first use.
+"""
+
+from typing import TYPE_CHECKING
+
+from mapper.core.lazy_imports import attributes_from
+
+if TYPE_CHECKING:
+    from mapper.costmap.layered import LayeredCostmap
+    from mapper.diagnosis.diagnosis import diagnose
+    from mapper.grid.occupancy_grid import GridGeometry, OccupancyGrid
+    from mapper.io.export.recording import write_mcap
+    from mapper.io.logs.opening import open_log
+    from mapper.io.maps.reading import load_map
+    from mapper.io.maps.writing import save_map
+    from mapper.localization.monte_carlo import MonteCarloLocalizer
+    from mapper.mapping.integrate import geometry_for, integrate_log, integrate_scan
+    from mapper.mapping.parameters import MappingConfig
+    from mapper.matching.match import match_scan
+    from mapper.planning.plan import plan_path
+    from mapper.sensors.scan import LaserScan, ScanLog
+    from mapper.simulation.sample import sample_log
+    from mapper.slam.whole_log import slam_log
+    from mapper.volume.occupancy.volume import OccupancyVolume
+
+__all__ = [
+    "GridGeometry",
+    "LaserScan",
+    "LayeredCostmap",
+    "MappingConfig",
+    "MonteCarloLocalizer",
+    "OccupancyGrid",
+    "OccupancyVolume",
+    "ScanLog",
+    "diagnose",
+    "geometry_for",
+    "integrate_log",
+    "integrate_scan",
+    "load_map",
+    "match_scan",
+    "open_log",
+    "plan_path",
+    "sample_log",
+    "save_map",
+    "slam_log",
+    "write_mcap",
+]
+
+__getattr__ = attributes_from(
+    __name__,
+    {
+        "GridGeometry": "mapper.grid.occupancy_grid",
+        "LaserScan": "mapper.sensors.scan",
+        "LayeredCostmap": "mapper.costmap.layered",
+        "MappingConfig": "mapper.mapping.parameters",
+        "MonteCarloLocalizer": "mapper.localization.monte_carlo",
+        "OccupancyGrid": "mapper.grid.occupancy_grid",
+        "OccupancyVolume": "mapper.volume.occupancy.volume",
+        "ScanLog": "mapper.sensors.scan",
+        "diagnose": "mapper.diagnosis.diagnosis",
+        "geometry_for": "mapper.mapping.integrate",
+        "integrate_log": "mapper.mapping.integrate",
+        "integrate_scan": "mapper.mapping.integrate",
+        "load_map": "mapper.io.maps.reading",
+        "match_scan": "mapper.matching.match",
+        "open_log": "mapper.io.logs.opening",
+        "plan_path": "mapper.planning.plan",
+        "sample_log": "mapper.simulation.sample",
+        "save_map": "mapper.io.maps.writing",
+        "slam_log": "mapper.slam.whole_log",
+        "write_mcap": "mapper.io.export.recording",
+    },
+)

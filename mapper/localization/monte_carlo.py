@@ -25,8 +25,14 @@ from mapper.localization.resample import drawn, resampled
 from mapper.localization.rival import SHARE as RIVAL_SHARE
 from mapper.localization.rival import Rival, near, rival_config, rival_particles
 from mapper.localization.scan_beams import ScanBeams, limits_of, scan_beams
-from mapper.localization.textbook import bandwidth, effective_number
-from mapper.localization.weighing import log_likelihoods, logarithm_of_mean, normalised, scan_sums, tempering
+from mapper.localization.weighing import (
+    effective_number,
+    log_likelihoods,
+    logarithm_of_mean,
+    normalised,
+    scan_sums,
+    tempering,
+)
 from mapper.sensors.scan import RangeScan
 
 Float64Array = NDArray[np.float64]
@@ -34,6 +40,15 @@ Float64Array = NDArray[np.float64]
 INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
 _MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD, _RIVAL = range(7)  #: purposes of random numbers
 _STAGE = 16  #: between the purposes of two stages of one scan
+
+
+def bandwidth(n: int, dimensions: int = 3) -> float:
+    """Return the bandwidth of a Gaussian kernel density estimate of n samples, in standard deviations of them.
+
+    It is the one that is best for a normal density. Source: Silverman 1986, Density Estimation, section 4.3.2.
+    """
+    d = dimensions
+    return float((4.0 / (n * (d + 2.0))) ** (1.0 / (d + 4.0)))
 
 
 class MonteCarloLocalizer:

@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.parallel import in_parallel
-from mapper.core.se2 import between_one
+from mapper.core.se2 import between_one, wrap_angle
 from mapper.localization.kernels.motion import draw_normal, draw_uniform, move_particles
 from mapper.localization.kernels.types import Motion
 from mapper.localization.map_model import MapModel
 from mapper.localization.parameters import LocalizationConfig
-from mapper.localization.textbook import odometry_control, odometry_sigmas
 from mapper.localization.weighing import parts
 
 Float64Array = NDArray[np.float64]
 
+LEAST_DISTANCE = 0.01  #: metres: of a shorter motion the direction is noise, and the first turn is 0, as in AMCL
 _MASK = (1 << 64) - 1
 
 
@@ -44,9 +44,34 @@ def motion_between(before: Float64Array, after: Float64Array, config: Localizati
             math.sqrt(a1 * turn**2 + a2 * distance**2),
             1,
         )  # fmt: skip
-    control = odometry_control(before, after)
-    sigma_1, sigma_distance, sigma_2 = odometry_sigmas(control, alphas).tolist()
-    return Motion(*control, sigma_1, sigma_distance, sigma_2, 0)
+    control = turn_drive_turn(before, after)
+    return Motion(*control, *_deviations(control, alphas), 0)
+
+
+def turn_drive_turn(before: Float64Array, after: Float64Array) -> tuple[float, float, float]:
+    """Return turn, distance and turn (rad, m, rad) between two poses (3,). Probabilistic Robotics, table 5.6."""
+    dx, dy = after[0] - before[0], after[1] - before[1]
+    distance = math.hypot(dx, dy)
+    turn_1 = 0.0 if distance < LEAST_DISTANCE else float(wrap_angle(math.atan2(dy, dx) - before[2]))
+    return turn_1, distance, float(wrap_angle(after[2] - before[2] - turn_1))
+
+
+def _deviations(
+    control: tuple[float, float, float], alphas: tuple[float, float, float, float]
+) -> tuple[float, float, float]:
+    """Return the standard deviations of turn, distance and turn. Table 5.6, lines 5 to 7.
+
+    A turn counts from straight on or from straight back, whichever is nearer, as in AMCL: driving backwards is no half
+    turn.
+    """
+    a1, a2, a3, a4 = alphas
+    turn_1, distance, turn_2 = control
+    r1, r2 = (min(abs(r), math.pi - abs(r)) for r in (turn_1, turn_2))
+    return (
+        math.sqrt(a1 * r1**2 + a2 * distance**2),
+        math.sqrt(a3 * distance**2 + a4 * (r1**2 + r2**2)),
+        math.sqrt(a1 * r2**2 + a2 * distance**2),
+    )
 
 
 def move(particles: Float64Array, motion: Motion, key: int) -> None:

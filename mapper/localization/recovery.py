@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from mapper.localization.estimate import LOST_SHARE
 from mapper.localization.parameters import LocalizationConfig
-from mapper.localization.textbook import augmented_share
 
 Float64Array = NDArray[np.float64]
 
@@ -17,6 +16,13 @@ RATE = 0.4  #: of the average of how a scan fits, beside how it fits best anywhe
 PATIENCE, MOST_PATIENCE = 4, 64
 INTERVAL = 2  #: updates from one comparison to the next
 LOST, SEARCHING = 0.5, 0.1  #: weight of the particles that are added: once the robot is lost, and while it is searched
+
+
+def averaged(average: float, slow: float, fast: float, config: LocalizationConfig) -> tuple[float, float]:
+    """Return w_slow and w_fast after a scan whose weights have this ``average``. Table 8.3, lines 10 and 11."""
+    slow += config.recovery_alpha_slow * (average - slow)
+    fast += config.recovery_alpha_fast * (average - fast)
+    return slow, fast
 
 
 class Recovery:
@@ -76,9 +82,8 @@ class Recovery:
         average = float(np.mean(np.exp(root * log_likelihoods)))
         if self._slow == 0.0:
             self._slow = self._fast = average
-        self._slow, self._fast, share = augmented_share(
-            average, self._slow, self._fast, config.recovery_alpha_slow, config.recovery_alpha_fast
-        )
+        self._slow, self._fast = averaged(average, self._slow, self._fast, config)
+        share = max(0.0, 1.0 - self._fast / self._slow)
         if share > 0.0:
             self._slow = self._fast = 0.0
         return share

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mapper.localization.estimate import BINS
 from mapper.localization.kernels.resampling import fill_bins, low_variance
 from mapper.localization.parameters import LocalizationConfig
-from mapper.localization.textbook import effective_number, kld_number
+from mapper.localization.weighing import effective_number
 
 Float64Array = NDArray[np.float64]
 
@@ -25,6 +27,14 @@ def number_of_bins(particles: Float64Array, chosen: NDArray[np.int64]) -> int:
     size = 1 << (2 * len(chosen) - 1).bit_length()
     table, numbers = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
     return fill_bins(particles, chosen, BINS, table, numbers, np.empty(len(chosen), dtype=np.int64))
+
+
+def kld_number(k: int, error: float, z: float) -> float:
+    """Return how many particles ``k`` bins need for a distance of ``error`` at the quantile ``z``. Equation (8.11)."""
+    if k < 2:
+        return 0.0
+    a = 2.0 / (9.0 * (k - 1))
+    return (k - 1) / (2.0 * error) * (1.0 - a + math.sqrt(a) * z) ** 3
 
 
 def resampled(

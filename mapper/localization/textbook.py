@@ -25,30 +25,26 @@ Alphas = tuple[float, float, float, float]
 def odometry_control(before: Float64Array, after: Float64Array) -> tuple[float, float, float]:
     """Return turn, distance and turn (rad, m, rad) between two poses of the odometry. Table 5.6, lines 2 to 4.
 
-    Below 1 cm the direction of the distance is noise: the first turn is 0 then, as in AMCL.
+    The plane is that of complex numbers: a pose is a place and a unit number that points ahead, and turns are quotients
+    of directions. Below 1 cm the direction of the distance is noise: the first turn is 0 then, as in AMCL.
     """
-    dx, dy = after[0] - before[0], after[1] - before[1]
-    distance = math.hypot(dx, dy)
-    turn_1 = 0.0 if distance < 0.01 else float(wrap_angle(math.atan2(dy, dx) - before[2]))
-    return turn_1, distance, float(wrap_angle(after[2] - before[2] - turn_1))
+    heading, next_heading = np.exp(1j * before[2]), np.exp(1j * after[2])
+    way = complex(after[0] - before[0], after[1] - before[1])
+    distance = abs(way)
+    direction = heading if distance < 0.01 else way / distance
+    turns = wrap_angle(np.angle([direction / heading, next_heading / direction]))  # −π, not π, as elsewhere
+    return float(turns[0]), distance, float(turns[1])
 
 
 def odometry_sigmas(control: tuple[float, float, float], alphas: Alphas) -> Float64Array:
     """Return the standard deviations (3,) of turn, distance and turn. Table 5.6, lines 5 to 7.
 
-    A turn counts from straight on or from straight back, whichever is nearer, as in AMCL: driving backwards is no half
-    turn.
+    A turn counts from the nearest multiple of a half turn, as in AMCL: driving backwards is none.
     """
+    turns = np.array([math.remainder(control[0], math.pi), math.remainder(control[2], math.pi)]) ** 2
     a1, a2, a3, a4 = alphas
-    turn_1, distance, turn_2 = control
-    r1, r2 = (min(abs(r), math.pi - abs(r)) for r in (turn_1, turn_2))
-    return np.sqrt(
-        [
-            a1 * r1**2 + a2 * distance**2,
-            a3 * distance**2 + a4 * (r1**2 + r2**2),
-            a1 * r2**2 + a2 * distance**2,
-        ]
-    )
+    of_turns = a1 * turns + a2 * control[1] ** 2
+    return np.sqrt([of_turns[0], a3 * control[1] ** 2 + a4 * turns.sum(), of_turns[1]])
 
 
 def sample_motion_model_odometry(
@@ -196,7 +192,7 @@ def low_variance_sampler(weights: Float64Array, r: float, count: int) -> Int64Ar
 
 def effective_number(weights: Float64Array) -> float:
     """Return N_eff = 1 / Σ w² of weights (n,), Σ = 1. Source: Liu 1996; Grisetti et al. 2005, equation 9."""
-    return float(1.0 / np.sum(weights**2))
+    return 1.0 / math.fsum(w * w for w in weights.tolist())
 
 
 def bin_of(pose: Float64Array, side: float, turn: float) -> tuple[int, int, int]:
@@ -205,11 +201,15 @@ def bin_of(pose: Float64Array, side: float, turn: float) -> tuple[int, int, int]
 
 
 def kld_number(k: int, error: float, z: float) -> float:
-    """Return how many particles k bins need. Table 8.4, line 11: equation (8.11)."""
-    if k < 2:
+    """Return how many particles k bins need. Table 8.4, line 11: equation (8.11).
+
+    It is a quantile of the χ² distribution of k − 1 degrees of freedom, by Wilson and Hilferty, over twice the error.
+    """
+    freedom = max(k - 1, 0)
+    if freedom == 0:
         return 0.0
-    a = 2.0 / (9.0 * (k - 1))
-    return (k - 1) / (2.0 * error) * (1.0 - a + math.sqrt(a) * z) ** 3
+    mean, deviation = 1.0 - 2.0 / (9.0 * freedom), math.sqrt(2.0 / (9.0 * freedom))
+    return float(freedom * (mean + z * deviation) ** 3 / (2.0 * error))
 
 
 def kld_sampling_mcl(
@@ -240,9 +240,9 @@ def augmented_share(
     average: float, slow: float, fast: float, alpha_slow: float, alpha_fast: float
 ) -> tuple[float, float, float]:
     """Return w_slow, w_fast and the share of random particles, max(0, 1 − w_fast / w_slow). Table 8.3, line 10 on."""
-    slow += alpha_slow * (average - slow)
-    fast += alpha_fast * (average - fast)
-    return slow, fast, max(0.0, 1.0 - fast / slow)
+    slow = (1.0 - alpha_slow) * slow + alpha_slow * average
+    fast = (1.0 - alpha_fast) * fast + alpha_fast * average
+    return slow, fast, 0.0 if fast >= slow else 1.0 - fast / slow
 
 
 def clusters(particles: Float64Array, side: float, turn: float) -> Int64Array:
@@ -277,7 +277,7 @@ def clusters(particles: Float64Array, side: float, turn: float) -> Int64Array:
 def bandwidth(n: int, dimensions: int = 3) -> float:
     """Return the bandwidth of a Gaussian kernel density estimate of n samples, in standard deviations of them.
 
-    It is the one that is best for a normal density. Source: Silverman 1986, Density Estimation, section 4.3.2.
+    A(K) n^(−1 / (d + 4)) with A(K) of the normal kernel. Source: Silverman 1986, Density Estimation, table 4.1.
     """
-    d = dimensions
-    return float((4.0 / (n * (d + 2.0))) ** (1.0 / (d + 4.0)))
+    exponent = -1.0 / (dimensions + 4)
+    return math.exp(exponent * (math.log(dimensions + 2) - math.log(4.0))) * math.exp(exponent * math.log(n))

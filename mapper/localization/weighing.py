@@ -85,6 +85,11 @@ def logarithm_of_mean(weights: Float64Array, log_values: Float64Array) -> float:
     return most + math.log(float(weights[held] @ np.exp(log_values[held] - most)))
 
 
+def effective_number(weights: Float64Array) -> float:
+    """Return N_eff = 1 / Σ w² of weights (n,), Σ = 1. Source: Liu 1996; Grisetti et al. 2005, equation 9."""
+    return float(1.0 / np.sum(weights**2))
+
+
 def effective(weights: Float64Array) -> float:
     """Return N_eff = (Σw)² / Σw² of weights (n,)."""
     total = float(weights.sum())

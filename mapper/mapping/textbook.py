@@ -2,9 +2,9 @@
 
 Thrun, Burgard & Fox, Probabilistic Robotics (2005): table 4.2 (the binary Bayes filter in log-odds), table 9.1
 (occupancy grid mapping), table 9.2 (the inverse range sensor model). Which cells a beam crosses is in
-:mod:`mapper.mapping.traversal`. This is the readable statement of what :mod:`mapper.mapping.kernels` compute fast;
-the two agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose`` is
-always ``T_map_laser``, metres and radians.
+:mod:`mapper.mapping.textbook_traversal`. This is the readable statement of what :mod:`mapper.mapping.kernels` compute
+fast; the two agree to the last bit, and where exponentials, angles or powers come in, to a millionth. ``sensor_pose``
+is always ``T_map_laser``, metres and radians.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from mapper.core.se2 import transform_points
 from mapper.grid import OccupancyGrid, log_odds, probability
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.sensor_model import HitCounting, MoravecElfes
-from mapper.mapping.traversal import Cell, Point, amanatides_woo, bresenham
+from mapper.mapping.textbook_traversal import Cell, Point, amanatides_woo, bresenham
 from mapper.sensors.scan import RangeScan
 
 

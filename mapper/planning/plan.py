@@ -10,13 +10,30 @@ import numpy as np
 
 from mapper.core.array_types import Float64Array, Int64Array, UInt8Array
 from mapper.core.errors import ConfigError
-from mapper.costmap.costs import NO_INFORMATION, name_of_cost
+from mapper.costmap.costs import INSCRIBED, LETHAL, NO_INFORMATION, name_of_cost
 from mapper.grid.occupancy_grid import GridGeometry
 from mapper.planning.kernels.a_star import search
 from mapper.planning.kernels.steps import trace_back
 from mapper.planning.kernels.wavefront import spread
 from mapper.planning.parameters import PlannerConfig
-from mapper.planning.step_costs import step_costs
+
+HIGHEST = 253  #: the greatest cost of a straight step (NavFn: COST_OBS - 1), which is that onto an unknown cell
+BLOCKED = np.inf
+
+
+def step_costs(config: PlannerConfig, inscribed_passable: bool = False) -> Float64Array:
+    """Return the costs (256,) of a straight step onto a cell of each value; infinity where the robot cannot be.
+
+    A whole number, neutral_cost + cost_factor · value, at most 253 (NavFn::setCostmap). A lethal and an inscribed cell
+    are blocked; ``inscribed_passable`` gives the inscribed ones the highest cost instead.
+    """
+    values = np.arange(256)
+    table: Float64Array = np.minimum(np.floor(config.neutral_cost + config.cost_factor * values), HIGHEST)
+    table[LETHAL] = BLOCKED
+    table[INSCRIBED] = HIGHEST if inscribed_passable else BLOCKED
+    table[NO_INFORMATION] = HIGHEST if config.allow_unknown else BLOCKED
+    return table
+
 
 Cell = tuple[int, int]
 
@@ -50,7 +67,7 @@ def plan_path(
 
     ``costs`` (rows, cols) uint8 are those of a costmap with ``geometry``. Cells have eight neighbours. A straight step
     costs neutral_cost + cost_factor · value of the cell that it leads to, a diagonal one √2 times that
-    (:func:`mapper.planning.step_costs.step_costs`). Where the goal cannot be reached, the path ends in the reachable
+    (:func:`mapper.planning.plan.step_costs`). Where the goal cannot be reached, the path ends in the reachable
     cell nearest to it, within the tolerance. Raises :class:`ConfigError` for a start or a goal that is not finite or
     outside the map, a start that is blocked, and where there is no path; it says why.
     """

@@ -3,18 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 
 from mapper.core.errors import ConfigError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
 from mapper.grid import CellBox, OccupancyGrid
-from mapper.mapping.integrate import Change, grid_for
+from mapper.mapping.integrate import Bounds, Change, bounds_of_log, grid_for
 from mapper.mapping.parameters import MappingConfig
 from mapper.mapping.provenance import Provenance, provenance
-from mapper.replay.bounds import BoundsCache
 from mapper.replay.incremental import CheckpointPrefetcher, IncrementalReplay
 from mapper.sensors.scan import ScanLog
+
+#: Parameters that change the values of cells but not which place a log sees. Any other one is part of the key.
+WITHOUT_EFFECT = frozenset({
+    "log_odds_hit", "log_odds_miss", "p_free", "p_occ", "cone_profile", "prior_weight", "traversal", "clamp",
+    "log_odds_min", "log_odds_max", "log_odds_prior",
+})  # fmt: skip
+BOUNDS_KEPT = 8  #: bounds kept
+
+_BOUNDS_KEY = tuple(field.name for field in fields(MappingConfig) if field.name not in WITHOUT_EFFECT)
+
+
+class BoundsCache:
+    """Computes the bounds of a log (:func:`mapper.mapping.integrate.bounds_of_log`) once per set of parameters.
+
+    It serves one log, and keeps the bounds that were requested last.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[object, ...], Bounds] = {}
+
+    def __call__(self, log: ScanLog, config: MappingConfig, trajectory: str | None) -> Bounds:
+        """Return the least and the greatest x, y (2,), metres, of all that ``log`` sees with ``config``."""
+        key = (trajectory, *(getattr(config, name) for name in _BOUNDS_KEY))
+        found = self._known.pop(key, None)
+        if found is None:
+            found = bounds_of_log(log, config, trajectory)
+        self._known[key] = found  # the newest is last
+        if len(self._known) > BOUNDS_KEPT:
+            del self._known[next(iter(self._known))]
+        return found
+
 
 COSTLY = ("model", "update", "no_return", "deskew", "resolution")  #: parameters on which it depends what a scan costs
 

@@ -1,4 +1,4 @@
-"""Rays in a world in three dimensions, in plain NumPy: the kernel must return the same.
+"""Rays, beams and relaxed paths in plain NumPy: the kernels must return the same.
 
 A ray p = o + t·d meets a flat face where n · (o + t·d) = n · v, with n the face's normal and v one of its corners, if
 that point is inside the face; for this test the coordinate along which n is greatest is left out.
@@ -12,7 +12,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-Float64Array = NDArray[np.float64]
+from mapper.simulation.kernels.lidar import VERTEX_SLACK
+from mapper.simulation.lidar import RANGE_MIN
+from mapper.simulation.worlds import Float64Array, World
 
 
 def normal_of(face: Float64Array) -> Float64Array:
@@ -49,3 +51,47 @@ def cast_ray(faces: Iterable[Float64Array], origin: Float64Array, direction: Flo
     ground = -origin[2] / direction[2] if direction[2] < 0.0 <= origin[2] else math.inf
     nearest = min([ground, *(distance_to_face(face, origin, direction) for face in faces)])
     return nearest if nearest <= range_max else math.inf
+
+
+def relaxed(world: World, path: Float64Array, least: float, rounds: int) -> Float64Array:
+    """Return ``path`` (n, 2), metres, with its corners relaxed, its ends as they are.
+
+    ``rounds`` times each point moves half of the way to the middle of its neighbours, unless its clearance there is
+    less than ``least`` metres and less than it was at first: Laplacian smoothing with a constraint.
+    """
+    path = path.copy()
+    floor = np.minimum(world.clearance(path), least)
+    for _ in range(rounds):
+        moved = path.copy()
+        moved[1:-1] = 0.5 * path[1:-1] + 0.25 * (path[:-2] + path[2:])
+        kept = world.clearance(moved) >= floor
+        path[kept] = moved[kept]
+    return path
+
+
+def cast_beams(segments: Float64Array, x: float, y: float, bearings: Float64Array, range_max: float) -> Float64Array:
+    """Return how far each beam (n,) goes from (x, y) to the nearest of all edges, +inf beyond ``range_max`` metres.
+
+    ``segments`` (m, 4) as in :mod:`mapper.simulation.kernels.raycast`; ``bearings`` (n,) radians, map frame. Every
+    beam is tried against every edge: a + u·e = t·d (O'Rourke, Computational Geometry in C, section 7.2).
+    """
+    ax, ay = segments[:, 0] - x, segments[:, 1] - y
+    ex, ey = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]
+    dx, dy = np.cos(bearings)[:, np.newaxis], np.sin(bearings)[:, np.newaxis]
+    d_cross_e = dx * ey - dy * ex
+    crosses = np.abs(d_cross_e) >= 1e-12
+    divisor = np.where(crosses, d_cross_e, 1.0)
+    t, u = (ax * ey - ay * ex) / divisor, (ax * dy - ay * dx) / divisor
+    on_edge = crosses & (t >= 0.0) & (t <= range_max) & (u >= -VERTEX_SLACK) & (u <= 1.0 + VERTEX_SLACK)
+    nearest: Float64Array = np.where(on_edge, t, np.inf).min(axis=1, initial=np.inf)
+    return nearest
+
+
+def noisy(ranges: Float64Array, noise: Float64Array, sigma: float, range_max: float) -> NDArray[np.float32]:
+    """Return the readings of ``ranges`` (n,), metres, with ``sigma`` metres times ``noise`` (n,), as a lidar reports.
+
+    None is below RANGE_MIN; one beyond ``range_max`` is +inf.
+    """
+    readings = np.maximum(ranges + sigma * noise, RANGE_MIN).astype(np.float32)
+    readings[readings > range_max] = np.inf
+    return readings

@@ -3,8 +3,7 @@
 from mapper.sensors.pose_graph import LOOP, ODOMETRY, PoseGraph
 from mapper.slam.config import SLAM_PARAMETERS, SlamConfig
 from mapper.slam.estimate import SlamEstimate, estimate
-from mapper.slam.merge import MergeCancelled, MergedLogs, MergeProgress, map_along, merge_logs
-from mapper.slam.merged_graph import merged_graph
+from mapper.slam.merge import MergeCancelled, MergedLogs, MergeProgress, map_along, merge_logs, merged_graph
 from mapper.slam.merged_log import MERGED, merged_log
 from mapper.slam.optimise import optimise
 from mapper.slam.result import LoopCandidates, SlamCancelled, SlamProgress, SlamResult

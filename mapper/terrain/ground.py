@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mapper.core.array_types import BoolArray, Float64Array
+from mapper.core.array_types import BoolArray, Float32Array, Float64Array
 from mapper.core.errors import ConfigError, LimitError
 from mapper.terrain.kernels import ground as kernels
-from mapper.terrain.parameters import GroundConfig
-from mapper.terrain.textbook_ground import SWEEPS, Heights
+from mapper.terrain.parameters import SWEEPS, GroundConfig
 
 MAX_CELLS = 1 << 22  #: of the filter's grid: 16 MB for each of its float32 arrays
 MAX_WORK = 1 << 34  #: cells of the grid times rows of all discs, which the time grows with
@@ -34,7 +33,7 @@ class Ground:
     """
 
     is_ground: BoolArray
-    surface: Heights
+    surface: Float32Array
     corner: Float64Array
     cell: float
     left_out: int
@@ -110,7 +109,7 @@ def agreement(is_ground: BoolArray, truth: BoolArray) -> dict[str, float]:
     }
 
 
-def filled(heights: Heights) -> Heights:
+def filled(heights: Float32Array) -> Float32Array:
     """Return ``heights`` (rows, cols), of which one at least is known, with each NaN filled by Laplace's equation."""
     if not np.isnan(heights).any():
         return heights.copy()
@@ -127,7 +126,7 @@ def _no_progress(_: float) -> None:
 
 
 def objects(
-    heights: Heights, radius: int, slope: float, cell: float, progress: Callable[[float], None] = _no_progress
+    heights: Float32Array, radius: int, slope: float, cell: float, progress: Callable[[float], None] = _no_progress
 ) -> BoolArray:
     """Return the cells (rows, cols) that openings by discs of 1 … ``radius`` cells lower by more than the slope."""
     found = np.zeros(heights.shape, dtype=np.bool_)
@@ -149,7 +148,7 @@ def _filter(
     radius: int,
     config: GroundConfig,
     progress: Callable[[float], None],
-) -> tuple[BoolArray, Heights]:
+) -> tuple[BoolArray, Float32Array]:
     ground = np.ones(len(points), dtype=np.bool_)
     least, steep = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
     kernels.lowest_of_cells(points, ground, corner, config.cell, least)

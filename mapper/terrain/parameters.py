@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from mapper.core.parameter import check_fields, choice, number, table_of
 
+SWEEPS = 16  #: Jacobi sweeps at each level of the filling of cells without points
+
 
 @dataclass(frozen=True, slots=True)
 class GroundConfig:

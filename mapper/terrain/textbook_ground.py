@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mapper.core.array_types import BoolArray
-
-SWEEPS = 16  #: Jacobi sweeps at each level of the filling
+from mapper.terrain.parameters import SWEEPS
 
 Heights = NDArray[np.float32]
 

@@ -16,11 +16,17 @@ def print_cloud(path: Path, kind: str, *, as_json: bool) -> None:
     """Print what the cloud, or the scan graph, at ``path`` is."""
     from mapper.io.clouds import read_cloud, read_scan_graph  # noqa: PLC0415 - start-up
     from mapper.io.clouds.describe import description  # noqa: PLC0415 - start-up
+    from mapper.volume.scans.map_offset import offset_of  # noqa: PLC0415 - start-up
 
     with refusing(path), progress_bar("Reading") as bar:
         scans = sum(1 for _ in read_scan_graph(path)) if kind == "scan graph" else None
-        facts = {"name": path.name, "format": kind, "scans": scans}
-        facts |= description(read_cloud(path, progress=bar))
+        facts: dict[str, Any] = {"name": path.name, "format": kind, "scans": scans}
+        cloud = read_cloud(path, progress=bar)
+        facts |= description(cloud)
+    offset = offset_of(cloud.points[cloud.finite]) if cloud.finite.any() else None
+    if offset is not None and offset.any():
+        place = ", ".join(f"{value:,.0f}" for value in offset)
+        facts["notes"].append(f"The coordinates are far from 0: a 3D map of them has its origin at {place} m.")
     if as_json:
         print_json(facts)
         return

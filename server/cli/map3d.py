@@ -91,7 +91,7 @@ def map3d(
     import numpy as np  # noqa: PLC0415 - start-up
 
     from mapper.volume import OccupancyVolume, Octree  # noqa: PLC0415 - start-up
-    from mapper.volume.mesh.voxel_mesh import voxel_mesh  # noqa: PLC0415 - start-up
+    from mapper.volume.mesh.faces import voxel_mesh  # noqa: PLC0415 - start-up
     from mapper.volume.scans.map_offset import MapOffset, offset_notes  # noqa: PLC0415 - start-up
     from mapper.volume.scans.sources import Insertion, insert_all, open_source  # noqa: PLC0415 - start-up
 

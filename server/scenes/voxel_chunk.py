@@ -17,8 +17,8 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from mapper.volume.mesh.chunk_mesh import linear_of
 from mapper.volume.mesh.faces import CHUNK
-from mapper.volume.mesh.textbook_chunks import linear_of
 from server.scenes.chunk_glb import LIGHT
 
 MAGIC = b"GBVX"

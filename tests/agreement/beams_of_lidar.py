@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mapper.simulation import WORLDS, World
 from mapper.simulation.kernels.lidar import add_noise, cast_rays
 from mapper.simulation.lidar import RANGE_MIN
-from mapper.simulation.textbook_lidar import cast_beams, noisy
+from mapper.simulation.textbook import cast_beams, noisy
 
 SIGMA = 0.3
 Case = tuple[World, tuple[float, float, float], float, float, int, float]

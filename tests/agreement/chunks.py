@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mapper.volume.mesh import textbook_chunks
+from mapper.volume.mesh import textbook
 from mapper.volume.mesh.chunk_mesh import STEPS, chunk_meshes, shaded
 from mapper.volume.mesh.mesh import Mesh
 from mapper.volume.mesh.meshing import surface_mesh
@@ -45,7 +45,7 @@ def parts_by_textbook(case: FieldCase) -> tuple[Any, ...]:
     out: list[Any] = []
     begin = 0
     for end, first in zip(ends.tolist(), firsts, strict=True):
-        part = textbook_chunks.part_of_mesh(mesh, mesh.triangles[begin:end], first, RESOLUTION, STEPS)
-        out += [*part, textbook_chunks.shaded(colors_of(part[1]), part[1], LIGHT) / 255.0]
+        part = textbook.part_of_mesh(mesh, mesh.triangles[begin:end], first, RESOLUTION, STEPS)
+        out += [*part, textbook.shaded(colors_of(part[1]), part[1], LIGHT) / 255.0]
         begin = end
     return tuple(out)

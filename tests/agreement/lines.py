@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mapper.mapping import traversal
+from mapper.mapping import textbook_traversal as traversal
 from mapper.mapping.kernels.amanatides_woo import draw_rays
 from mapper.mapping.kernels.bresenham import draw_lines
 from mapper.mapping.kernels.contributions import contributions_of_rays

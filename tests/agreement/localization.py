@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,11 @@ from mapper.localization.kernels.resampling import fill_bins, low_variance
 from mapper.localization.kernels.score_poses import score_poses
 from mapper.localization.kernels.types import Bins, Mixture, OccupiedCells
 from mapper.localization.likelihood_field import likelihood_field, occupied_cells
+from mapper.localization.monte_carlo import bandwidth
 from mapper.localization.motion import key_of, motion_between
+from mapper.localization.recovery import averaged
+from mapper.localization.resample import kld_number
+from mapper.localization.weighing import effective_number
 
 RANGE_MAX = 5.0
 
@@ -108,6 +113,41 @@ def moved_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
             sigmas = textbook.odometry_sigmas(control, alphas)
             out.append(textbook.sample_motion_model_odometry(control, sigmas, pose, normals))
     return _position_and_heading(np.array(out))
+
+
+def numbers_by_filter(case: LocalizationCase) -> tuple[Any, ...]:
+    """Motion, numbers of particles, bandwidth and averages, as the filter computes them."""
+    config = replace(case.config, recovery_alpha_slow=0.02, recovery_alpha_fast=0.3, robot_model_type="differential")
+    before, after = case.odometry
+    *control, _, _, _, _ = motion = motion_between(before, after, config)
+    k, average = len(case.weights), float(case.weights[0])
+    slow, fast = averaged(average, 0.4, 0.5, config)
+    return (
+        _turns(control),
+        np.array(motion[3:6]),
+        np.array([effective_number(case.weights), kld_number(k, config.pf_err, config.pf_z), bandwidth(k)]),
+        np.array([slow, fast]),
+    )
+
+
+def numbers_by_textbook(case: LocalizationCase) -> tuple[Any, ...]:
+    c, (before, after) = case.config, case.odometry
+    control = textbook.odometry_control(before, after)
+    k, average = len(case.weights), float(case.weights[0])
+    number = textbook.kld_number(k, c.pf_err, c.pf_z)
+    slow, fast, _ = textbook.augmented_share(average, 0.4, 0.5, 0.02, 0.3)
+    return (
+        _turns(control),
+        textbook.odometry_sigmas(control, (c.alpha1, c.alpha2, c.alpha3, c.alpha4)),
+        np.array([textbook.effective_number(case.weights), number, textbook.bandwidth(k)]),
+        np.array([slow, fast]),
+    )
+
+
+def _turns(control: Sequence[float]) -> np.ndarray:
+    """Turn, distance and turn; a turn as its cosine and sine, since −π and π are one."""
+    turn_1, distance, turn_2 = control
+    return np.array([math.cos(turn_1), math.sin(turn_1), distance, math.cos(turn_2), math.sin(turn_2)])
 
 
 def _position_and_heading(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

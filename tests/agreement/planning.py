@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from mapper.planning import PlannerConfig, textbook
 from mapper.planning.kernels.steps import trace_back
-from mapper.planning.plan import cost_to_come
-from mapper.planning.step_costs import step_costs
+from mapper.planning.plan import cost_to_come, step_costs
 
 VALUES = np.array([1, 40, 120, 252, 253, 254, 254, 255], dtype=np.uint8)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mapper.simulation import WORLDS, World
 from mapper.simulation.kernels.relaxation import relax
-from mapper.simulation.textbook_relaxation import relaxed
+from mapper.simulation.textbook import relaxed
 
 ROUNDS = 40
 Case = tuple[World, np.ndarray, float]

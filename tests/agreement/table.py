@@ -1,6 +1,7 @@
 """The one table of kernels: each with its textbook twin and a generator of inputs for both.
 
-A row's ``kernel`` and ``twin`` take one case and return the arrays and numbers that must be equal.
+A row's ``kernel`` and ``twin`` take one case and return the arrays and numbers that must be equal. What a twin uses of
+the product beside poses, grids, sensors and parameters is in :data:`SHARED`; the other rows compare independent code.
 """
 
 from __future__ import annotations
@@ -85,6 +86,8 @@ from tests.agreement.localization import (
     localization_cases,
     moved_by_kernel,
     moved_by_textbook,
+    numbers_by_filter,
+    numbers_by_textbook,
     resampled_by_kernel,
     resampled_by_textbook,
     scored_by_kernel,
@@ -214,6 +217,7 @@ class Row:
     tolerance: float = 0.0  #: of floating-point numbers; cells and counts are always equal
 
 
+_MATCHES = match_cases()
 RAMP, CONE, COUNTING, CERTAINTIES = (("smooth_ramp",), ("sonar_cone",), ("hit_counting",), ("moravec_elfes",))
 ROUNDING = 1e-6  # exponentials, angles and powers differ in their last bit from library to library
 
@@ -284,32 +288,33 @@ TABLE = (
     Row("changed cells by tile", sorted_by_kernel, sorted_by_textbook, listed_cells()),
     Row("scan out of a cloud", cloud_by_core, cloud_by_textbook, clouds()),
     Row("scan out of a depth image", depth_by_core, depth_by_textbook, depths()),
-    Row("points and normals of scans", prepared_by_kernel, prepared_by_textbook, match_cases(), 1e-5),
+    Row("points and normals of scans", prepared_by_kernel, prepared_by_textbook, _MATCHES, 1e-5),
     Row(
         "point-to-line and point-to-point",
         equations_of_pairs_by_kernel,
         equations_of_pairs_by_textbook,
-        match_cases(),
+        _MATCHES,
         1e-6,
     ),
-    Row("Gauss-Newton step", step_by_kernel, step_by_textbook, match_cases(), 1e-9),
-    Row("refined pose", refined_by_kernel, refined_by_textbook, match_cases(), 1e-6),
-    Row("pairs both ways", refined_both_ways_by_kernel, refined_both_ways_by_textbook, match_cases(), 1e-6),
-    Row("agreement of views", views_by_kernel, views_by_textbook, match_cases(), 1e-6),
-    Row("score field", fields_by_kernel, fields_by_textbook, match_cases()),
-    Row("likelihood field", field_equations_by_kernel, field_equations_by_textbook, match_cases(), 1e-6),
-    Row("split and merge", split_by_kernel, split_by_textbook, match_cases()),
-    Row("correlative search", searched_by_kernel, searched_by_textbook, match_cases()),
+    Row("Gauss-Newton step", step_by_kernel, step_by_textbook, _MATCHES, 1e-9),
+    Row("refined pose", refined_by_kernel, refined_by_textbook, _MATCHES, 1e-6),
+    Row("pairs both ways", refined_both_ways_by_kernel, refined_both_ways_by_textbook, _MATCHES, 1e-6),
+    Row("agreement of views", views_by_kernel, views_by_textbook, _MATCHES, 1e-6),
+    Row("score field", fields_by_kernel, fields_by_textbook, _MATCHES),
+    Row("likelihood field", field_equations_by_kernel, field_equations_by_textbook, _MATCHES, 1e-6),
+    Row("split and merge", split_by_kernel, split_by_textbook, _MATCHES),
+    Row("correlative search", searched_by_kernel, searched_by_textbook, _MATCHES),
     Row("edges of a pose graph", edges_by_kernel, edges_by_textbook, graph_cases(), 1e-9),
     Row("block Cholesky", solved_by_kernel, solved_by_textbook, graph_cases(), 1e-6),
     Row("ways in a pose graph", ways_by_kernel, ways_by_textbook, graph_cases(), 1e-12),
     Row("nearest node of each submap", nearest_by_kernel, nearest_by_textbook, graph_cases()),
-    Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, match_cases()),
-    Row("local map of a submap", local_map_by_kernel, local_map_by_textbook, match_cases(), 1e-6),
-    Row("corners and their descriptors", described_by_kernel, described_by_textbook, match_cases(), 1e-6),
+    Row("points that agree and contradict", agreement_by_kernel, agreement_by_textbook, _MATCHES),
+    Row("local map of a submap", local_map_by_kernel, local_map_by_textbook, _MATCHES, 1e-6),
+    Row("corners and their descriptors", described_by_kernel, described_by_textbook, _MATCHES, 1e-6),
     Row("RANSAC over corners", pairs_by_kernel, pairs_by_textbook, pair_cases(), 1e-9),
     Row("largest consistent group", group_by_search, group_by_textbook, pair_cases()),
     Row("information of an aligned pose", information_by_kernel, information_by_textbook, graph_cases(), 1e-6),
+    Row("numbers of the particle filter", numbers_by_filter, numbers_by_textbook, localization_cases(), 1e-9),
     Row("odometry motion model", moved_by_kernel, moved_by_textbook, localization_cases(), 1e-5),
     Row("particles anywhere and around a pose", drawn_by_kernel, drawn_by_textbook, localization_cases(), 1e-5),
     Row("likelihood field of a map", scored_by_kernel, scored_by_textbook, localization_cases(), 2e-3),
@@ -346,3 +351,44 @@ TABLE = (
     Row("points that agree on a patch's plane", consensus_by_kernel, consensus_by_textbook, terrain_cases()),
     Row("planes of patches", patches_by_kernel, patches_by_textbook, terrain_cases(), tolerance=1e-6),
 )
+
+_MODELS = tuple(
+    row.name
+    for row in TABLE
+    if row.kernel in {map_by_kernel, map_of_single_scans, statistics_by_kernel}
+    or row.kernel in {provenance_by_kernel, provenance_of_sweeps_by_kernel}
+)
+_MATCHED = tuple(row.name for row in TABLE if row.inputs is _MATCHES)
+
+#: by module of the product, which rows use it on both sides: there they agree whatever it computes
+SHARED: dict[str, tuple[str, ...]] = {
+    "mapper.costmap.costs": ("inflation",),
+    "mapper.costmap.inflation": ("inflation",),  # how many cells a radius has
+    "mapper.localization.likelihood_field": (  # which cells are occupied
+        "particles anywhere and around a pose",
+        "likelihood field of a map",
+        "beam range finder model",
+    ),
+    "mapper.mapping.integrate": ("scan by scan",),
+    "mapper.mapping.prepare_scans": ("scan by scan",),
+    "mapper.mapping.scan_batch": ("scan by scan",),
+    "mapper.mapping.sensor_model": _MODELS,  # tests/mapper/mapping compares the models with their formulas
+    "mapper.mapping.update_plan": ("scan by scan",),
+    "mapper.matching.beams": _MATCHED,  # the scans of a case
+    "mapper.matching.fields": ("score field",),
+    "mapper.matching.prepare": _MATCHED,
+    "mapper.simulation.changed_plan": ("rays in a world in 3D",),  # the heights of the world's things
+    "mapper.simulation.space": ("rays in a world in 3D",),
+    "mapper.simulation.worlds": ("relaxed paths of the explorer",),
+    "mapper.terrain.ground": ("planes of patches",),
+    "mapper.terrain.patches": ("planes of patches",),
+    "mapper.volume.blocks": ("parts of a mesh and their light", "faces of voxels"),
+    "mapper.volume.mesh.cube_cases": ("mesh of signed distances", "parts of a mesh and their light"),
+    "mapper.volume.mesh.faces": ("faces of voxels",),
+    "mapper.volume.mesh.mesh": ("mesh of signed distances", "parts of a mesh and their light"),
+    "mapper.volume.mesh.meshing": ("parts of a mesh and their light",),  # the mesh whose parts are made
+    "mapper.volume.occupancy.block_parts": ("faces of voxels",),
+    "mapper.volume.occupancy.stop_masks": ("faces of voxels",),
+    "mapper.volume.occupancy.volume": ("faces of voxels",),  # the map whose faces are asked for
+    "mapper.volume.surface.tsdf": ("parts of a mesh and their light",),
+}

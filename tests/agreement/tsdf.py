@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from mapper.sensors.camera import Intrinsics
 from mapper.volume import TsdfConfig, TsdfVolume, surface_mesh
 from mapper.volume.blocks import BLOCK
-from mapper.volume.mesh import textbook_marching
+from mapper.volume.mesh import textbook as textbook_marching
 from mapper.volume.mesh.mesh import Mesh
 from mapper.volume.mesh.meshing import blocks_of_change
 from mapper.volume.surface import textbook as textbook_tsdf

@@ -11,7 +11,7 @@ import pytest
 from mapper.mapping import integrate
 from mapper.mapping.integrate import bounds_of_log, geometry_for
 from mapper.mapping.parameters import BY_NAME, MappingConfig
-from mapper.replay import Replay, bounds
+from mapper.replay import Replay, replay
 from mapper.sensors.scan import ScanLog, Trajectory
 
 OTHER: dict[str, Any] = {
@@ -44,14 +44,14 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[MappingConfig]:
         found.append(config)
         return bounds_of_log(log, config, trajectory)
 
-    monkeypatch.setattr(bounds, "bounds_of_log", counted)
+    monkeypatch.setattr(replay, "bounds_of_log", counted)
     return found
 
 
 @pytest.mark.parametrize("model", BY_NAME["model"].choices)
 @pytest.mark.parametrize("update", BY_NAME["update"].choices)
 def test_the_parameters_without_effect_have_none(log: ScanLog, model: str, update: str) -> None:
-    assert set(OTHER) == bounds.WITHOUT_EFFECT
+    assert set(OTHER) == replay.WITHOUT_EFFECT
     config = MappingConfig(model=model, update=update)
     expected = np.array(bounds_of_log(log, config))
     for name, value in OTHER.items():
@@ -82,10 +82,10 @@ def test_any_other_parameter_computes_them_again(log: ScanLog, computed: list[Ma
 
 
 def test_only_the_last_bounds_are_kept(log: ScanLog, computed: list[MappingConfig]) -> None:
-    cache = bounds.BoundsCache()
+    cache = replay.BoundsCache()
     for _ in range(2):
-        for n in range(bounds.CAPACITY + 1):
+        for n in range(replay.BOUNDS_KEPT + 1):
             cache(log, MappingConfig(mount_x=0.1 * n), "walk")
-    assert len(computed) == 2 * (bounds.CAPACITY + 1)
-    cache(log, MappingConfig(mount_x=0.1 * bounds.CAPACITY), "still")
-    assert len(computed) == 2 * (bounds.CAPACITY + 1) + 1
+    assert len(computed) == 2 * (replay.BOUNDS_KEPT + 1)
+    cache(log, MappingConfig(mount_x=0.1 * replay.BOUNDS_KEPT), "still")
+    assert len(computed) == 2 * (replay.BOUNDS_KEPT + 1) + 1

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mapper.mapping.kernels.bresenham import MAX_STEPS, draw_lines
 from mapper.mapping.kernels.types import Cells, LogOddsUpdate
-from mapper.mapping.traversal import bresenham
+from mapper.mapping.textbook_traversal import bresenham
 
 
 def drawn(shape: tuple[int, int], start: tuple[int, int], end: tuple[int, int]) -> NDArray[np.float32]:

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mapper.mapping.traversal import amanatides_woo, bresenham
+from mapper.mapping.textbook_traversal import amanatides_woo, bresenham
 
 cells = st.tuples(st.integers(-60, 60), st.integers(-60, 60))
 points = st.tuples(st.floats(-30, 30), st.floats(-30, 30))

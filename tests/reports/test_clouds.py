@@ -318,6 +318,10 @@ def test_a_georeferenced_cloud_is_mapped_and_its_files_state_where(tmp_path: Pat
     (tmp_path / "far.xyz").write_bytes(lines("{:.3f} {:.3f} {:.3f}", far))
     names = [tmp_path / f"m.{end}" for end in ("bt", "ply", "glb")]
     outs = [word for name in names for word in ("--out", name)]
+    assert (
+        "its origin at 523,000, 4,812,000, 600 m"
+        in json.loads(run("info", tmp_path / "far.xyz", "--json").out)["notes"][0]
+    )
     done = run("map3d", tmp_path / "far.xyz", *outs, "--map", tmp_path / "above", "--resolution", "0.5", "--json")
     assert done.status == 0, done.err
     offset = (523_000.0, 4_812_000.0, 600.0)

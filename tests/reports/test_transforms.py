@@ -155,6 +155,16 @@ def camera_as_root(at: int, pose: Pose) -> list[Said]:
     return [transform(at, "odom", "camera_link", *of(pose, CAMERA))]
 
 
+def suspended(at: int, pose: Pose) -> list[Said]:
+    """Odometry of base_footprint alone; base_link rises in base_stabilized, and both are in the footprint."""
+    rise = 0.01 * ((at - T0) // STEP % 3)
+    return [
+        transform(at, "base_footprint", "base_stabilized", z=0.1 + rise),
+        transform(at, "base_stabilized", "base_link", z=rise, roll=0.0),
+        odometry(at, *pose, child="base_footprint"),
+    ]
+
+
 def of_camera(at: int, pose: Pose) -> list[Said]:
     return [odometry(at, *of(pose, CAMERA), "/camera/odom", frame="odom_frame", child="camera_pose_frame")]
 
@@ -263,6 +273,12 @@ CASES: dict[str, Case] = {
                 ]
             ),
         ],
+        sensor_at(),
+        trajectory="odom",
+    ),
+    "odometry of a footprint in which the base rises and tilts": Case(
+        "hector_pose_estimation; tf of base_stabilized",
+        [LASER, *drive(suspended)],
         sensor_at(),
         trajectory="odom",
     ),
@@ -382,6 +398,32 @@ def test_a_driver_that_sets_its_own_clock_is_no_reset(tmp_path: Path) -> None:
     log = open_log(written(tmp_path, said, "mcap"))
     assert any("runs backwards once" in note for note in log.notes)
     assert not any("begins again" in note for note in log.notes)
+
+
+def test_the_last_transform_between_two_fixed_frames_holds(tmp_path: Path) -> None:
+    """REP 105: a localiser that states map → base_link seldom, and ends early, leaves the rest to the wheels."""
+
+    def seldom(at: int, pose: Pose) -> list[Said]:
+        said = [transform(at, "odom", "base_link", *pose)]
+        i = (at - T0) // STEP
+        return [*said, transform(at + 1, "map", "base_link", *of((1.0, 2.0, 0.3), pose))] if i in (2, 5, 8) else said
+
+    log = open_log(written(tmp_path, [LASER, *drive(seldom)], "db3"))
+    assert_places(log, sensor_at(), "tf/map")
+    assert not any("before the first or after the last pose of tf/map" in note for note in log.notes)
+
+
+def test_other_robots_transforms_are_not_offered(tmp_path: Path) -> None:
+    """A sensor below the namespace that has its robot's tf: what is beside that namespace is of other robots."""
+    said = together(
+        [static("base_link", "laser", MOUNT, topic="/fleet/a/tf_static")],
+        drive(by_tf(topic="/fleet/a/tf"), "/fleet/a/lidar/front"),
+        drive(by_tf(topic="/fleet/b/tf"), "/fleet/b/lidar/front", way=1),
+    )
+    log = open_log(written(tmp_path, said, "mcap"), topic="/fleet/a/lidar/front")
+    assert list(log.trajectories) == ["tf/odom"]
+    assert not any("looked up in" in note for note in log.notes)
+    assert_places(log, sensor_at())
 
 
 def test_trajectories_of_both_parents_are_kept(tmp_path: Path) -> None:

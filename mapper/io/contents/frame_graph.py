@@ -5,11 +5,41 @@ Source: the tf2 design (a frame has one parent; a lookup follows parents to the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from mapper.io.contents.model import FrameEdge
+from mapper.io.logs.recording.tf_topics import STATIC, is_static, namespaces
 
+TF_STATIC = "tf_static"
 MAX_NAMED = 20  #: frames of a loop that are named
+
+
+def trees_of(edges: Sequence[FrameEdge], sensor: str = "") -> dict[str, list[FrameEdge]]:
+    """Return the edges of each tree by the topic of the transforms that move.
+
+    Robots may have the same frames, each on topics of its own (:mod:`mapper.io.logs.recording.tf_topics`). With those
+    that move are the static ones of the same namespace, or of the nearest around it or around the topic ``sensor``.
+    """
+    statics = list(dict.fromkeys(edge.topic for edge in edges if is_static(edge.topic)))
+    found = {}
+    for topic in dict.fromkeys(edge.topic for edge in edges if not is_static(edge.topic)):
+        around = [f"{space}/{TF_STATIC}" for one in (topic, sensor) for space in namespaces(one)]
+        wanted = [topic + STATIC, *around, *(statics if len(statics) == 1 else [])]
+        static = next((one for one in wanted if one in statics), None)
+        found[topic] = [edge for edge in edges if edge.topic in (topic, static)]
+    return found or {topic: [edge for edge in edges if edge.topic == topic] for topic in statics}
+
+
+def tree_for(trees: Mapping[str, Sequence[FrameEdge]], sensor: str, frame: str) -> str:
+    """Return the topic of the tree that has the ``frame`` of a ``sensor``: the nearest to its topic, "" for none."""
+    near = [topic for space in namespaces(sensor) for topic in trees if topic == f"{space}/tf"]
+    ranked = [*near, *sorted((one for one in trees if one not in near), key=lambda one: -_count(trees[one]))]
+    knows = [one for one in ranked if any(frame in (edge.parent, edge.child) for edge in trees[one])]
+    return next(iter([*knows, *ranked]), "")
+
+
+def _count(edges: Iterable[FrameEdge]) -> int:
+    return sum(len(edge.stamps_ns) for edge in edges)
 
 
 def parents_of(edges: Iterable[FrameEdge]) -> dict[str, str]:

@@ -24,6 +24,7 @@ from mapper.io.logs.containers.container import Container
 from mapper.io.logs.names import printable
 from mapper.io.logs.opening import open_robot_log, parts_of
 from mapper.io.logs.recording.sink import MessageSink
+from mapper.io.logs.recording.tf_topics import is_static
 from mapper.io.logs.recording.transforms import why_ignored
 from mapper.io.logs.ros.message_fields import BadMessageError
 from mapper.io.logs.ros.ros_messages import TRANSFORMS, plain_type
@@ -62,7 +63,7 @@ class Inspector(MessageSink):
         self.notes = []
         self._counted: dict[tuple[str, str, bool, bool], _Topic] = {}
         self._counted_by_key: dict[int, _Topic] = {}
-        self._stamps_of_edge: dict[tuple[str, str], tuple[array[int], list[bool]]] = {}
+        self._stamps_of_edge: dict[tuple[str, str, str], array[int]] = {}
         self._n_messages = 0
         self._values_left = MAX_VALUES
 
@@ -132,20 +133,16 @@ class Inspector(MessageSink):
         topic.values.extend(_float32(value) for value in row)
 
     def _take_transforms_of(self, topic: _Topic, stamp_ns: int, data: bytes) -> None:
-        is_static = topic.name.rsplit("/", 1)[-1] == "tf_static"
         for one in TRANSFORMS[topic.type](data, cdr=topic.cdr):
             if why_ignored(one.frame, one.child, one.pose):
                 continue
-            pair = (printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
-            if pair not in self._stamps_of_edge:
+            edge = (topic.name, printable(one.frame[:MAX_NAME]), printable(one.child[:MAX_NAME]))
+            if edge not in self._stamps_of_edge:
                 if len(self._stamps_of_edge) >= MAX_EDGES:
                     raise LimitError("log.too_many_frames", f"The log's tf tree has more than {MAX_EDGES} edges.")
-                self._stamps_of_edge[pair] = (array("q"), [])
+                self._stamps_of_edge[edge] = array("q")
             at = one.stamp_ns if 0 < one.stamp_ns < LAST_NS else stamp_ns
-            stamps, static = self._stamps_of_edge[pair]
-            stamps.append(max(0, min(at, LAST_NS)))
-            if not static or static[-1] != is_static:
-                static.append(is_static)
+            self._stamps_of_edge[edge].append(max(0, min(at, LAST_NS)))
 
     def contents(self) -> Contents:
         """Return what was taken."""
@@ -160,8 +157,10 @@ class Inspector(MessageSink):
         return Contents(
             topics=tuple(sorted(counted.values(), key=lambda one: (one.name, one.type))),
             edges=tuple(
-                FrameEdge(parent, child, all(static), np.sort(np.frombuffer(stamps, dtype=np.int64)))
-                for (parent, child), (stamps, static) in sorted(self._stamps_of_edge.items())
+                FrameEdge(parent, child, is_static(topic), np.sort(np.frombuffer(stamps, dtype=np.int64)), topic)
+                for (topic, parent, child), stamps in sorted(
+                    self._stamps_of_edge.items(), key=lambda one: (*one[0][1:], one[0][0])
+                )
             ),
             series=tuple(_series(one, one.plotted) for one in self._counted.values() if one.plotted and one.stamps),
             notes=tuple(notes),

@@ -40,7 +40,7 @@ class TopicContents:
 
 @dataclass(frozen=True, slots=True)
 class FrameEdge:
-    """The transforms from ``child`` to ``parent``: the times that they state, ascending, (n,) int64 nanoseconds.
+    """The transforms from ``child`` to ``parent`` on a topic: the times that they state, ascending, (n,) int64 ns.
 
     ``is_static`` where they were published on a topic of static transforms: such a transform is valid at all times.
     """
@@ -49,6 +49,7 @@ class FrameEdge:
     child: str
     is_static: bool
     stamps_ns: Int64Array
+    topic: str = "/tf"
 
     def __post_init__(self) -> None:
         if self.stamps_ns.ndim != 1 or len(self.stamps_ns) == 0 or (np.diff(self.stamps_ns) < 0).any():

@@ -1,6 +1,6 @@
 """Relaxation of the corners of a path.
 
-Twin of :func:`mapper.simulation.textbook_relaxation.relaxed`, to the last bit: recorded stories depend on the paths.
+Twin of :func:`mapper.simulation.textbook.relaxed`, to the last bit: recorded stories depend on the paths.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Marching cubes in blocks of voxels, first part: which cells have a surface, and which edges a vertex.
 
 Signs and cells are bits, eight in a byte along x, so that a row of eight cells is looked at at once. Numba twins of
-:func:`mapper.volume.mesh.textbook_marching.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH 1987.
+:func:`mapper.volume.mesh.textbook.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH 1987.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Parts of a mesh as meshes of their own, and their light; numba twins of :mod:`mapper.volume.mesh.textbook_chunks`."""
+"""Parts of a mesh as meshes of their own, and their light; numba twins of :mod:`mapper.volume.mesh.textbook`."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Marching cubes in blocks of voxels, second part: the vertices with their normals, and the triangles.
 
-Numba twins of :func:`mapper.volume.mesh.textbook_marching.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH
+Numba twins of :func:`mapper.volume.mesh.textbook.march`. Source: Lorensen & Cline, Marching cubes, SIGGRAPH
 1987: vertices by linear interpolation along edges, normals by that of the gradients at their ends.
 """
 

@@ -14,11 +14,18 @@ from mapper.core.errors import ConfigError
 from mapper.core.parallel import cores, in_parallel, shares
 from mapper.volume.kernels.mesh_chunks import number_vertices, shade, write_places
 from mapper.volume.mesh.mesh import Mesh
-from mapper.volume.mesh.textbook_chunks import linear_of
 
 STEPS = 1024  #: of a vertex's place in one voxel
-_LINEAR = (255.0 * linear_of(np.arange(256, dtype=np.uint8))).astype(np.float32)
 _SHARE = 20_000  # vertices from which a second thread is worth its start
+
+
+def linear_of(colors: UInt8Array) -> Float64Array:
+    """Return sRGB colours as linear ones, 0 to 1. Source: IEC 61966-2-1."""
+    srgb = colors.astype(np.float64) / 255.0
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+_LINEAR = (255.0 * linear_of(np.arange(256, dtype=np.uint8))).astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +95,7 @@ def cut_between(mesh: ChunkMesh, low: float, high: float) -> ChunkMesh | None:
 
 
 def shaded(colors: UInt8Array, normals: Int8Array, light: Float32Array) -> UInt8Array:
-    """Return colours (n, 3) with the light on a surface, as :func:`mapper.volume.mesh.textbook_chunks.shaded` does.
+    """Return colours (n, 3) with the light on a surface, as :func:`mapper.volume.mesh.textbook.shaded` does.
 
     Raises :class:`ConfigError` for arrays of other shapes.
     """

@@ -12,9 +12,8 @@ from mapper.core.array_types import Float32Array, Float64Array, Int64Array
 from mapper.core.errors import WorkCancelledError
 from mapper.volume.blocks import BLOCK, KEYS
 from mapper.volume.occupancy.volume import centres_of
-from mapper.volume.surface.measured_scans import MeasuredScans
 from mapper.volume.surface.parameters import TsdfConfig
-from mapper.volume.surface.replayed import ReplayedSurface
+from mapper.volume.surface.replayed import MeasuredScans, ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE, TsdfVolume
 
 _AROUND = 2  # pixels of an image beside the one in which the voxel is seen that are fused with it

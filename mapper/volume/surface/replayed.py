@@ -5,16 +5,35 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from mapper.core.array_types import Float32Array, Int32Array, Int64Array
 from mapper.core.errors import ConfigError, LimitError, WorkCancelledError
 from mapper.core.limits import DEFAULT_LIMITS, Limits
+from mapper.sensors.depth_image import DepthImage
 from mapper.volume.blocks import BLOCK
-from mapper.volume.surface.measured_scans import MeasuredScans
+from mapper.volume.placed_scan import PlacedScan
 from mapper.volume.surface.parameters import TsdfConfig
 from mapper.volume.surface.tsdf import Fused, TsdfVolume
+
+
+class MeasuredScans(Protocol):
+    """Scans in their order."""
+
+    @property
+    def has_origins(self) -> bool:
+        """Whether it is known of all where their sensor was."""
+
+    def __len__(self) -> int: ...
+
+    def depth_image(self, index: int) -> DepthImage | None:
+        """Return the depth image of a scan; None where it has points only."""
+
+    def scan(self, index: int) -> PlacedScan:
+        """Return the points of a scan."""
+
 
 SNAPSHOT_BYTES = 128 << 20  #: of all snapshots of one surface
 EVERY = 8  #: scans from one snapshot to the next at first; twice as many each time that the snapshots are too large

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import JSONResponse, Response
 
 from mapper.core.errors import MapperError
-from mapper.io.contents.frame_graph import chain_of, faults, parents_of
+from mapper.io.contents.frame_graph import chain_of, faults, parents_of, tree_for, trees_of
 from mapper.io.contents.model import Contents, TopicContents
 from mapper.io.contents.pictured import PICTURED
 from mapper.sensors.joint_log import JointLog
@@ -214,14 +214,24 @@ async def frames(
     session_id: str,
     at: Annotated[Seconds, Query(description="Seconds since the log's first scan.")] = 0.0,
     fixed: Annotated[str | None, Query(max_length=200, description="The frame to which all should lead.")] = None,
+    tf: Annotated[
+        str | None, Query(max_length=400, description="The topic of the transforms; else the sensor's.")
+    ] = None,
 ) -> dict[str, Any]:
     """Return the transforms of the recording: the age of each at a moment, and what is missing between frames.
 
-    The fixed frame is that of the session's trajectory unless ``fixed`` names another one; where the recording's
-    transforms do not have that frame, it is the root above the sensor's.
+    Robots of one recording may have the same frames, each on topics of its own: these are the trees. The fixed frame is
+    that of the session's trajectory unless ``fixed`` names another one; where the recording's transforms do not have
+    that frame, it is the root above the sensor's.
     """
     held = await _held(request, sessions, library, visitor, session_id)
-    log, edges = held.recording.log, held.contents.edges
+    log = held.recording.log
+    sensor = (log.parts[0] if isinstance(log, JointLog) else log).topic.partition("#")[0]
+    trees = trees_of(held.contents.edges, sensor)
+    if tf is not None and tf not in trees:
+        raise MapperError("contents.no_tree", f"The recording has no transforms on {tf!r:.200}.")
+    topic = tree_for(trees, sensor, log.frame_id) if tf is None else tf
+    edges = trees.get(topic, [])
     at_ns = held.origin_ns + round(at * 1e9)
     names = sorted({name for edge in edges for name in (edge.parent, edge.child)})
     parents = parents_of(edges)
@@ -232,6 +242,8 @@ async def frames(
         raise MapperError("contents.no_frame", f"The recording's transforms have no frame {fixed!r:.200}.")
     return {
         "at": at,
+        "tf": topic,
+        "trees": list(trees),
         "fixed": fixed,
         "sensor": log.frame_id,
         "frames": names,

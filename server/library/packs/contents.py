@@ -17,7 +17,7 @@ import numpy as np
 from mapper.core.errors import MapperError
 from mapper.io.contents.model import Column, Contents, FrameEdge, Series, TopicContents
 
-VERSION = 1
+VERSION = 2
 
 
 class StaleContentsError(Exception):
@@ -29,7 +29,9 @@ def write_contents(contents: Contents, path: Path) -> None:
     about = {
         "version": VERSION,
         "topics": [asdict(topic) for topic in contents.topics],
-        "edges": [{"parent": e.parent, "child": e.child, "is_static": e.is_static} for e in contents.edges],
+        "edges": [
+            {"parent": e.parent, "child": e.child, "is_static": e.is_static, "topic": e.topic} for e in contents.edges
+        ],
         "series": [
             {"topic": one.topic, "type": one.type, "columns": [asdict(column) for column in one.columns]}
             for one in contents.series

@@ -20,10 +20,9 @@ from mapper.volume.mesh.chunk_mesh import STEPS, ChunkMesh, cut_between
 from mapper.volume.mesh.files import glb_bytes, ply_bytes
 from mapper.volume.mesh.surface_chunks import ChunkKey, SurfaceChunks
 from mapper.volume.occupancy.volume import centres_of, keys_of
-from mapper.volume.surface.measured_scans import MeasuredScans
 from mapper.volume.surface.parameters import TSDF_PARAMETERS
 from mapper.volume.surface.questions import first_surface, why_surface
-from mapper.volume.surface.replayed import SNAPSHOT_BYTES, ReplayedSurface
+from mapper.volume.surface.replayed import SNAPSHOT_BYTES, MeasuredScans, ReplayedSurface
 from mapper.volume.surface.tsdf import CENTRE
 from server.sessions.drawings import Surface
 from server.sessions.models.volume_look import COLOURS, HEIGHT_RAMP, Look, normal_colors, ramp_of

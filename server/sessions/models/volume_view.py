@@ -12,10 +12,9 @@ from mapper.core.errors import ConfigError
 from mapper.grid import OccupancyGrid
 from mapper.simulation.live_map import LiveMap
 from mapper.volume import Octree, octree_file
-from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule
+from mapper.volume.mesh.faces import CENTRE, ChunkKey, FaceRule, VoxelFaces, chunks_of, face_rule, voxel_mesh
 from mapper.volume.mesh.files import glb_bytes, ply_bytes
 from mapper.volume.mesh.voxel_classes import Painted
-from mapper.volume.mesh.voxel_mesh import voxel_mesh
 from mapper.volume.mesh.voxel_normals import painted_directions
 from server.sessions.drawings import Drawing, GridColumns, Points, Voxels
 from server.sessions.hosting import ModelHost

@@ -1,4 +1,4 @@
-/** The traversal of Amanatides and Woo, as in `mapper/mapping/traversal.py`; tested with vectors from there. */
+/** The traversal of Amanatides and Woo, as in `mapper/mapping/textbook_traversal.py`; tested with vectors from there. */
 
 import type { Point } from "../wire/protocol";
 import type { Cell } from "./lattice";

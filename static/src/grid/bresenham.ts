@@ -1,4 +1,4 @@
-/** Bresenham's line, as in `mapper/mapping/traversal.py`; tested with vectors from there. */
+/** Bresenham's line, as in `mapper/mapping/textbook_traversal.py`; tested with vectors from there. */
 
 import type { Cell } from "./lattice";
 

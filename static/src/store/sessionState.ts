@@ -41,6 +41,12 @@ export class SessionState extends SessionSignals implements Receiver {
     this.send({ type: this.frame.peek()?.playing ? "pause" : "play" });
   }
 
+  /** Show the map after so many scans, and stay there: a log that plays would go on from it. */
+  goTo(index: number): void {
+    this.send({ type: "pause" });
+    this.send({ type: "seek", index });
+  }
+
   /** Send a command at once, after the earlier commands that wait for the next animation frame. */
   send(command: Command): void {
     this.outbox.flush();

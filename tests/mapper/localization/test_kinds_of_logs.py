@@ -8,7 +8,7 @@ import numpy as np
 
 from mapper.core.se2 import compose, inverse, wrap_angle
 from mapper.localization import LocalizationConfig, localize_log
-from mapper.localization.localize import covariance_lines
+from mapper.localization.localize import carry_back, covariance_lines
 from mapper.sensors.joint_log import JointLog
 from mapper.sensors.scan import ScanLog
 from tests.mapper.localization.rooms import office
@@ -66,3 +66,26 @@ def test_two_lidars_whose_stamps_run_backwards_give_a_line_for_each_scan_in_the_
     lines = covariance_lines(joint, found)[1:]
     assert [int(line.split(",")[1]) for line in lines] == joint.stamps_ns.tolist()
     assert (np.diff(joint.stamps_ns) < 0).any()
+
+
+def test_scans_before_convergence_get_the_converged_pose_carried_back_along_the_odometry():
+    """The poses are exact at the most certain of the first scans that converged, and nonsense before."""
+    rng = np.random.default_rng(2)
+    true = np.cumsum(rng.normal(0.0, (0.2, 0.1, 0.2), (30, 3)), axis=0)
+    odometry = compose(np.array([3.0, -1.0, 0.7]), true)  # in a frame of its own
+    converged = np.arange(30) >= 12
+    converged[20:22] = False
+    covariance = np.tile(np.eye(3) * 0.1, (30, 1, 1))
+    covariance[15] *= 0.01
+    poses = true + 0.05  # after convergence, off by the filter's noise
+    poses[:12] = rng.normal(0.0, 10.0, (12, 3))
+    poses[15] = true[15]
+    found = poses.copy()
+    carry_back(found, odometry, covariance, converged)
+    np.testing.assert_allclose(found[:12, :2], true[:12, :2], atol=1e-9)
+    np.testing.assert_allclose(wrap_angle(found[:12, 2] - true[:12, 2]), 0.0, atol=1e-9)
+    np.testing.assert_array_equal(found[12:], poses[12:])
+    for never in (np.zeros(30, dtype=bool), np.ones(30, dtype=bool)):
+        same = poses.copy()
+        carry_back(same, odometry, covariance, never)
+        np.testing.assert_array_equal(same, poses)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mapper.mapping import one_scan
+from mapper.mapping import integrate
 from mapper.simulation import WORLDS
 from mapper.simulation.live_map import LiveMap
 
@@ -24,7 +24,7 @@ from mapper.simulation.live_map import LiveMap
     ],
 )
 def test_the_listed_cells_hold_all_that_changed(values: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_scan, "MOST_WRITTEN", 1 << 17)  # without a clamp every cell of a scan is written
+    monkeypatch.setattr(integrate, "MOST_WRITTEN", 1 << 17)  # without a clamp every cell of a scan is written
     mapper = LiveMap(WORLDS["room"], seed=3)
     mapper.remake(mapper.config.with_values(values))
     listed = 0
@@ -51,7 +51,7 @@ def test_more_cells_than_there_is_room_for_are_not_listed(monkeypatch: pytest.Mo
     mapper, other = (LiveMap(WORLDS["room"], seed=3) for _ in range(2))
     (change,) = mapper.advance(0.1)
     assert change.cells is not None
-    monkeypatch.setattr(one_scan, "MOST_WRITTEN", len(change.cells) - 1)
+    monkeypatch.setattr(integrate, "MOST_WRITTEN", len(change.cells) - 1)
     (unlisted,) = other.advance(0.1)
     assert unlisted.cells is None
     assert unlisted == change

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 from mapper.core.errors import ConfigError
 from mapper.grid import GridGeometry
 from mapper.planning import GoalPlanner, PlannerConfig, plan_path
-from mapper.planning.step_costs import step_costs
+from mapper.planning.plan import step_costs
 
 GEOMETRY = GridGeometry(0.1, 40, 60, (-1.0, 2.0, 0.3))
 

@@ -14,9 +14,8 @@ from mapper.grid.wall_agreement import wall_agreement
 from mapper.mapping.parameters import MappingConfig
 from mapper.puzzles import CAUSES, RECIPES, points, puzzle_of, repair_share, spoil
 from mapper.puzzles.drives import LIDAR, TRUE, drive, swept
-from mapper.puzzles.positions import truncated_positions
 from mapper.puzzles.scoring import Measures, repair_shares
-from mapper.puzzles.spoiling import disc_ranges
+from mapper.puzzles.spoiling import disc_ranges, truncated_positions
 from mapper.sensors.scan import ScanLog, Trajectory
 
 PARAMETERS = MappingConfig(range_max=8.0)

@@ -13,7 +13,7 @@ from mapper.mapping.integrate import integrate_scan
 from mapper.mapping.parameters import MappingConfig
 from mapper.simulation import WORLDS, Drawn, Edits, SensorConfig, Simulation, edited
 from mapper.simulation.edits import gone
-from mapper.simulation.forgetting import Forgetting, cells_of
+from mapper.simulation.second_map import Forgetting, cells_of
 
 ROOM = WORLDS["room"]
 SEEN = 40  # scans of the table before it goes

@@ -11,7 +11,7 @@ from mapper.sensors.pose_graph import PoseGraph
 from mapper.sensors.scan import ScanLog
 from mapper.slam import SlamCancelled, SlamConfig, SlamProgress, loop_closure, refinement, slam, slam_log, sparse_system
 from mapper.slam.optimise import optimise, optimise_newest
-from mapper.slam.parted_system import PartedSystem, divided
+from mapper.slam.refinement import PartedSystem, divided
 from mapper.slam.sparse_system import SparseSystem
 from tests.mapper.slam.worlds import along, drive
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from mapper.grid import GridGeometry, OccupancyGrid
-from mapper.mapping import textbook, traversal
+from mapper.mapping import textbook
+from mapper.mapping import textbook_traversal as traversal
 from mapper.mapping.parameters import BY_NAME, MappingConfig
 from mapper.sensors.scan import LaserScan
 

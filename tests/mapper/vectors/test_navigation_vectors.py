@@ -14,7 +14,7 @@ import numpy as np
 
 from mapper.costmap import textbook as costmap
 from mapper.planning import PlannerConfig, textbook
-from mapper.planning.step_costs import step_costs
+from mapper.planning.plan import step_costs
 
 VECTORS = Path(__file__).parents[3] / "static" / "src" / "lessons" / "navigation" / "navigation.vectors.json"
 ROWS, COLS, RESOLUTION = 14, 18, 0.1

@@ -110,6 +110,7 @@ def test_a_series_is_computed_beside_the_event_loop(
 def test_the_transforms_at_a_moment(service: Service, session: str) -> None:
     found = got(service, session, "/frames", at=1.03)
     assert (found["fixed"], found["sensor"], found["faults"]) == ("odom", "laser", [])
+    assert (found["tf"], found["trees"]) == ("/tf", ["/tf"])
     static, moving = found["edges"]
     assert (static["parent"], static["child"], static["static"], static["age_s"]) == ("base_link", "laser", True, 0.0)
     assert moving["age_s"] == pytest.approx(0.03)
@@ -117,6 +118,8 @@ def test_the_transforms_at_a_moment(service: Service, session: str) -> None:
     assert got(service, session, "/frames", fixed="base_link")["fixed"] == "base_link"
     refused = service.http.get(f"/api/sessions/{session}/contents/frames", params={"fixed": "moon"})
     assert refused.json()["code"] == "contents.no_frame"
+    refused = service.http.get(f"/api/sessions/{session}/contents/frames", params={"tf": "/moon/tf"})
+    assert refused.json()["code"] == "contents.no_tree"
 
 
 def test_an_inspection_that_is_cancelled_ends_in_its_process_and_begins_anew(

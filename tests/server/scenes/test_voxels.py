@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mapper.volume.mesh.faces import CENTRE
-from mapper.volume.mesh.textbook_chunks import linear_of
+from mapper.volume.mesh.textbook import linear_of
 from server.scenes.voxel_chunk import face_colors, voxel_chunk
 from server.sessions.drawings import Voxels
 from tests.server.scenes.conftest import Service

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -146,6 +147,25 @@ async def test_the_map_that_was_given_is_the_static_map_with_its_zones(log: Log)
         assert log.model.messages()[-1]["speed_limit"] == ("35 %" if keepout else None)
     log.do(type="costmap", values={"map": "belief"})
     assert log.costs.shape == log.model.grid.geometry.shape
+
+
+async def test_a_costmap_begins_with_the_map_that_the_poses_are_in(log: Log) -> None:
+    """As in Nav2 above AMCL: along localized poses the loaded map is the static one, along others the log's own."""
+    log.do(type="seek", index=60)
+    x, y = log.model.recording.robot_state().pose[:2]
+    geometry = GridGeometry(0.1, 40, 60, (x - 3.0, y - 2.0, 0.0))
+    values = np.random.default_rng(4).choice(np.array([0, 100, -1], np.int8), geometry.shape)
+    log.model.localization.show_map(GivenMap("given", geometry, values, ()))
+    log.do(type="costmap", value=True)
+    assert log.model.messages()[-2]["values"]["map"] == "belief"
+    log.do(type="costmap", value=False)
+    recording = log.model.recording
+    way = replace(recording.log.trajectory(None), from_scans=True)
+    recording.update(replace(recording.log, trajectories={**recording.log.trajectories, "localized": way}))
+    log.do(type="trajectory", name="localized")
+    log.do(type="costmap", value=True)
+    assert log.model.messages()[-2]["values"]["map"] == "given"
+    assert log.costs.shape == geometry.shape
 
 
 async def test_the_terrain_of_a_map_is_a_layer_and_says_why(log: Log) -> None:

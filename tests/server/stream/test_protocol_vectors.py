@@ -18,7 +18,7 @@ import zstandard
 from mapper.core.se2 import compose
 from mapper.grid import GridGeometry
 from mapper.grid.kernels.quantise import NEVER_OBSERVED, quantise
-from mapper.mapping.traversal import bresenham
+from mapper.mapping.textbook_traversal import bresenham
 from server.stream import commands, messages
 from server.stream.codecs import (
     CHANGES,

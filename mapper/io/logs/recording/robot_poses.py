@@ -58,7 +58,7 @@ class RobotPoses:
 
         The last ones are those of other topics of tf.
         """
-        worlds = self.tree.worlds(self.base)
+        worlds = self.tree.worlds(self.base, self.taken.children)
         found = self._by_tf("tf", self.tree, self.base, worlds)
         several = {child: counts for path in worlds for child, counts in self.tree.several_parents(path)}
         for child, counts in several.items():
@@ -90,7 +90,7 @@ class RobotPoses:
                 child_frame_id=base[:MAX_FRAME_NAME],
                 sentence=f"{topic} from {world} to {base}, at the time of each scan{between}",
                 at=partial(tree.lookup, path) if denser is None else partial(_carried, tree, path, denser),
-                covers=partial(tree.covers, path),
+                covers=partial(tree.covers, path) if denser is None else partial(_covers_carried, tree, path, denser),
                 stated=partial(self._stated_by_tf, (topic, *path), tree, path, denser),
                 ahead_ns=self.taken.tf_clock.ahead_of(self.sensor.clock),
                 is_odometry=world.rsplit("/", 1)[-1].startswith("odom"),
@@ -225,3 +225,8 @@ def _carried(tree: FrameTree, path: Path, denser: Timeline, when: Moments) -> Po
         own = tree.lookup(path, when[~known])
         carried.positions[~known], carried.rotations[~known] = own.positions, own.rotations
     return carried
+
+
+def _covers_carried(tree: FrameTree, path: Path, denser: Timeline, stamps_ns: Int64Array) -> NDArray[np.bool_]:
+    """Return at which times (n,) :func:`_carried` has more to go by than the nearest pose."""
+    return np.asarray(tree.covers(path, stamps_ns) | denser.covers(stamps_ns))

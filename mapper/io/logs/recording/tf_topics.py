@@ -100,9 +100,10 @@ class TfTopics:
             for topic in self.moving
             if topic != moving and (topic in self._named(sensor, "tf") or own & set(self._frames(topic)))
         ]
-        here = namespaces(sensor)[0]
-        if moving and namespaces(moving)[0] == here and here:
-            others = [topic for topic in others if namespaces(topic)[0] in ("", here)]  # others are other robots'
+        around, own_space = namespaces(sensor), namespaces(moving)[0]
+        if own_space and own_space in around:  # transforms beside that namespace are other robots'
+            spaces = {topic: namespaces(topic)[0] for topic in others}
+            others = [one for one in others if spaces[one] in around or spaces[one].startswith(f"{own_space}/")]
         return Choice(moving, static, tuple(others))
 
     def _frames(self, topic: str) -> list[str]:

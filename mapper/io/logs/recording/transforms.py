@@ -27,7 +27,7 @@ Conventions of frames: REP 103, REP 105.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -482,15 +482,24 @@ class FrameTree:
         """Return whether a frame is named as the robot's base is, or by an odometry message (``hints``)."""
         return _last(frame) in BASES or frame in hints
 
-    def worlds(self, base: str, *, only_moving: bool = False) -> list[Path]:
+    def worlds(self, base: str, hints: Collection[str] = (), *, only_moving: bool = False) -> list[Path]:
         """Return the paths from ``base`` to the frames in which it moves, or that are named as fixed frames are.
 
         These are ancestors by any parent that was stated. A frame that is named as a fixed one and moves in ``base`` or
         in an ancestor counts as well, with its own ancestors: some publish odometry as ``base_link → odom``. Where
         ``base`` moves in none, those count in which a frame that is fixed to it moves by another parent. ``map`` comes
-        first, then from the farthest on, at most :data:`MAX_WORLDS`. With ``only_moving`` it has to move.
+        first, then from the farthest on, at most :data:`MAX_WORLDS`. With ``only_moving`` it has to move. A frame that
+        is named as a base is, or by an odometry message (``hints``), is of the robot, also where ``base`` tilts or
+        rises in it; so is what is between the two.
         """
         up = list(self._paths_up((base,), moves=False))
+        robot = {
+            frame
+            for path, _ in up
+            for at, last in enumerate(path)
+            if at and self.is_base(last, set(hints))
+            for frame in path[: at + 1]
+        }
         down: list[tuple[Path, bool]] = []
         for path, moves in [((base,), False), *up]:
             for child in self._children_of(path[-1]):
@@ -504,7 +513,7 @@ class FrameTree:
             down += self._paths_beside(base)
         found: dict[Path, None] = {}
         for path, moves in [*sorted(up, key=lambda one: -len(one[0])), *down]:
-            if moves or (not only_moving and _last(path[-1]) in WORLDS):
+            if path[-1] not in robot and (moves or (not only_moving and _last(path[-1]) in WORLDS)):
                 found[path] = None
         return sorted(found, key=lambda path: _last(path[-1]) != "map")[:MAX_WORLDS]
 

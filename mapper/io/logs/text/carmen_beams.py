@@ -1,7 +1,7 @@
 """The beams of CARMEN's lasers: as their scan lines state them, or else by their number.
 
 Source of the numbers: the readers of gmapping (carmenconfiguration.cpp), MRPT (carmen_log_tools) and CARMEN
-(readlog.c); the manuals of SICK's LMS 200 and of Hokuyo's URG-04LX and UTM-30LX.
+(readlog.c); the manuals of SICK's LMS 200, LMS 511 and TiM, and of Hokuyo's URG-04LX and UTM-30LX.
 """
 
 from __future__ import annotations
@@ -30,23 +30,35 @@ BY_COUNT: dict[int, tuple[float, bool]] = {
     101: (1.0, False),
     180: (1.0, True),
     181: (1.0, True),
+    191: (1.0, False),
     201: (0.5, False),
+    270: (1.0, False),
+    271: (1.0, False),
     360: (0.5, True),
     361: (0.5, True),
+    381: (0.5, False),
     401: (0.25, False),
     540: (0.5, True),
     541: (0.5, True),
+    571: (1.0 / 3.0, False),
     682: (HOKUYO_STEP, True),
     683: (HOKUYO_STEP, True),
     720: (0.25, False),
     721: (0.25, False),
     726: (HOKUYO_STEP, False),
+    761: (0.25, False),
     768: (HOKUYO_STEP, False),
     769: (HOKUYO_STEP, True),
+    810: (1.0 / 3.0, False),
+    811: (1.0 / 3.0, False),
     1080: (0.25, False),
     1081: (0.25, False),
+    1440: (0.25, False),
+    1441: (0.25, False),
 }
-FIRST_OF_EVEN = {180: -90.0, 360: -90.0, 540: -135.0, 720: -90.0, 1080: -135.0}  #: degrees: their last beam is missing
+FIRST_OF_EVEN = {
+    180: -90.0, 270: -135.0, 360: -90.0, 540: -135.0, 720: -90.0, 810: -135.0, 1080: -135.0, 1440: -180.0,
+}  # fmt: skip  #: degrees: their last beam is missing
 NO_NOTE = (180, 181)  #: what most logs have
 AGREE = 0.05  #: share by which two statements of one angle may differ
 

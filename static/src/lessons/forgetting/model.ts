@@ -21,7 +21,7 @@ export const ROOM: readonly Wall[] = box(0.5, 0.5, 5.5, 3.5);
 export const TABLE: readonly Wall[] = box(3.1, 1.5, 3.9, 2.5);
 export const SENSOR: Pose = [1.53, 2.07, 0];
 const LIDAR = allRound(150, 8);
-/** Share of the table's cells that have to be free: as in `mapper/simulation/forgetting.py`. */
+/** Share of the table's cells that have to be free: as in `mapper/simulation/second_map.py`. */
 const MOST = 0.9;
 
 /** The evidence of a scan for each cell, with the table and without; the robot stands still, so it is constant. */

@@ -183,18 +183,14 @@ const EVENTS: Readonly<Record<EventKind, string>> = {
 };
 
 /** What happened while the log was recorded, each with a button that goes to the scan before it. */
-function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
+export function Events({ events, store }: { readonly events: readonly LogEvent[]; readonly store: Store }) {
   return (
     <section class="events" aria-label="Events">
       <h4>Events</h4>
       <ul>
         {events.map((event) => (
           <li key={`${event.kind} ${event.seconds}`} data-event={event.kind}>
-            <Button
-              kind="quiet"
-              label={`Go to ${event.time}`}
-              onClick={() => store.send({ type: "seek", index: event.scan + 1 })}
-            >
+            <Button kind="quiet" label={`Go to ${event.time}`} onClick={() => store.goTo(event.scan + 1)}>
               {event.time}
             </Button>
             <p>
@@ -284,12 +280,7 @@ function FindingItem({ finding, store, onHeal }: FindingProps) {
           </Button>
         )}
         {scans.slice(0, 6).map((scan) => (
-          <Button
-            key={scan}
-            kind="quiet"
-            label={`Go to scan ${scan + 1}`}
-            onClick={() => store.send({ type: "seek", index: scan + 1 })}
-          >
+          <Button key={scan} kind="quiet" label={`Go to scan ${scan + 1}`} onClick={() => store.goTo(scan + 1)}>
             scan {scan + 1}
           </Button>
         ))}

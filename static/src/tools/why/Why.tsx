@@ -199,9 +199,7 @@ function UpdateHistory({ store, hitWindow, slider }: UpdateHistoryProps) {
           <Button
             disabled={!contribution}
             onClick={() => {
-              if (!contribution) return;
-              store.send({ type: "pause" });
-              store.send({ type: "seek", index: contribution.scan + 1 });
+              if (contribution) store.goTo(contribution.scan + 1);
             }}
           >
             Go to this scan

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mapper.io.contents.frame_graph import chain_of, faults, frames_in_loops, parents_of
+from mapper.io.contents.frame_graph import (
+    chain_of,
+    faults,
+    frames_in_loops,
+    parents_of,
+    tree_for,
+    trees_of,
+)
 from mapper.io.contents.model import FrameEdge
 
 
@@ -87,3 +94,27 @@ def test_the_work_on_a_loop_of_thousands_is_linear(monkeypatch: pytest.MonkeyPat
     assert said[0].endswith(f"and {size - 20} more.")
     assert len(said[0]) < 300
     assert _Counted.compared < 50 * size
+
+
+def test_the_trees_of_robots_with_the_same_frames_are_kept_apart() -> None:
+    stamps = np.arange(1, 4)
+
+    def edge(topic: str, parent: str, child: str) -> FrameEdge:
+        return FrameEdge(parent, child, topic.endswith("_static"), stamps, topic)
+
+    robots = [
+        edge(f"{space}{name}", *pair)
+        for space, laser in (("/a", "laser"), ("/b", "lidar"))
+        for name, pair in (("/tf", ("odom", "base")), ("/tf_static", ("base", laser)))
+    ]
+    both = [*robots, edge("/tf", "map", "/a/odom")]
+    trees = trees_of(both, "/b/scan")
+    assert list(trees) == ["/a/tf", "/b/tf", "/tf"]
+    assert [(one.topic, one.child) for one in trees["/b/tf"]] == [("/b/tf", "base"), ("/b/tf_static", "lidar")]
+    assert tree_for(trees, "/b/front/scan", "lidar") == "/b/tf"
+    assert faults(trees["/b/tf"], ["lidar"], "odom") == []
+    assert tree_for(trees, "/scan", "laser") == "/a/tf", "where the nearest does not know the frame"
+    # One robot whose static transforms are in its namespace, and whose others are not.
+    (only,) = trees_of([edge("/tf", "odom", "base"), edge("/b/tf_static", "base", "lidar")], "/b/scan").values()
+    assert len(only) == 2
+    assert tree_for({}, "/scan", "laser") == ""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mapper.volume import OccupancyVolume, VolumeConfig, cast
-from mapper.volume.mesh.faces import CENTRE, CHUNK, VoxelFaces, chunks_of, face_rule, first_face
+from mapper.volume.mesh.faces import CENTRE, CHUNK, VoxelFaces, chunks_of, face_rule, first_face, voxel_mesh
 from mapper.volume.mesh.voxel_classes import voxel_classes
-from mapper.volume.mesh.voxel_mesh import voxel_mesh
 
 RESOLUTION = 0.25
 

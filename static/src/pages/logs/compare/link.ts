@@ -122,9 +122,6 @@ export async function restore(
   const { a, b } = linked;
   store.setTogether("link", whole(table, b.values));
   if (store.trajectory.peek()?.name !== b.trajectory) store.send({ type: "trajectory", name: b.trajectory });
-  if (b.index !== undefined) {
-    store.send({ type: "pause" });
-    store.send({ type: "seek", index: b.index });
-  }
+  if (b.index !== undefined) store.goTo(b.index);
   return compareWith(session, { ...a, ...(a.values ? { values: whole(table, a.values) } : {}) });
 }

@@ -28,15 +28,36 @@ export function FrameTree({ store, session }: FrameTreeProps) {
 
 function Tree({ store, session }: FrameTreeProps) {
   const chosen = useSignal<string | null>(null);
-  const fixed = chosen.value;
-  const found = useAtMoment<Frames>(store, (at) =>
-    contentsAddress(session, "/frames", { at: String(at), ...(fixed === null ? {} : { fixed }) }),
-  );
+  const topic = useSignal<string | null>(null);
+  const query = {
+    ...(chosen.value === null ? {} : { fixed: chosen.value }),
+    ...(topic.value === null ? {} : { tf: topic.value }),
+  };
+  const found = useAtMoment<Frames>(store, (at) => contentsAddress(session, "/frames", { at: String(at), ...query }));
   if (found.kind === "failed") return <p role="alert">{found.why}</p>;
   if (found.kind === "none") return <p class="quiet">…</p>;
   const frames = found.value;
   return (
     <div class="frames">
+      {frames.trees.length > 1 && (
+        <label class="field">
+          <span class="field-label">Transforms on</span>
+          <select
+            class="select"
+            value={frames.tf}
+            onChange={(event) => {
+              chosen.value = null;
+              topic.value = event.currentTarget.value;
+            }}
+          >
+            {frames.trees.map((name) => (
+              <option key={name} value={name} selected={name === frames.tf}>
+                {name}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
       <label class="field">
         <span class="field-label">Fixed frame</span>
         <select

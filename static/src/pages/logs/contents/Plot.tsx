@@ -150,8 +150,7 @@ function optionsOf(
             const trajectory = store.trajectory.peek();
             const count = store.frame.peek()?.count ?? 0;
             if (!trajectory) return;
-            store.send({ type: "pause" });
-            store.send({ type: "seek", index: scanAtTime(trajectory, seconds, count) });
+            store.goTo(scanAtTime(trajectory, seconds, count));
           }),
       ],
     },

@@ -42,6 +42,9 @@ export interface FrameEdge {
 }
 
 export interface Frames {
+  /** The topic of these transforms, and all topics that have some: robots may have the same frames on topics of their own. */
+  readonly tf: string;
+  readonly trees: readonly string[];
   readonly fixed: string;
   readonly sensor: string;
   readonly frames: readonly string[];

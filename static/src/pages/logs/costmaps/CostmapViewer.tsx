@@ -118,8 +118,7 @@ function showAddressed(store: Store): void {
   if (!shown) return;
   history.replaceState(null, "", location.pathname + location.search);
   if (shown.topic !== store.hello.peek()?.log?.trajectory) store.send({ type: "trajectory", name: shown.topic });
-  store.send({ type: "pause" });
-  store.send({ type: "seek", index: shown.index });
+  store.goTo(shown.index);
   if (!shown.view) return;
   store.view.value = shown.view;
   store.viewHeld.value = true;

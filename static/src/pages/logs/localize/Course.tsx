@@ -29,8 +29,8 @@ export function CourseOf({ store, course }: CourseProps) {
         </p>
         {first !== null && (
           <div class="heal-actions">
-            <Button onClick={() => store.send({ type: "seek", index: first + 1 })}>Show that scan</Button>
-            <Button kind="quiet" onClick={() => store.send({ type: "seek", index: 1 })}>
+            <Button onClick={() => store.goTo(first + 1)}>Show that scan</Button>
+            <Button kind="quiet" onClick={() => store.goTo(1)}>
               Show the start
             </Button>
           </div>

@@ -61,10 +61,7 @@ export function Notes({ store, state, isGuest }: NotesProps) {
 export function goToNote(store: Store, { chosen }: NotesState, note: Note): void {
   chosen.value = note.id;
   const scan = scanOf(note, store.trajectory.peek(), store.frame.peek()?.count ?? 0);
-  if (scan !== null) {
-    store.send({ type: "pause" });
-    store.send({ type: "seek", index: scan });
-  }
+  if (scan !== null) store.goTo(scan);
   const view = store.view.peek();
   if (note.x !== null && note.y !== null && view) store.setView({ ...view, x: note.x, y: note.y });
 }

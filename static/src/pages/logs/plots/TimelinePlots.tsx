@@ -103,10 +103,7 @@ export function TimelinePlots({ store, session, state }: TimelinePlotsProps) {
     },
     [state],
   );
-  const go = (place: number): void => {
-    store.send({ type: "pause" });
-    store.send({ type: "seek", index: scanAt(place) });
-  };
+  const go = (place: number): void => store.goTo(scanAt(place));
 
   const hint = useId();
   const found = series.value;
