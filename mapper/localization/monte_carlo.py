@@ -2,8 +2,8 @@
 
 Source: Probabilistic Robotics, tables 8.2 to 8.4, with the parameters of AMCL. What neither has: many particles until
 the filter has converged, likelihoods that are scaled down where a scan would leave too few effective particles, sensor
-resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan, and a rival: a second
-filter elsewhere in the map, which is tested against the first (:mod:`mapper.localization.rival`).
+resetting (Lenser and Veloso 2000), for which particles are drawn from the likelihood of a scan, and an alternative: a
+second filter elsewhere in the map, which is tested against the first (:mod:`mapper.localization.alternative`).
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from mapper.core.errors import ConfigError
 from mapper.core.se2 import between_one, compose_one
 from mapper.grid import OccupancyGrid
+from mapper.localization.alternative import SHARE as ALTERNATIVE_SHARE
+from mapper.localization.alternative import Alternative, alternative_config, alternative_particles, near
 from mapper.localization.estimate import Estimate, estimate_of, find_clusters
 from mapper.localization.map_model import MapModel, check_pose, map_model
 from mapper.localization.motion import anywhere, around, key_of, motion_between, move
 from mapper.localization.parameters import LocalizationConfig
 from mapper.localization.recovery import Recovery
 from mapper.localization.resample import drawn, resampled
-from mapper.localization.rival import SHARE as RIVAL_SHARE
-from mapper.localization.rival import Rival, near, rival_config, rival_particles
 from mapper.localization.scan_beams import ScanBeams, limits_of, scan_beams
 from mapper.localization.weighing import (
     effective_number,
@@ -38,7 +38,7 @@ from mapper.sensors.scan import RangeScan
 Float64Array = NDArray[np.float64]
 
 INITIAL_COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])  #: of a given pose, as AMCL's initial_cov
-_MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD, _RIVAL = range(7)  #: purposes of random numbers
+_MOVE, _START, _DRAW, _RESET, _REPLACE, _SPREAD, _ALTERNATIVE = range(7)  #: purposes of random numbers
 _STAGE = 16  #: between the purposes of two stages of one scan
 
 
@@ -131,7 +131,7 @@ class MonteCarloLocalizer:
         clusters = find_clusters(self.particles, self.weights)
         self.estimate = estimate_of(clusters, 0.0, was_converged=False, is_updated=False)
         self._recovery = Recovery(self.config, is_searched=not self.estimate.is_converged)
-        self._rival: Rival | None = None
+        self._alternative: Alternative | None = None
         self._base = tuple(self.estimate.pose.tolist())
 
     def update(self, odometry: ArrayLike, scan: RangeScan) -> Estimate:
@@ -178,8 +178,8 @@ class MonteCarloLocalizer:
         """Move the particles as the odometry moved from ``before`` to ``after``, both (3,), with errors."""
         self._steps += 1
         move(self.particles, motion_between(before, after, self.config), self._key(_MOVE))
-        if self._rival is not None:
-            self._rival.robot.predict(before, after)
+        if self._alternative is not None:
+            self._alternative.robot.predict(before, after)
 
     def correct(self, scan: ScanBeams) -> None:
         """Weigh the particles by a scan, set the estimate, and resample the particles where it is time."""
@@ -202,7 +202,7 @@ class MonteCarloLocalizer:
         if random_share > 0.0:
             self._scatter(random_share)
         if len(scan.points):
-            self._test_rival(scan)
+            self._test_alternative(scan)
             if self._recovery.wants_comparison():
                 self._compare(scan, fit)
 
@@ -210,7 +210,7 @@ class MonteCarloLocalizer:
         """Go on with other parameters, and with the map for those of the sensor. The particles stay."""
         self.config, self.model = config, model
         self._recovery = Recovery(config, is_searched=self._recovery.is_searched)
-        self._rival = None
+        self._alternative = None
 
     def weights_by(self, scan: ScanBeams) -> Float64Array:
         """Return the weights (n,), Σ = 1, that a scan alone gives the particles of ``weighed``; nothing changes."""
@@ -293,22 +293,26 @@ class MonteCarloLocalizer:
         now = self.estimate
         share = self._recovery.added_weight(fit, best, is_converged=now.is_converged, share=now.share)
         if share > 0.0:
-            self._rival = None
+            self._alternative = None
             added = self._likely(scan, places, sums, max(1, round(2.0 * share * count)))
             self._add(added, np.full(len(added), share / len(added)))
-        elif self._rival is None and now.is_converged:
-            self._begin_rival(scan, places, sums)
+        elif self._alternative is None and now.is_converged:
+            self._begin_alternative(scan, places, sums)
 
-    def _begin_rival(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64]) -> None:
-        """Begin a rival on the likeliest ones of ``places`` (n, 3) that are apart from where the filter is."""
+    def _begin_alternative(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64]) -> None:
+        """Begin an alternative on the likeliest ones of ``places`` (n, 3) that are apart from where the filter is."""
         apart = ~near(places, self.estimate.pose)
         if not apart.any():
             return
-        poses = self._likely(scan, places[apart], sums[apart], rival_particles(self.config))
+        poses = self._likely(scan, places[apart], sums[apart], alternative_particles(self.config))
         robot = MonteCarloLocalizer(
-            self.model, rival_config(self.config), range_max=self._longest, seed=self._key(_RIVAL), particles=poses
+            self.model,
+            alternative_config(self.config),
+            range_max=self._longest,
+            seed=self._key(_ALTERNATIVE),
+            particles=poses,
         )
-        self._rival = Rival(robot)
+        self._alternative = Alternative(robot)
 
     def _likely(self, scan: ScanBeams, places: Float64Array, sums: NDArray[np.int64], count: int) -> Float64Array:
         """Return ``count`` poses drawn from ``places`` (n, 3) by a scan's likelihood, scaled down; ``sums`` (n,)."""
@@ -322,16 +326,16 @@ class MonteCarloLocalizer:
         self.particles = np.concatenate([self.particles, particles])
         self.weights = np.concatenate([(1.0 - float(weights.sum())) * self.weights, weights])
 
-    def _test_rival(self, scan: ScanBeams) -> None:
-        """Weigh the rival by a scan, and add its particles to the filter's where the test decides for it."""
-        rival = self._rival
-        if rival is None:
+    def _test_alternative(self, scan: ScanBeams) -> None:
+        """Weigh the alternative by a scan, and add its particles to the filter's where the test decides for it."""
+        alternative = self._alternative
+        if alternative is None:
             return
-        rival.correct(scan, self.log_evidence)
-        if rival.has_won:
-            self._add(rival.robot.particles, RIVAL_SHARE * rival.robot.weights)
-        if rival.has_won or rival.has_lost(self.estimate):
-            self._rival = None
+        alternative.correct(scan, self.log_evidence)
+        if alternative.has_won:
+            self._add(alternative.robot.particles, ALTERNATIVE_SHARE * alternative.robot.weights)
+        if alternative.has_won or alternative.has_lost(self.estimate):
+            self._alternative = None
 
     def _key(self, purpose: int) -> int:
         return key_of(self.seed, self._steps, purpose)

@@ -145,7 +145,7 @@ class LocalizationConfig:
         "Reset below", "recovery", 0.85,
         "Where scans fit worse than this share of how well they fit at the best of many poses all over the map, "
         "particles are added that are drawn from the likelihood of a scan (sensor resetting), as are a few until the "
-        "robot is found; 0: never, and no second filter (rival) is tested at other places.", "", 0.0, 1.0, 0.01,
+        "robot is found; 0: never, and no second filter is tested at other places.", "", 0.0, 1.0, 0.01,
     )
     # fmt: on
 

@@ -22,7 +22,7 @@ FOUND_M, FOUND_RAD = 0.10, np.deg2rad(2.0)  #: a method that ends nearer than bo
 
 
 @dataclass(frozen=True, slots=True)
-class ScoreHill:
+class ScoreLandscape:
     """The score of the poses around a guess, 0 to 1: the mean score of the points in the field.
 
     ``offsets`` (n,) metres are those of rows (y) and columns (x), ``turns`` (k,) radians those of the angle.
@@ -38,8 +38,10 @@ class ScoreHill:
     by_turn: Float32Array
 
 
-def score_hill(source: ScanArrays, index: int, target: Target, guess: Float64Array, config: MatchConfig) -> ScoreHill:
-    """Return the hill in the window of ``config``, which every pose of is scored.
+def score_landscape(
+    source: ScanArrays, index: int, target: Target, guess: Float64Array, config: MatchConfig
+) -> ScoreLandscape:
+    """Return the score landscape in the window of ``config``, which every pose of is scored.
 
     Raises what :class:`Task` raises for the method "exhaustive", also for a window of too many poses.
     """
@@ -48,7 +50,7 @@ def score_hill(source: ScanArrays, index: int, target: Target, guess: Float64Arr
     points = int(np.count_nonzero(source.kind[index]))
     volume = (window_scores(task) / (GREATEST * points)).astype(np.float32)
     turn_of = volume.argmax(axis=0)
-    return ScoreHill(
+    return ScoreLandscape(
         np.asarray(np.arange(-window.cells, window.cells + 1) * cell, dtype=np.float64),
         np.asarray(np.arange(-window.turns, window.turns + 1) * window.turn, dtype=np.float64),
         volume[window.turns],

@@ -72,7 +72,7 @@ class Faults:
         return "slam" if self.slam else "odometry"
 
     @property
-    def heals(self) -> bool:
+    def corrects_poses(self) -> bool:
         """Whether the map is made with corrected poses."""
         return self.trajectory == "slam"
 

@@ -21,9 +21,9 @@ from mapper.sensors.scan import LaserScan, RangeScan, ScanLog
 from mapper.simulation.edits import Edits, edited
 from mapper.simulation.faults import Faults, lengthened, with_lengthened
 from mapper.simulation.floor_plans import WORLDS
-from mapper.simulation.healing import Healing, MakeCorrector, pose_tuple
 from mapper.simulation.lidar import SensorConfig, measure
 from mapper.simulation.odometry import Odometer
+from mapper.simulation.pose_correction import MakeCorrector, PoseCorrection, pose_tuple
 from mapper.simulation.recording import Recording
 from mapper.simulation.robot import PoseTuple
 from mapper.simulation.second_map import SecondMap, Vanishing
@@ -95,7 +95,7 @@ class LiveMap:
         self._noise = np.random.default_rng(self.seed)
         self._odometer = Odometer(self.simulation.pose, np.random.default_rng([self.seed, 1]))
         self.recordings = [Recording(sensor)]
-        self.healing = Healing(self._make_corrector)
+        self.pose_correction = PoseCorrection(self._make_corrector)
         self._has_moved = False  #: whether poses of scans in the map were corrected since it was made
         self.grid = grid
         self.vanishing = None
@@ -132,7 +132,7 @@ class LiveMap:
         """Readings of the sensors so far, one log for each kind of sensor; None for the present faults."""
         faults = faults or self.faults
         return [
-            recording.as_log(specular=faults.specular, corrected=self.healing.poses_of(recording))
+            recording.as_log(specular=faults.specular, corrected=self.pose_correction.poses_of(recording))
             for recording in self.recordings
             if len(recording)
         ]
@@ -163,7 +163,7 @@ class LiveMap:
     def set_up(self, config: MappingConfig, faults: Faults) -> None:
         """Make the map again with other parameters or faults, and the second one with it. Raises as :meth:`remake`."""
         config = _live(config)
-        if faults.heals:
+        if faults.corrects_poses:
             self._heal(faults)
         if not self._mapping:
             self.config, self.faults = config, faults
@@ -188,7 +188,7 @@ class LiveMap:
 
         try:
             for recording in self.recordings:
-                self.healing.add(recording, wanted, specular=faults.specular)
+                self.pose_correction.add(recording, wanted, specular=faults.specular)
         finally:
             self.fraction = None
 
@@ -248,7 +248,7 @@ class LiveMap:
         """Take the newest scan that is not hidden; return it with its true readings."""
         recording = self.recordings[-1]
         at = len(recording) - 1 - self.hidden
-        log = recording.as_log(specular=self.faults.specular, corrected=self.healing.poses_of(recording))
+        log = recording.as_log(specular=self.faults.specular, corrected=self.pose_correction.poses_of(recording))
         self.newest = log.scan(at)
         self.newest_pose = pose_tuple(log.trajectory("true").poses[at])
         self.believed_pose = pose_tuple(log.trajectory(self.faults.trajectory).poses[at])
@@ -280,9 +280,9 @@ class LiveMap:
         if self.faults.specular:
             self.newest = replace(scan, ranges=with_lengthened(scan.ranges, longer, scan.range_max))
         self.believed_pose = odometry if self.faults.drift else pose
-        if self.faults.heals:
-            self._has_moved |= self.healing.add(recording, specular=self.faults.specular)
-            corrector = self.healing.corrector_of(recording)
+        if self.faults.corrects_poses:
+            self._has_moved |= self.pose_correction.add(recording, specular=self.faults.specular)
+            corrector = self.pose_correction.corrector_of(recording)
             if corrector is not None:
                 self.believed_pose = corrector.newest
         self.scans += 1

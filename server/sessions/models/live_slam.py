@@ -24,8 +24,8 @@ Float64Array = NDArray[np.float64]
 class LiveSlam:
     """The poses of a sensor's scans, of which each is matched that was taken far enough from the one before.
 
-    ``log`` states the sensor, whose first scan is taken at ``start``. A :class:`mapper.simulation.healing.Corrector`.
-    Raises :class:`mapper.core.errors.ConfigError` for a sonar.
+    ``log`` states the sensor, whose first scan is taken at ``start``. A
+    :class:`mapper.simulation.pose_correction.Corrector`. Raises :class:`mapper.core.errors.ConfigError` for a sonar.
     """
 
     def __init__(self, log: ScanLog, start: PoseTuple) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mapper.core.se2 import compose, wrap_angle
-from mapper.matching.landscape import score_hill
+from mapper.matching.landscape import score_landscape
 from mapper.matching.parameters import MatchConfig
 from mapper.matching.target import Target
 from mapper.sensors.scan import ScanLog
@@ -37,7 +37,7 @@ def hill_of(solved: SolvedGraph, log: ScanLog, edge: int) -> dict[str, Any]:
     scans = scans_of(log, graph.nodes[[i, j]].tolist())
     target = Target(scans, np.zeros(1, dtype=np.int64), np.stack([poses[i], poses[i]]))
     centre = compose(poses[i], graph.relative[edge])
-    hill = score_hill(scans, 1, target, centre, CONFIG)
+    hill = score_landscape(scans, 1, target, centre, CONFIG)
     present = np.array([*poses[j, :2], centre[2] + wrap_angle(poses[j, 2] - centre[2])])
     return {
         "edge": edge,

@@ -26,13 +26,13 @@ class SlamView:
 
     def draw(self, mapper: LiveMap) -> None:
         """Write the layers (worker thread)."""
-        if not mapper.faults.heals:
+        if not mapper.faults.corrects_poses:
             self._graph = self._path = None
             return
         from server.sessions.models.live_slam import LiveSlam  # noqa: PLC0415 - imports SLAM, which few sessions need
 
         recording = mapper.recordings[-1]
-        corrector = mapper.healing.corrector_of(recording)
+        corrector = mapper.pose_correction.corrector_of(recording)
         if not isinstance(corrector, LiveSlam):
             self._graph = self._path = None
             return

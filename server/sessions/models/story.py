@@ -12,9 +12,9 @@ from mapper.core.limits import Limits
 from mapper.mapping.parameters import MappingConfig
 from mapper.sensors.scan import ScanLog
 from mapper.simulation import Edits, Faults, SensorConfig
-from mapper.simulation.healing import Corrector
 from mapper.simulation.kernels.driving import STEP
 from mapper.simulation.live_map import LiveMap, world_named
+from mapper.simulation.pose_correction import Corrector
 from mapper.simulation.robot import PoseTuple
 from server.sessions.hosting import ModelHost
 from server.sessions.models.simulation_commands import Action, act

@@ -9,7 +9,7 @@ from mapper.core.errors import ConfigError
 from mapper.core.se2 import compose, inverse
 from mapper.matching import MatchConfig, match_scan, prepare_scans, scan_target
 from mapper.matching.kernels.types import ScanArrays
-from mapper.matching.landscape import basin_of_attraction, score_hill
+from mapper.matching.landscape import basin_of_attraction, score_landscape
 from mapper.matching.target import Target
 from tests.mapper.matching.rooms import ROOM, scan_log
 
@@ -30,7 +30,7 @@ def target(scans: ScanArrays) -> Target:
 def test_the_hill_is_highest_where_the_search_ends(scans: ScanArrays, target: Target) -> None:
     guess = TRUE + np.array([0.3, -0.2, 0.2])
     config = MatchConfig(method="correlative", window_m=0.5, window_rad=0.3)
-    hill = score_hill(scans, 1, target, guess, config)
+    hill = score_landscape(scans, 1, target, guess, config)
     row, col = np.unravel_index(int(hill.greatest.argmax()), hill.greatest.shape)
     top = guess + np.array([hill.offsets[col], hill.offsets[row], hill.turns[hill.turn_of[row, col]]])
     np.testing.assert_allclose(match_scan(scans, 1, target, guess, config).pose, top, atol=1e-9)

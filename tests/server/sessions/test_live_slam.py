@@ -41,7 +41,7 @@ def test_the_poses_are_right_although_the_wheels_drift_and_the_map_is_made_with_
     assert errors(mapper, "odometry").max() > 0.5
     assert errors(mapper, "slam").max() < 0.1
     assert np.hypot(*(np.array(mapper.believed_pose) - mapper.newest_pose)[:2]) < 0.1
-    slam = mapper.healing.corrector_of(mapper.recordings[-1])
+    slam = mapper.pose_correction.corrector_of(mapper.recordings[-1])
     assert isinstance(slam, LiveSlam)
     np.testing.assert_allclose(slam.newest, slam.poses[-1], atol=1e-12)
     # The map is that of the whole recording along its present poses, however often they were corrected.
@@ -86,7 +86,7 @@ def test_a_sonar_follows_its_wheels() -> None:
     # A lidar goes on from there.
     mapper.set_sensor(SensorConfig())
     mapper.advance(1.0)
-    assert isinstance(mapper.healing.corrector_of(mapper.recordings[-1]), LiveSlam)
+    assert isinstance(mapper.pose_correction.corrector_of(mapper.recordings[-1]), LiveSlam)
 
 
 async def test_a_session_and_its_copy_have_the_same_healed_map(

@@ -19,7 +19,7 @@ from mapper.sensors.scan import ScanLog
 from mapper.simulation.recording import Recording
 from mapper.simulation.robot import PoseTuple
 
-CARRIED_M = 0.75  #: metres between two scans: no drive is as fast, the robot was put elsewhere
+PLACED_M = 0.75  #: metres between two scans: no drive is as fast, the robot was put elsewhere
 
 
 class Corrector(Protocol):
@@ -74,7 +74,7 @@ class _Part:
         return self.numbers[-1] if self.numbers else -1
 
 
-class Healing:
+class PoseCorrection:
     """The corrected poses of a world's recordings, which are added in the order in which they were taken.
 
     A robot that was put elsewhere is where its odometry, which then begins again, says. Poses of a sensor without a
@@ -112,7 +112,7 @@ class Healing:
         if self._last is not None:
             corrected, before = self._last
             motion = between_one(before, odometry)
-            if math.hypot(motion[0], motion[1]) > CARRIED_M:
+            if math.hypot(motion[0], motion[1]) > PLACED_M:
                 motion = between_one(corrected, odometry)
             at = compose_one(corrected, motion)
         if part.corrector is None:

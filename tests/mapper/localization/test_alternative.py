@@ -1,4 +1,4 @@
-"""A rival elsewhere in the map: the errors of the test that decides, and a robot in the other of two rooms."""
+"""An alternative elsewhere in the map: the errors of the test that decides, and a robot in the other of two rooms."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 from mapper.core.se2 import between_one, compose
 from mapper.grid import OccupancyGrid
 from mapper.localization import LocalizationConfig, MonteCarloLocalizer
+from mapper.localization.alternative import ERROR, LIMIT, MOST_SCANS, Alternative, near
 from mapper.localization.estimate import Estimate
-from mapper.localization.rival import ERROR, LIMIT, MOST_SCANS, Rival, near
 from mapper.localization.scan_beams import ScanBeams
 from tests.mapper.localization.rooms import two_rooms
 
@@ -40,12 +40,12 @@ class Scripted:
 HERE = Scripted(iter(()), (0.0, 0.0, 0.0)).estimate
 
 
-def decided(rival: Rival) -> str:
+def decided(alternative: Alternative) -> str:
     while True:
-        rival.correct(NOWHERE, 0.0)
-        if rival.has_won:
+        alternative.correct(NOWHERE, 0.0)
+        if alternative.has_won:
             return "won"
-        if rival.has_lost(HERE):
+        if alternative.has_lost(HERE):
             return "lost"
 
 
@@ -56,9 +56,9 @@ def test_the_test_errs_as_rarely_as_it_says(right: str) -> None:
     sign = 1.0 if right == "won" else -1.0
     wrong, scans = 0, []
     for _ in range(n):
-        rival = Rival(Scripted(iter(rng.normal(sign * d * d / 2, d, 500))))
-        wrong += decided(rival) != right
-        scans.append(rival.n_scans)
+        alternative = Alternative(Scripted(iter(rng.normal(sign * d * d / 2, d, 500))))
+        wrong += decided(alternative) != right
+        scans.append(alternative.n_scans)
     late = sum(count >= MOST_SCANS for count in scans)
     assert wrong <= late + n * ERROR + 4 * math.sqrt(n * ERROR)
     # Wald's mean number of scans; the sum passes the limit by less than d on average.
@@ -66,10 +66,10 @@ def test_the_test_errs_as_rarely_as_it_says(right: str) -> None:
 
 
 def test_a_rival_ends_where_the_filter_is_and_after_scans_that_do_not_decide() -> None:
-    same = Rival(Scripted(iter([0.0] * 9), (0.5, 0.5, 0.2)))
+    same = Alternative(Scripted(iter([0.0] * 9), (0.5, 0.5, 0.2)))
     assert decided(same) == "lost"
     assert same.n_scans == 1
-    equal = Rival(Scripted(iter([0.0] * 999)))
+    equal = Alternative(Scripted(iter([0.0] * 999)))
     assert decided(equal) == "lost"
     assert equal.n_scans == MOST_SCANS
 
@@ -123,4 +123,4 @@ def test_a_robot_in_the_other_of_two_nearly_equal_rooms_is_found(seed: int) -> N
     # Scans of the room with the box fit at the same place in the other one better than half as well as at the best.
     assert last_error(right, left, 0.5, seed) < 0.2
     assert last_error(right, right, 0.5, seed) < 0.2
-    assert last_error(right, left, 0.0, seed) > 2.0  # without rivals it stays lost
+    assert last_error(right, left, 0.0, seed) > 2.0  # without alternatives it stays lost

@@ -23,12 +23,12 @@ Float64Array = NDArray[np.float64]
 ERROR = 1e-3  #: wanted probability that the test decides wrongly, either way
 LIMIT = math.log((1.0 - ERROR) / ERROR)  #: of the logarithm of the likelihoods' ratio: Wald's log A and −log B
 MOST_SCANS = 64  #: after which a test without a decision ends in favour of the filter
-SEARCHED = 0.2  #: a rival's particles at first, of ``global_particles``
-SHARE = 0.5  #: weight that a rival's particles get in the filter once the test has decided for them
+SEARCHED = 0.2  #: an alternative's particles at first, of ``global_particles``
+SHARE = 0.5  #: weight that an alternative's particles get in the filter once the test has decided for them
 
 
 class Filter(Protocol):
-    """Interface of a particle filter that a rival uses (:class:`mapper.localization.MonteCarloLocalizer`)."""
+    """Interface of a particle filter that an alternative uses (:class:`mapper.localization.MonteCarloLocalizer`)."""
 
     estimate: Estimate
     log_evidence: float
@@ -42,11 +42,11 @@ class Filter(Protocol):
         """Weigh the particles by a scan."""
 
 
-class Rival:
+class Alternative:
     """A filter on poses apart from another filter's, and the sequential probability ratio test of the two.
 
-    ``log_ratio`` is Σ log p(z | rival) − log p(z | filter) over the scans after the one that the rival was drawn from:
-    that one was chosen because it fits.
+    ``log_ratio`` is Σ log p(z | alternative) − log p(z | filter) over the scans after the one that the alternative was
+    drawn from: that one was chosen because it fits.
     """
 
     def __init__(self, robot: Filter) -> None:
@@ -55,35 +55,35 @@ class Rival:
         self.n_scans = 0
 
     def correct(self, scan: ScanBeams, log_evidence: float) -> None:
-        """Weigh the rival by a scan that was as likely as ``log_evidence`` in the filter."""
+        """Weigh the alternative by a scan that was as likely as ``log_evidence`` in the filter."""
         self.robot.correct(scan)
         self.log_ratio += self.robot.log_evidence - log_evidence
         self.n_scans += 1
 
     @property
     def has_won(self) -> bool:
-        """Whether the scans are so much likelier at the rival's poses that the test decides for them."""
+        """Whether the scans are so much likelier at the alternative's poses that the test decides for them."""
         return self.log_ratio >= LIMIT
 
     def has_lost(self, estimate: Estimate) -> bool:
-        """Whether the test decides for the filter, has taken too long, or the rival is where the filter is."""
+        """Whether the test decides for the filter, has taken too long, or the alternative is where the filter is."""
         own = self.robot.estimate
         is_same = own.share >= SHARE and bool(near(own.pose[np.newaxis], estimate.pose)[0])
         return is_same or self.log_ratio <= -LIMIT or self.n_scans >= MOST_SCANS
 
 
-def rival_config(config: LocalizationConfig) -> LocalizationConfig:
-    """Return the parameters of a rival: no particles are added to recover it, and it has no rival of its own."""
+def alternative_config(config: LocalizationConfig) -> LocalizationConfig:
+    """Return the parameters of an alternative: no particles are added to recover it, and none stands against it."""
     return config.with_values(
         {
             "reset_below": 0.0, "recovery_alpha_slow": 0.0, "recovery_alpha_fast": 0.0,
-            "global_particles": rival_particles(config),
+            "global_particles": alternative_particles(config),
         }
     )  # fmt: skip
 
 
-def rival_particles(config: LocalizationConfig) -> int:
-    """Return how many particles a rival has at first, and at most until it has converged."""
+def alternative_particles(config: LocalizationConfig) -> int:
+    """Return how many particles an alternative has at first, and at most until it has converged."""
     return max(100, round(SEARCHED * config.global_particles))
 
 
